@@ -1,9 +1,12 @@
 """Shader loader: sources with `#include "name.glsl"` and constants, compiled with errors reported by file and line.
 
 Sources come from the folders of `shaders/`. A developer may replace some by files elsewhere (`set_override_folder`).
+Two includes are made from the rows of the picture's parameters, so that a new one needs no line here: shaders call a
+function for each, light_haze() for `/dance/light/haze`, style_ink_width(group) for a group's `/dance/draw/ink/width`.
 """
 
 import re
+from collections.abc import Iterable, Iterator
 from functools import cache
 from importlib import resources
 from importlib.resources.abc import Traversable
@@ -13,9 +16,11 @@ from typing import Final, Protocol
 import moderngl
 
 from live.base.errors import PersonError
+from live.base.parameter import Parameter
 from live.base.picture_parameters import (
     GROUP_COUNT,
     GROUP_PARAMETERS,
+    PARAMETERS,
     STYLE_ADDRESS_PREFIX,
     STYLE_SIZE,
     STYLES_START,
@@ -31,7 +36,11 @@ STYLES_BINDING: Final = 1
 """Binding of the uniform block with the groups' styles."""
 CORNERS_BINDING: Final = 2
 """Binding of the uniform block with the corners of elements."""
-_BLOCKS: Final = {"Frame": FRAME_BINDING, "Styles": STYLES_BINDING, "Corners": CORNERS_BINDING}
+PICTURE_BINDING: Final = 3
+"""Binding of the uniform block with the picture's parameters."""
+_BLOCKS: Final = {
+    "Frame": FRAME_BINDING, "Styles": STYLES_BINDING, "Corners": CORNERS_BINDING, "Picture": PICTURE_BINDING,
+}  # fmt: skip
 MAX_FILE_BYTES: Final = 1_000_000
 """Maximum size of a shader file [bytes]."""
 _LINE: Final = re.compile(r"\b0(?::(\d+)|\((\d+)\))")
@@ -40,31 +49,49 @@ _LINE: Final = re.compile(r"\b0(?::(\d+)|\((\d+)\))")
 _override_folders: list[Path] = []  # a developer's folder, if there is one
 
 
-GENERATED: Final = "style_values.glsl"
-"""An include that is made from the rows of the drawing styles."""
+_PREFIX: Final = "/dance/"
+PICTURE_SIZE: Final = max(row.first + row.size for row in PARAMETERS)
+"""Numbers in the block `Picture`: the picture's parameters, as in a parameter row."""
+PICTURE_VECTORS: Final = -(-PICTURE_SIZE // 4)
+"""Vectors of the block `Picture`."""
 STYLE_VECTORS: Final = -(-STYLE_SIZE // 4)
 """Vectors of each group in the block `Styles`."""
 
 
-@cache
-def style_values() -> str:
-    """Return the block with the groups' styles, and a function for each: `style_ink_width(group)`."""
-    lines = [
-        "// The styles of all groups: made from the rows of live/base/picture_parameters.py.",
-        f"layout(std140) uniform Styles {{ vec4 styles[{GROUP_COUNT * STYLE_VECTORS}]; }};",
-    ]
-    for address, row in GROUP_PARAMETERS.items():
-        if not address.startswith(STYLE_ADDRESS_PREFIX):
-            continue
+def _function(name: str, argument: str, numbers: list[str]) -> str:
+    kind, value = ("float", numbers[0]) if len(numbers) == 1 else ("vec3", f"vec3({', '.join(numbers)})")
+    return f"{kind} {name}({argument}) {{ return {value}; }}"
+
+
+def _places(rows: Iterable[Parameter], start: int) -> Iterator[tuple[str, list[tuple[int, str]]]]:
+    """Yield the address of each row, with vector and component of its numbers in a block that begins at `start`."""
+    for row in rows:
+        first = row.first - start
+        yield row.address, [(place // 4, "xyzw"[place % 4]) for place in range(first, first + row.size)]
+
+
+def _picture_block() -> Iterator[str]:
+    yield f"layout(std140) uniform Picture {{ vec4 picture_numbers[{PICTURE_VECTORS}]; }};"
+    for address, places in _places(PARAMETERS, 0):
+        name = address.removeprefix(_PREFIX).replace("/", "_")
+        yield _function(name, "", [f"picture_numbers[{vector}].{part}" for vector, part in places])
+
+
+def _styles_block() -> Iterator[str]:
+    yield f"layout(std140) uniform Styles {{ vec4 styles[{GROUP_COUNT * STYLE_VECTORS}]; }};"
+    styles = (row for row in GROUP_PARAMETERS.values() if row.address.startswith(STYLE_ADDRESS_PREFIX))
+    for address, places in _places(styles, STYLES_START):
         name = "style_" + address.removeprefix(STYLE_ADDRESS_PREFIX).replace("/", "_")
-        first = row.first - STYLES_START
-        numbers = [
-            f"styles[group * {STYLE_VECTORS} + {place // 4}].{'xyzw'[place % 4]}"
-            for place in range(first, first + row.size)
-        ]
-        kind, value = ("float", numbers[0]) if row.size == 1 else ("vec3", f"vec3({', '.join(numbers)})")
-        lines.append(f"{kind} {name}(int group) {{ return {value}; }}")
-    return "\n".join(lines) + "\n"
+        numbers = [f"styles[group * {STYLE_VECTORS} + {vector}].{part}" for vector, part in places]
+        yield _function(name, "int group", numbers)
+
+
+_HEAD: Final = "// Made from the rows of live/base/picture_parameters.py."
+PARAMETER_BLOCKS: Final = {
+    name: "\n".join((_HEAD, *lines)) + "\n"
+    for name, lines in (("picture_values.glsl", _picture_block()), ("style_values.glsl", _styles_block()))
+}
+"""The texts, by the names of the includes."""
 
 
 @cache
@@ -76,13 +103,13 @@ def _files() -> dict[str, Traversable]:
 
 def shader_names() -> list[str]:
     """Return the names of all shaders."""
-    return sorted([*_files(), GENERATED])
+    return sorted([*_files(), *PARAMETER_BLOCKS])
 
 
 def builtin_text(name: str) -> str:
     """Return the text of a built-in file. Raises FileNotFoundError for an unknown name."""
-    if name == GENERATED:
-        return style_values()
+    if name in PARAMETER_BLOCKS:
+        return PARAMETER_BLOCKS[name]
     file = _files().get(name)
     if file is None:
         raise FileNotFoundError(name)

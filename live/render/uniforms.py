@@ -1,4 +1,4 @@
-"""Uniform block that all programs share, written once a frame."""
+"""Uniform blocks that all programs share: `Frame`, written once a frame, and `Picture`, the parameters themselves."""
 
 import math
 from typing import Final
@@ -23,7 +23,7 @@ from live.base.picture_parameters import (
 )
 from live.base.stage_snapshot import FLOOR_MARGIN, Camera, Scene, StageView
 from live.render.camera import view_rays, world_to_clip
-from live.render.shader import FRAME_BINDING
+from live.render.shader import FRAME_BINDING, PICTURE_BINDING, PICTURE_SIZE, PICTURE_VECTORS
 
 BORDER_FADE: Final = 0.4
 """The border of a resized stage reaches full strength at this difference [m]."""
@@ -40,22 +40,15 @@ _BLOCK: Final = np.dtype(
         ("key_direction", "f4", 4),
         ("key_light", "f4", 4),
         ("rim_light", "f4", 4),
-        ("background", "f4", 4),
-        ("floor_colour", "f4", 4),
         ("stage", "f4", 4),
         ("edge", "f4", 4),
         ("picture", "f4", 4),
-        ("ambient", "f4", 4),
-        ("finish", "f4", 4),
         ("side_left", "f4", 4),
         ("side_right", "f4", 4),
         ("back_light", "f4", 4),
         ("beam_light", "f4", 4),
-        ("beam_form", "f4", 4),
         ("spot_place", "f4", (SPOT_COUNT, 4)),
         ("spot_light", "f4", (SPOT_COUNT, 4)),
-        ("gradient_top", "f4", 4),
-        ("gradient_bottom", "f4", 4),
     ]
 )
 
@@ -70,7 +63,6 @@ _SPOT_ROWS: Final = tuple(
     (BY_ADDRESS[at].first, BY_ADDRESS[f"{at}/colour"].row_slice, BY_ADDRESS[f"{at}/radius"].first)
     for at in (f"/dance/spot/{number}" for number in range(1, SPOT_COUNT + 1))
 )
-_GRADIENT: Final = ("gradient", "top", "bottom")
 _SIDE, _BACK, _BEAMS = (BY_ADDRESS[f"/dance/light/{name}"].first for name in ("side", "back", "beams"))
 ENERGY: Final = BY_ADDRESS["/dance/light/energy"].first
 MIN_TARGET_DISTANCE: Final = 1e-3
@@ -84,6 +76,8 @@ class FrameUniforms:
         """Raises ValueError for a light without direction."""
         self._data = data = np.zeros((), _BLOCK)
         self._buffer = ctx.buffer(reserve=_BLOCK.itemsize, dynamic=True)
+        self._numbers = np.zeros(PICTURE_VECTORS * 4, np.float32)
+        self._numbers_buffer = ctx.buffer(reserve=self._numbers.nbytes, dynamic=True)
         self._initial_row = picture_row(scene)
         if not np.abs(self._initial_row[BY_ADDRESS["/dance/light/key/direction"].row_slice]).max() > 0.0:
             raise ValueError("look: key_direction must not be zero")
@@ -131,18 +125,13 @@ class FrameUniforms:
             light[1] = max(light[1], 0.2)  # a light from below or along the floor would cast endless shadows
             data["key_direction"][:3] = light
         data["key_light"][:3] = of("key/colour") * of("key")
-        data["rim_light"] = (*(of("rim/colour") * of("rim")), *of("ambient"))
-        data["background"] = (*of("background"), *of("haze"))
-        data["floor_colour"][:3] = of("floor")
-        data["ambient"] = (*of("ambient/colour"), *of("saturation"))
-        data["side_left"] = (*(of("side/left") * of("side")), *of("pulse"))
-        data["side_right"] = (*(of("side/right") * of("side")), *of("stage"))
+        data["rim_light"][:3] = of("rim/colour") * of("rim")
+        data["side_left"][:3] = of("side/left") * of("side")
+        data["side_right"][:3] = of("side/right") * of("side")
         data["back_light"][:3] = of("back/colour") * of("back")
         data["beam_light"][:3] = of("beams/colour") * of("beams")
-        data["beam_form"] = (*of("beams/width"), *of("beams/fan"), *of("beams/sway"), *of("beams"))
-        gradient, top, bottom = (row[BY_ADDRESS[f"/dance/background/{name}"].row_slice] for name in _GRADIENT)
-        data["gradient_top"] = (*top, *gradient)
-        data["gradient_bottom"][:3] = bottom
+        self._numbers[:PICTURE_SIZE] = row[:PICTURE_SIZE]
+        self._numbers_buffer.write(self._numbers)
 
     def write(self, view: StageView) -> None:
         """Write the values of a moment (parameter row, brightness, pulse of the beat), upload and bind the block."""
@@ -155,21 +144,17 @@ class FrameUniforms:
         self._data["key_light"][3] = min(max(view.brightness, 0.0), 1.0) * self._row[LEVEL] * answers
         self._data["beam_light"][3] = view.beat % SWING_PERIOD
         self._write_spots(view)
-        self._data["floor_colour"][3] = phase
         width, depth = view.stage_size if view.stage_size[0] > 0.0 else self._stage_size
         changed = max(abs(width - self._stage_size[0]), abs(depth - self._stage_size[1]))
-        self._data["edge"] = (0.5 * width, 0.5 * depth, min(changed / BORDER_FADE, 1.0), 0.0)
-        self._data["finish"][:3] = (
-            VIGNETTE_STRENGTH * self._row[VIGNETTE] * self.vignette_at_end,
-            self._row[SHADOW],
-            self._row[MIRROR],
-        )
+        self._data["edge"] = (0.5 * width, 0.5 * depth, min(changed / BORDER_FADE, 1.0), phase)
+        self._data["back_light"][3] = VIGNETTE_STRENGTH * self._row[VIGNETTE] * self.vignette_at_end
         self.upload()
 
     def upload(self) -> None:
-        """Upload and bind the block."""
+        """Upload the block and bind it, and the picture's parameters."""
         self._buffer.write(self._data)
         self._buffer.bind_to_uniform_block(FRAME_BINDING)
+        self._numbers_buffer.bind_to_uniform_block(PICTURE_BINDING)
 
     def _write_spots(self, view: StageView) -> None:
         """Write the follow spots; w of the first one's light is 1 if any is lit."""
@@ -244,5 +229,6 @@ class FrameUniforms:
         return float(self._data["key_light"][3])
 
     def release(self) -> None:
-        """Free the buffer."""
+        """Free the buffers."""
         self._buffer.release()
+        self._numbers_buffer.release()

@@ -49,7 +49,7 @@ void main() {
 
     float flat_ = clamp(amount.y / max(fill, 1e-3), 0.0, 1.0);
     float solid = clamp(amount.x / max(fill - amount.y, 1e-3), 0.0, 1.0);
-    vec3 paper = background.rgb * 0.35;
+    vec3 paper = light_background() * 0.35;
     colour = mix(mix(paper, colour, solid), style_silhouette_colour(group) * (1.8 * beat), flat_);
     // ink along the borders of her clothes, too
     float fine = length(fwidth(body.xyz)), seam = seams(body.xyz) / max(fine, 1e-6);

@@ -8,12 +8,12 @@ vec3 beam_lamp(int k) { return vec3(beam_side(k) * (stage.x * 0.95 + 0.4), 7.2, 
 // Where it meets the floor.
 vec2 beam_foot(int k) {
     float turn = TAU * (beam_light.w / 8.0 + float(k) * 0.125);
-    vec2 foot = vec2(beam_side(k) * stage.x * 1.1 * beam_form.y, stage.y * (0.35 - 0.25 * abs(beam_side(k))));
-    return foot + beam_form.z * vec2(sin(turn) * stage.x * 0.55, cos(turn * 0.5) * stage.y * 0.55);
+    vec2 foot = vec2(beam_side(k) * stage.x * 1.1 * light_beams_fan(), stage.y * (0.35 - 0.25 * abs(beam_side(k))));
+    return foot + light_beams_sway() * vec2(sin(turn) * stage.x * 0.55, cos(turn * 0.5) * stage.y * 0.55);
 }
 
 vec3 beam_tint(int k) {
-    return (k & 1) == 0 ? beam_light.rgb : mix(beam_light.rgb, key_light.rgb * beam_form.w, 0.55);
+    return (k & 1) == 0 ? beam_light.rgb : mix(beam_light.rgb, key_light.rgb * light_beams(), 0.55);
 }
 
-float beam_answer() { return 1.0 + 3.0 * side_left.w * key_direction.w; }
+float beam_answer() { return 1.0 + 3.0 * light_pulse() * key_direction.w; }

@@ -11,9 +11,9 @@ vec3 film(vec3 light) {
 
 vec3 to_picture(vec3 light, vec2 pixel) {
     vec2 side = pixel * picture.zw - 0.5;
-    float vignette = 1.0 - finish.x * dot(side, side);
+    float vignette = 1.0 - back_light.w * dot(side, side);
     float grey = dot(light, vec3(0.2126, 0.7152, 0.0722));
-    light = max(light * ambient.w + grey * (1.0 - ambient.w), 0.0);
+    light = max(light * light_saturation() + grey * (1.0 - light_saturation()), 0.0);
     return film(light * vignette) + (grain(pixel) - 0.5) / 255.0;
 }
 

@@ -1,4 +1,5 @@
-// Uniforms that all programs share, filled once a frame.
+// Uniforms that all programs share, filled once a frame; the parameters themselves are functions: light_haze().
+#include "picture_values.glsl"
 layout(std140) uniform Frame {
     mat4 world_to_clip;
     vec4 ray_corner;      // eye ray through the lower left corner of the picture
@@ -7,23 +8,16 @@ layout(std140) uniform Frame {
     vec4 eye;             // xyz [m], w: distance at which the haze begins [m]
     vec4 key_direction;   // xyz: towards the light, w: pulse of the beat, 0 to 1
     vec4 key_light;       // rgb, w: brightness
-    vec4 rim_light;       // rgb, w: ambient
-    vec4 background;      // rgb, w: haze [1/m]
-    vec4 floor_colour;    // rgb, w: phase of the beat, 0 to 1
+    vec4 rim_light;       // rgb
     vec4 stage;           // half width, half depth [m], half width and half depth of the floor map [m]
-    vec4 edge;            // half width, half depth of the stage now [m], 0 to 1: how far that is not the scene's
+    vec4 edge;            // half width, half depth of the stage now [m], 0 to 1: how far that is not the scene's, phase of the beat
     vec4 picture;         // width, height [pixels], 1 / width, 1 / height
-    vec4 ambient;         // rgb: tint of the light from everywhere, w: saturation of the picture
-    vec4 finish;          // x: how much the vignette takes at the film curve, y: shadows, z: mirror images (0 to 1)
-    vec4 side_left;       // rgb, w: how much light answers the beat
-    vec4 side_right;      // rgb, w: how much of floor and wall is seen
-    vec4 back_light;      // rgb
+    vec4 side_left;       // rgb
+    vec4 side_right;      // rgb
+    vec4 back_light;      // rgb, w: how much the vignette takes at the film curve
     vec4 beam_light;      // rgb, w: beats, coming back after 64
-    vec4 beam_form;       // how fast beams widen, how they fan, how far they sway, strength
     vec4 spot_place[4];   // x, z, radius [m], strength
     vec4 spot_light[4];   // rgb; w of the first: 1 if any is lit
-    vec4 gradient_top;    // rgb, w: how much of the wall is the gradient
-    vec4 gradient_bottom; // rgb
 };
 
 float square(float x) { return x * x; }
@@ -50,13 +44,13 @@ float spot_reach(int k, vec3 place) {
     return 1.0 - smoothstep(radius * 0.82, radius * 1.06, off);
 }
 
-float answer() { return 1.0 + side_left.w * key_direction.w; }
+float answer() { return 1.0 + light_pulse() * key_direction.w; }
 
 float haze_at(vec3 place) {
-    return 1.0 - exp(-background.w * max(distance(place, eye.xyz) - eye.w, 0.0));
+    return 1.0 - exp(-light_haze() * max(distance(place, eye.xyz) - eye.w, 0.0));
 }
 
 // Light that the haze itself sends to the eye from the depth of the stage.
 vec3 haze_light(float height) {
-    return background.rgb + rim_light.rgb * 0.030 * exp(-max(height, 0.0) * 0.5);
+    return light_background() + rim_light.rgb * 0.030 * exp(-max(height, 0.0) * 0.5);
 }

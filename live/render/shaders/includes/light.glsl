@@ -42,9 +42,9 @@ vec3 lit(vec3 place, vec3 n, vec3 albedo, float sheen, float openness) {
 
     vec3 light = key_light.rgb * (key * pool * 1.45 * (0.45 + 0.55 * openness));
     light += rim_light.rgb * (rim * (0.30 + edge));
-    light += ambient.rgb * (rim_light.rgb * 0.35 + 0.12) * (rim_light.w * (0.8 + 0.5 * n.y) * openness);
+    light += light_ambient_colour() * (rim_light.rgb * 0.35 + 0.12) * (light_ambient() * (0.8 + 0.5 * n.y) * openness);
     float below = (0.5 - 0.5 * n.y) / (1.0 + 1.4 * height);
-    light += key_light.rgb * floor_colour.rgb * (pool * 2.0 * below);
+    light += key_light.rgb * light_floor() * (pool * 2.0 * below);
     vec3 glow = texture(floor_map, place.xz / (2.0 * stage.zw) + 0.5).rgb;
     light += glow * ((1.1 - 0.6 * n.y) * 2.0 / (1.0 + 2.0 * height * height));
 

@@ -61,7 +61,7 @@ vec3 current(float away) {
 
 void main() {
     float away = length(offset);
-    float pulse = square(1.0 - floor_colour.w);
+    float pulse = square(1.0 - edge.w);
     vec3 colour;
     if (kind == ATTRACTOR) colour = attractor(away, pulse);
     else if (kind == REPULSOR) colour = repulsor(away, pulse);

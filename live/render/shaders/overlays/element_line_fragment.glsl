@@ -57,7 +57,7 @@ vec3 current() {
 }
 
 void main() {
-    float pulse = square(1.0 - floor_colour.w);
+    float pulse = square(1.0 - edge.w);
     vec3 colour = kind == CROSSING ? crossing(pulse) : (kind == PATH ? path() : current());
     light = vec4(colour * level * ELEMENT_LIGHT, 0.0);
 }

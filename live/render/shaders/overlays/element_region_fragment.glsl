@@ -79,7 +79,7 @@ vec3 streaming(Nearest here) {
 }
 
 void main() {
-    float pulse = square(1.0 - floor_colour.w);
+    float pulse = square(1.0 - edge.w);
     bool line = radius <= 0.0 && closed == 0;
     Nearest here = nearest();
     float d = (closed == 1 && here.inside ? -here.away : here.away) - radius;

@@ -45,9 +45,9 @@ vec3 floor_light(vec2 place, vec3 direction) {
     light += pools * 0.42;
     float back = exp(-square((place.y + stage.y) / (stage.y * 0.9))) * exp(-square(place.x / (stage.x * 1.3)));
     light += rim_light.rgb * back * 0.35;
-    light += gradient_bottom.rgb * (gradient_top.w * 2.2 * exp(-(place.y + stage.y + WALL_BEHIND) * 0.42));
+    light += background_bottom() * (background_gradient() * 2.2 * exp(-(place.y + stage.y + WALL_BEHIND) * 0.42));
     float seam = 1.0 - 0.12 * exp(-square((fract(place.x / 1.5 + 0.5) - 0.5) * 1.5 / 0.014));
-    vec3 colour = floor_colour.rgb * light * seam;
+    vec3 colour = light_floor() * light * seam;
     // a dull sheen: the lamps behind are mirrored at low angles
     float low = pow(1.0 - clamp(-direction.y, 0.0, 1.0), 6.0);
     return colour + rim_light.rgb * low * back * 0.16;
@@ -58,10 +58,10 @@ vec3 wall_light(vec3 p) {
     float side = exp(-square(p.x / (stage.x * 1.15)));
     vec3 low = rim_light.rgb * 0.070 * exp(-up * 0.75);
     vec3 high = mix(rim_light.rgb, key_light.rgb, 0.35) * 0.010 * exp(-square((up - 2.6) / 2.4));
-    vec3 plain = background.rgb * 0.55 + (low + high) * (0.12 + 0.88 * side);
+    vec3 plain = light_background() * 0.55 + (low + high) * (0.12 + 0.88 * side);
     float at = smoothstep(-0.3, 7.0, up);
-    vec3 cyclorama = mix(gradient_bottom.rgb, gradient_top.rgb, at) * (0.55 + 0.45 * side) + (low + high) * side;
-    return mix(plain, cyclorama, gradient_top.w);
+    vec3 cyclorama = mix(background_bottom(), background_top(), at) * (0.55 + 0.45 * side) + (low + high) * side;
+    return mix(plain, cyclorama, background_gradient());
 }
 
 void main() {

@@ -18,7 +18,7 @@ void main() {
     if (wall.z > 0.0) {
         vec2 edge_soft = smoothstep(vec2(0.0), vec2(0.03), inside) * smoothstep(vec2(0.0), vec2(0.03), 1.0 - inside);
         cover *= edge_soft.x * (mirrored == 1 ? 1.0 : mix(edge_soft.y, 1.0, wall.y <= 0.0 && inside.y < 0.5 ? 1.0 : 0.0));
-        if (mirrored == 1) cover *= 0.16 * finish.z * exp(-up * 0.9);
+        if (mirrored == 1) cover *= 0.16 * pass_mirror() * exp(-up * 0.9);
         light *= answer();
     }
     shown = vec4(compressed(light * brightness * key_light.w), cover);

@@ -37,10 +37,10 @@ void main() {
     float to_floor = direction.y < -1e-4 ? -start.y / direction.y : 1e4;
     float reach = min(min(to_wall, to_floor), 60.0);
     vec3 sum = vec3(0.0);
-    if (beam_form.w > 0.0) {
+    if (light_beams() > 0.0) {
         for (int k = 0; k < LAMPS; ++k) {
             vec3 lamp = beam_lamp(k), foot = vec3(beam_foot(k), 0.0).xzy;
-            sum += beam_tint(k) * cone(lamp, normalize(foot - lamp), 0.06, beam_form.x, start, direction, reach);
+            sum += beam_tint(k) * cone(lamp, normalize(foot - lamp), 0.06, light_beams_width(), start, direction, reach);
         }
         sum *= beam_answer();
     }

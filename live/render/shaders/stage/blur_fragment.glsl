@@ -22,7 +22,7 @@ void main() {
 #if LAST
     // alpha: how much light the shadow takes; red, green and blue are for the elements
     vec3 left = 1.0 - vec3(0.80, 0.62, 0.35) * sum;
-    shown = vec4(0.0, 0.0, 0.0, (1.0 - left.r * left.g * left.b) * finish.y);
+    shown = vec4(0.0, 0.0, 0.0, (1.0 - left.r * left.g * left.b) * pass_shadow());
 #else
     shown = vec4(sum, 1.0);
 #endif

@@ -9,5 +9,5 @@ void main() {
     vec3 sum = texture(drawn, at + texel * vec2(-0.7, 0.8)).rgb + texture(drawn, at + texel * vec2(0.7, 0.8)).rgb
              + texture(drawn, at + texel * vec2(-0.7, -0.8)).rgb + texture(drawn, at + texel * vec2(0.7, -0.8)).rgb
              + texture(drawn, at + texel * vec2(0.0, 2.4)).rgb + texture(drawn, at - texel * vec2(0.0, 2.4)).rgb;
-    shown = vec4(sum / 6.0 * sqrt(finish.z), 1.0);
+    shown = vec4(sum / 6.0 * sqrt(pass_mirror()), 1.0);
 }

@@ -17,7 +17,7 @@ void main() {
     cloth *= cloth;
     float key = max(dot(n, key_direction.xyz), 0.0) * key_pool(skin.place.xz);
     float rim = max(-n.z, 0.0) + 0.4 * abs(n.x);
-    light = cloth * (key_light.rgb * key * 2.0 + rim_light.rgb * (rim * 0.6 + rim_light.w));
+    light = cloth * (key_light.rgb * key * 2.0 + rim_light.rgb * (rim * 0.6 + light_ambient()));
 #if STYLED
     int dancer = int(in_dancer), group = group_of(who(dancer));
     vec4 amount = amounts(group);

@@ -31,11 +31,11 @@ vec3 resized(vec3 colour, vec2 place) {
 // Pools of the follow spots and of the beams on the floor.
 vec3 pools(vec3 place) {
     vec3 sum = vec3(0.0);
-    if (beam_form.w > 0.0) {
+    if (light_beams() > 0.0) {
         for (int k = 0; k < LAMPS; ++k) {
             vec3 lamp = beam_lamp(k);
             vec2 foot = beam_foot(k), off = place.xz - foot;
-            float width = 0.06 + beam_form.x * distance(lamp, vec3(foot, 0.0).xzy);
+            float width = 0.06 + light_beams_width() * distance(lamp, vec3(foot, 0.0).xzy);
             float longer = 1.0 + 0.5 * abs(foot.y - lamp.z) / lamp.y;   // it falls aslant
             off.y /= longer;
             sum += beam_tint(k) * exp(-2.0 * dot(off, off) / square(1.25 * width)) * 0.6;
@@ -45,7 +45,7 @@ vec3 pools(vec3 place) {
     for (int k = 0; k < 4; ++k) {
         if (spot_place[k].w > 0.0) sum += spot_light[k].rgb * spot_reach(k, place);
     }
-    return sum * (0.03 + 1.7 * floor_colour.rgb);
+    return sum * (0.03 + 1.7 * light_floor());
 }
 #endif
 
@@ -66,7 +66,7 @@ void main() {
 #if FLOOR && POOLS
     colour += pools(vec3(place.x, 0.0, place.y)) * kept.a * (1.0 - 0.8 * here.a);
 #endif
-    colour *= key_light.w * answer() * side_right.w;
+    colour *= key_light.w * answer() * light_stage();
 #if HDR
     shown = vec4(compressed(colour), 1.0);
 #else
