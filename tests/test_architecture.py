@@ -62,6 +62,7 @@ def test_top_packages_are_the_listed_ones() -> None:
         "cli",
         "clock",
         "control",
+        "document",
         "graph",
         "library",
         "motion",

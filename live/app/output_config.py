@@ -112,7 +112,7 @@ class VenueWriter:
         self._threads[-1].start()
 
     def _write(self, text_of: Callable[[Path, str], str], venue: str) -> None:
-        from live.app.whole_file import write_atomically
+        from live.library.whole_file import write_atomically
         from live.show.venue.venue import venue_path
 
         path = venue_path(venue)

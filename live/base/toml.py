@@ -8,6 +8,7 @@ import contextlib
 import re
 import tomllib
 from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Any, Final
 
 KeyPath = tuple[str | int, ...]
@@ -28,6 +29,25 @@ def toml_line_numbers(text: str) -> dict[KeyPath, int]:
     with contextlib.suppress(IndexError, ValueError):  # not TOML after all: tomllib's message is better
         scanner.document()
     return scanner.lines
+
+
+@dataclass(frozen=True, slots=True)
+class TableHeader:
+    """The header of a table in a text."""
+
+    path: KeyPath
+    """Its keys; entries of `[[ ]]` with their index: ("group", 1)."""
+    line: int
+    """Its line, from 1."""
+    last_line: int
+    """The line with which the table before it ends, comments and blank lines left out; 0 for none."""
+
+
+def toml_headers(text: str) -> tuple[list[TableHeader], int]:
+    """Return the headers of a valid TOML text, and the line with which its last key ends (0: there is none)."""
+    scanner = _Scanner(text)
+    scanner.document()
+    return scanner.headers, scanner.last_line
 
 
 def line_of(lines: dict[KeyPath, int], path: KeyPath) -> int:
@@ -51,14 +71,19 @@ class _Scanner:
         self.line = 1
         self.lines: dict[KeyPath, int] = {}
         self.array_tables: dict[KeyPath, int] = {}
+        self.headers: list[TableHeader] = []
+        self.last_line = 0
 
     def document(self) -> None:
         table: KeyPath = ()
         while self._skip(newlines=True):
             if self.text[self.at] == "[":
+                line = self.line
                 table = self._header()
+                self.headers.append(TableHeader(table, line, self.last_line))
             else:
                 self._assignment(table)
+            self.last_line = self.line
 
     def _header(self) -> KeyPath:
         line, many = self.line, self.text.startswith("[[", self.at)

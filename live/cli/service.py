@@ -41,7 +41,7 @@ def install(
         units_folder,
     )
     from live.app.option_values import expand_audience_option
-    from live.app.whole_file import write_atomically
+    from live.library.whole_file import write_atomically
 
     arguments = expand_audience_option(context.args)
     asked = _parse_play_arguments(arguments)

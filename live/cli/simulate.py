@@ -39,7 +39,7 @@ def simulate(
     from live.agents.scenarios.run import ticks_in
     from live.app.offline.simulation_input import load_scenario
     from live.app.pictures.simulate_svg import paths_svg
-    from live.app.whole_file import write_atomically
+    from live.library.whole_file import write_atomically
 
     wanted = load_scenario(scenario, seed)
     samples = ticks_in(wanted.duration) + 1

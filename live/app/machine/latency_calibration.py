@@ -4,12 +4,12 @@ import time
 from typing import Any
 
 from live.app.offline.clap_calibration import WindowScreen, clap_test
-from live.app.whole_file import write_atomically
 from live.base.errors import PersonError, error_context
 from live.clock.time_source import SystemClock
 from live.control.audio.channel_mixer import Channels
 from live.control.audio.devices import SoundDevice, SoundUnavailable, find_device
 from live.control.audio.latency_sweep import Microphone, measure, play_and_record, sweep_train
+from live.library.whole_file import write_atomically
 from live.show.venue.venue import Venue, updated_venue_text, venue_path
 
 

@@ -11,11 +11,11 @@ from rich.table import Table
 
 from live.app.offline.dance_plan import DancePlan
 from live.app.option_values import check_writable
-from live.app.whole_file import write_atomically
 from live.base.errors import PersonError
 from live.graph.dance_metrics import DanceMetrics
 from live.graph.render_dance import RenderedDance
 from live.library.motion_formats import check_written_name, encode_motion
+from live.library.whole_file import write_atomically
 from live.motion.clip import Clip
 
 MAX_ROWS: Final = 200

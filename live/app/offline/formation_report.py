@@ -16,9 +16,9 @@ from live.agents.formations.stage_fit import StageFit
 from live.agents.formations.svg_import import svg_file_paths
 from live.app.option_values import check_writable
 from live.app.pictures.formation_picture import draw_formation
-from live.app.whole_file import write_atomically
 from live.base.errors import PersonError
 from live.base.toml import error_line, toml_remedy
+from live.library.whole_file import write_atomically
 
 MAX_FILE_BYTES: Final = 2_000_000
 DEFAULT_DANCERS: Final = 24

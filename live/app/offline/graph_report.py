@@ -15,7 +15,6 @@ from rich.console import Console
 
 from live.app.offline.step_listing import NamedStep, library_folders, named_steps, threshold_for
 from live.app.pictures.graph_svg import Arrow, State, state_machine
-from live.app.whole_file import write_atomically
 from live.base.errors import PersonError
 from live.graph.build.bridges import PosedRecording, find_bridges
 from live.graph.clusters import (
@@ -31,6 +30,7 @@ from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.step_library import build_library
 from live.library.recording_file import read_step_files
 from live.library.recordings import RecordingReader
+from live.library.whole_file import write_atomically
 from live.motion.clip import Clip
 
 MAX_BRIDGE_PAIRS = 24

@@ -7,10 +7,10 @@ from typing import Final
 from rich.console import Console
 
 from live.app.offline.step_listing import library_folders, named_steps
-from live.app.whole_file import write_atomically
 from live.base.errors import PersonError
 from live.library.motion_file import read_motion
 from live.library.motion_formats import encode_motion
+from live.library.whole_file import write_atomically
 from live.motion.clip import Clip, resample
 from live.motion.formats.source_motion import UpAxis
 from live.motion.retarget.retarget import retarget

@@ -16,10 +16,10 @@ from live.app.offline.partner_request import (
     follower_report,
     leader_from_path,
 )
-from live.app.whole_file import write_atomically
 from live.base.errors import PersonError
 from live.library.motion_file import read_motion
 from live.library.partner_pairs import PartnerExamples, Side, read_pairs, retarget_side
+from live.library.whole_file import write_atomically
 from live.motion.beats.tempo_estimation import RELIABLE_STRENGTH, estimate_tempo, find_two_beat_lines
 from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.clip import Clip, read_clip

@@ -23,7 +23,6 @@ from live.app.offline.step_listing import (
 )
 from live.app.option_values import check_writable
 from live.app.pictures.reach_picture import PngCanvas, SvgCanvas, draw_reach
-from live.app.whole_file import write_atomically
 from live.base.errors import PersonError
 from live.graph.clusters import successors
 from live.graph.motion_graph import build_graph
@@ -32,6 +31,7 @@ from live.graph.select.reachability import Reach, reach_of
 from live.graph.step_library import build_library
 from live.library.library_check import Finding, check_connections, check_folder
 from live.library.recording_file import no_steps_error
+from live.library.whole_file import write_atomically
 from live.motion.step_clip import StepClip, beat_contacts, foot_slide, travel
 from live.show.patch.patch_search_path import PATCHES
 

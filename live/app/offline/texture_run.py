@@ -9,7 +9,6 @@ from rich.console import Console
 
 from live.app.offline.dance_report import check_targets, write_motion
 from live.app.offline.step_listing import library_folders
-from live.app.whole_file import write_atomically
 from live.base.errors import PersonError
 from live.graph.step_library import plain_name
 from live.library.capture_material import read_material
@@ -25,6 +24,7 @@ from live.library.textured_steps import (
     textured_path,
     textured_text,
 )
+from live.library.whole_file import write_atomically
 from live.motion.clip import Clip, resample
 from live.motion.retarget.retarget import retarget
 from live.motion.step_clip import StepClip

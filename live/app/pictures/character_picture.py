@@ -5,10 +5,10 @@ from pathlib import Path
 import numpy as np
 
 from live.app.offline.step_listing import named_steps
-from live.app.whole_file import write_atomically
 from live.base.body_catalogue import CharacterFile
 from live.base.errors import PersonError
 from live.base.stage_snapshot import Camera, Scene, StageView
+from live.library.whole_file import write_atomically
 from live.motion import quaternion
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import JOINT_COUNT

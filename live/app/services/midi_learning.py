@@ -30,7 +30,7 @@ class MidiMapWriter:
         self._threads[-1].start()
 
     def _write(self, learned: Sequence[Binding], forgotten: Sequence[str]) -> None:
-        from live.app.whole_file import write_atomically
+        from live.library.whole_file import write_atomically
         from live.show.patch.learned_midi import updated_mapping_text
         from live.show.patch.patch_search_path import learned_path
 

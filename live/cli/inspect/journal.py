@@ -28,8 +28,8 @@ def show(
     from live.app.offline.journal_report import journal_facts, read_journal_file
     from live.app.pictures.journal_picture import draw_journal, size_of
     from live.app.pictures.reach_picture import PngCanvas, SvgCanvas
-    from live.app.whole_file import write_atomically
     from live.base.errors import PersonError
+    from live.library.whole_file import write_atomically
     from live.show.journal.journal_reader import survey
 
     if picture is not None and picture.suffix.lower() not in (".svg", ".png"):
@@ -149,8 +149,8 @@ def export(
 
     from live.app.offline.journal_report import read_journal_file, write_table
     from live.app.option_values import check_writable
-    from live.app.whole_file import write_atomically
     from live.base.errors import PersonError
+    from live.library.whole_file import write_atomically
 
     kind = out.suffix.lower()
     if kind not in (".mid", ".midi", ".csv"):

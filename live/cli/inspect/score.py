@@ -75,8 +75,8 @@ def _mark(words: str, kind: str) -> str:
 def _draw(sheet: "Sheet", to: Path, per_row: int, patch: object) -> None:
     from live.app.option_values import check_writable
     from live.app.pictures.score_picture import score_picture
-    from live.app.whole_file import write_atomically
     from live.base.errors import PersonError
+    from live.library.whole_file import write_atomically
     from live.show.loader import make_scene
     from live.show.patch.patch import Patch
 

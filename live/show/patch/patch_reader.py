@@ -38,7 +38,7 @@ def read_sources(path: Path, tables: BridgeTables = ()) -> tuple[Patch, TomlSour
     """Read the patch in `path`, for show.toml with its folders; return also the source of each key."""
     try:
         sources = TomlSources([parse_text(read_text(file, "patch"), str(file), "patch") for file in patch_files(path)])
-        _add_custom_passes(sources.data, path)
+        add_custom_passes(sources.data, path)
         return validate_sources(sources, Patch, "patch", PATCH_CHECKS, tables), sources
     except PersonError as error:
         raise PatchError(error.message, error.remedy, error.key_path) from None
@@ -52,7 +52,7 @@ def custom_pass_files(path: Path) -> list[Path]:
         return []
 
 
-def _add_custom_passes(data: dict[str, Any], path: Path) -> None:
+def add_custom_passes(data: dict[str, Any], path: Path) -> None:
     """Insert the sources of the custom passes that a patch names; a missing file is reported later, with the name."""
     table = data.get("picture")
     named = table.get("passes") if isinstance(table, dict) else None

@@ -34,6 +34,8 @@ class InvalidEntry(ValueError):
         """`place` is relative to the validated table: ("element", 2, "measure") is the third element's measure."""
         super().__init__(message)
         self.key_path = place
+        self.others: tuple[InvalidEntry, ...] = ()
+        """Further errors that were found with it."""
 
 
 class Section(BaseModel):

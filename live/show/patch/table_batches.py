@@ -25,7 +25,7 @@ def validate_model(model: type[Model], data: dict[str, Any], checks: Checks | No
     pieces = dict(data)
     try:
         for name, field in model.model_fields.items():
-            rows, kind = data.get(name), _section_of(field.annotation)
+            rows, kind = data.get(name), section_of(field.annotation)
             if kind is not None and isinstance(rows, list) and len(rows) > BATCH_SIZE:
                 adapter = TypeAdapter(list[kind])  # type: ignore[valid-type]
                 checked: list[Any] = []
@@ -66,7 +66,7 @@ def _tables(patch: BaseModel, name: str) -> tuple[Section, ...]:
     return rows if isinstance(rows, tuple) and rows and isinstance(rows[0], Section) else ()
 
 
-def _section_of(annotation: Any) -> type[Section] | None:
+def section_of(annotation: Any) -> type[Section] | None:
     """Return the class of the tables in a field's tuple; None for other fields."""
     kinds = get_args(annotation) if get_origin(annotation) is tuple else ()
     return kinds[0] if kinds and isinstance(kinds[0], type) and issubclass(kinds[0], Section) else None

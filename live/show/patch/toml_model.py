@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Final, TypeVar
+from typing import Any, Final, NamedTuple, Protocol, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
@@ -15,6 +15,16 @@ from live.base.toml import KeyPath, error_line, line_of, parse_toml, toml_line_n
 from live.library.disk_cache import read_regular_file
 from live.show.patch.section_base import Checks, InvalidEntry, Section, WholeFile
 from live.show.patch.table_batches import validate_model
+
+
+class FileValues(Protocol):
+    """One file's name in messages, its values, and the lines of its keys."""
+
+    @property
+    def file(self) -> str: ...
+    @property
+    def data(self) -> dict[str, Any]: ...
+    def line(self, path: KeyPath) -> int: ...
 
 
 @dataclass(eq=False)
@@ -55,18 +65,18 @@ class TomlSources:
     The first text is the main one: a key found nowhere is reported there.
     """
 
-    texts: Sequence[TomlText]
+    texts: Sequence[FileValues]
     data: dict[str, Any] = field(default_factory=dict)
     """The merged values."""
-    _rows: dict[str, list[tuple[TomlText, int]]] = field(default_factory=dict)
-    _keys: dict[KeyPath, TomlText] = field(default_factory=dict)
+    _rows: dict[str, list[tuple[FileValues, int]]] = field(default_factory=dict)
+    _keys: dict[KeyPath, FileValues] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for text in self.texts:
             for key, value in text.data.items():
                 self._merge((key,), value, self.data, text)
 
-    def _merge(self, path: KeyPath, value: Any, into: dict[str, Any], text: TomlText) -> None:
+    def _merge(self, path: KeyPath, value: Any, into: dict[str, Any], text: FileValues) -> None:
         """Merge one key of one text; PersonError if another text has it already."""
         key = str(path[-1])
         if len(path) == 1 and isinstance(value, list) and isinstance(into.get(key, []), list):
@@ -155,7 +165,7 @@ def validate_sources(
             return made
     except ValidationError as error:
         wrong = [*error.errors(include_url=False), *wrong]
-    raise PersonError(_validation_message(wrong, sources, (model, *tables), what))
+    raise InvalidModel(wrong, sources, (model, *tables), what)
 
 
 def _read_bridge_tables(
@@ -181,20 +191,49 @@ def _is_table(value: Any) -> bool:
     return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], dict))
 
 
-def _validation_message(
-    found: Sequence[Any], sources: TomlSources, models: Sequence[type[BaseModel]], what: str
-) -> str:
-    problems = []
-    for problem in found[:SHOWN_PROBLEMS]:
-        where = tuple(problem["loc"])
-        fault = problem.get("ctx", {}).get("error")
-        if isinstance(fault, InvalidEntry):
-            where += fault.key_path
-        problems.append(
-            f"{sources.location_text(where)}: {key_text(where) or f'the {what}'}: {_problem_text(problem, models)}"
-        )
-    more = len(found) - SHOWN_PROBLEMS
-    return "; ".join(problems) + (f"; and {more} more" if more > 0 else "")
+class Problem(NamedTuple):
+    """One error in files."""
+
+    file: str
+    line: int
+    key_path: KeyPath
+    text: str
+    """The value read, and what is allowed."""
+
+
+class InvalidModel(PersonError):
+    """All errors that a validation found; its message shows the first ones."""
+
+    def __init__(
+        self, found: Sequence[Any], sources: TomlSources, models: Sequence[type[BaseModel]], what: str
+    ) -> None:
+        """`found` are pydantic's errors of the values of `sources`."""
+        self._sources, self._models = sources, models
+        self._found: list[tuple[KeyPath, Any]] = []
+        for problem in found:
+            where: KeyPath = tuple(problem["loc"])
+            fault = problem.get("ctx", {}).get("error")
+            if isinstance(fault, InvalidEntry):  # of a check that found several at once
+                self._found += [(where + one.key_path, one) for one in (fault, *fault.others)]
+            else:
+                self._found.append((where, problem))
+        shown = self.problems(SHOWN_PROBLEMS)
+        more = len(self._found) - len(shown)
+        words = [
+            f"{each.file}, line {each.line}: {key_text(each.key_path) or f'the {what}'}: {each.text}" for each in shown
+        ]
+        super().__init__("; ".join(words) + (f"; and {more} more" if more > 0 else ""))
+
+    def problems(self, limit: int) -> list[Problem]:
+        """Return the first `limit` errors."""
+        return [
+            Problem(
+                *self._sources.location(where),
+                where,
+                str(one) if isinstance(one, InvalidEntry) else _problem_text(one, self._models),
+            )
+            for where, one in self._found[:limit]
+        ]
 
 
 def key_text(where: tuple[str | int, ...]) -> str:

@@ -35,8 +35,8 @@ class _GroupPart:
         return here.section == there.section and here.begin <= there.begin and here.end >= there.end
 
 
-def check_call_response(patch: Patch) -> None:
-    """Raise Amiss if no group calls, or if an improvisation ends before its first answer."""
+def check_call_response(patch: Patch) -> Iterator[InvalidEntry]:
+    """Yield an error if no group calls, or if an improvisation ends before its first answer."""
     for index, entry in enumerate(patch.improvise):
         if entry.answers is None:
             continue
@@ -47,7 +47,7 @@ def check_call_response(patch: Patch) -> None:
                 f"phrase {entry.phrase}: every second phrase is an answer, but it ends after {lasts:g} measures: "
                 f"{f'{int(lasts) // 2} at most' if lasts >= 2 else 'at least 2 measures are needed'}"
             )
-            raise InvalidEntry(words, "improvise", index, "phrase")
+            yield InvalidEntry(words, "improvise", index, "phrase")
     for circle in _answer_cycles(patch):
         if all(voice.only_repeats for voice in circle):
             names = " and ".join(repr(voice.group) for voice in circle)
@@ -58,7 +58,7 @@ def check_call_response(patch: Patch) -> None:
                 else f"nobody calls: every group answers {names}, and so does that group itself; "
                 "write an [[improvise]] for each group"
             )
-            raise InvalidEntry(words, "improvise", circle[-1].index, "answers")
+            yield InvalidEntry(words, "improvise", circle[-1].index, "answers")
 
 
 def call_response_warnings(patch: Patch) -> list[str]:

@@ -1,6 +1,6 @@
 """Checks that every name in scenes, cues, calls and trackers of a patch exists, before a show runs."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from typing import Final, get_args
 
 from live.base.errors import PersonError
@@ -32,47 +32,47 @@ def built_in_views(patch: Patch) -> list[str]:
     return [START_NAME, *BUILT_IN_VIEWS, *([PROJECTOR] if patch.projector is not None else [])]
 
 
-def check_cues(patch: Patch) -> None:
-    """Raise Amiss for an unknown name in a scene or cue, and for an unknown scene in the score."""
-    _check_start(patch)
-    _check_scenes(patch)
+def check_cues(patch: Patch) -> Iterator[InvalidEntry]:
+    """Yield an error for an unknown name in a scene or cue, and for an unknown scene in the score."""
+    yield from _check_start(patch)
+    yield from _check_scenes(patch)
     scenes = {_folded(scene.name) for scene in patch.scene} | {START_NAME}
     sections = {_folded(section.name) for section in patch.section}
     for number, cue in enumerate(patch.cue):
         if cue.scene is not None and _folded(cue.scene) not in scenes:
             words = f"cue {cue.name!r}: no scene is called {cue.scene!r}; there are: {', '.join(sorted(scenes))}"
-            raise InvalidEntry(words, "cue", number, "scene")
+            yield InvalidEntry(words, "cue", number, "scene")
         if cue.section is not None and _folded(cue.section) not in sections:
             known = ", ".join(section.name for section in patch.section) or "none: write [[section]]"
             words = f"cue {cue.name!r}: no section is called {cue.section!r}; there are: {known}"
-            raise InvalidEntry(words, "cue", number, "section")
+            yield InvalidEntry(words, "cue", number, "section")
         if cue.when == "section" and not sections:
             words = f'cue {cue.name!r}: when = "section", but the patch has no [[section]]'
-            raise InvalidEntry(words, "cue", number, "when")
-    _check_named_cues(patch)
-    _check_loops(patch)
+            yield InvalidEntry(words, "cue", number, "when")
+    yield from _check_named_cues(patch)
+    yield from _check_loops(patch)
     for number, at in enumerate(patch.at):
         if at.scene is not None and _folded(at.scene) not in scenes:
             words = (
                 f"at measure {at.measure}, beat {at.beat:g}: no scene is called {at.scene!r}; there are: "
                 f"{', '.join(sorted(scenes))}"
             )
-            raise InvalidEntry(words, "at", number, "scene")
+            yield InvalidEntry(words, "at", number, "scene")
 
 
-def _check_start(patch: Patch) -> None:
-    """Raise Amiss if a view, look or scene has the reserved name of the initial one."""
+def _check_start(patch: Patch) -> Iterator[InvalidEntry]:
+    """Yield an error if a view, look or scene has the reserved name of the initial one."""
     named = {"view": [view.name for view in patch.view], "looks": [look.name for look in patch.looks]}
     for kind, names in (named | {"scene": [scene.name for scene in patch.scene]}).items():
         for index, name in enumerate(names):
             if _folded(name) == START_NAME:
                 what = {"view": "[camera]", "looks": "[look]"}.get(kind, "[camera], [look] and [motion]")
                 words = f"{name!r} names the start of the patch, from {what}: give this one another name"
-                raise InvalidEntry(words, kind, index, "name")
+                yield InvalidEntry(words, kind, index, "name")
 
 
-def _check_loops(patch: Patch) -> None:
-    """Raise Amiss if a cue calls itself or loops within a beat; slower loops of several cues are allowed."""
+def _check_loops(patch: Patch) -> Iterator[InvalidEntry]:
+    """Yield an error if a cue calls itself or loops within a beat; slower loops of several cues are allowed."""
     for loop in cue_loops(patch, within=MIN_LOOP_BEATS):
         name = patch.cue[loop.cue].name
         if loop.direct:
@@ -85,16 +85,16 @@ def _check_loops(patch: Patch) -> None:
                 f"cue {name!r} calls its way back to itself within {loop.min_beats:g} beats, for ever: "
                 'when = "measure" or a count_in for one of them'
             )
-        raise InvalidEntry(words, *loop.key_path)
+        yield InvalidEntry(words, *loop.key_path)
 
 
-def _check_named_cues(patch: Patch) -> None:
-    """Raise Amiss if two cues share a number, or if a called cue does not exist."""
+def _check_named_cues(patch: Patch) -> Iterator[InvalidEntry]:
+    """Yield an error if two cues share a number, or if a called cue does not exist."""
     numbers: dict[float, str] = {}
     for index, cue in enumerate(patch.cue):
         if cue.number is not None and cue.number in numbers:
             words = f"cues {numbers[cue.number]!r} and {cue.name!r} both have number {cue.number:g}: change one of them"
-            raise InvalidEntry(words, "cue", index, "number")
+            yield InvalidEntry(words, "cue", index, "number")
         if cue.number is not None:
             numbers[cue.number] = cue.name
     told = {f"{number:g}": name for number, name in numbers.items()}
@@ -102,16 +102,16 @@ def _check_named_cues(patch: Patch) -> None:
         other = told.get(_folded(cue.name), cue.name)
         if other != cue.name:
             words = f"cue {cue.name!r} is called as cue {other!r} is numbered: change one of them"
-            raise InvalidEntry(words, "cue", index, "name")
+            yield InvalidEntry(words, "cue", index, "name")
     names = {_folded(cue.name) for cue in patch.cue} | {f"{number:g}" for number in numbers}
     for call, values, place in calls_of(patch):
         if FIRST_NAMES.get(call) != "cue" or (name := _folded(str(values[0]))) in names:
             continue
         known = ", ".join(cue.name for cue in patch.cue) or "none"
-        raise InvalidEntry(f"call {call}: no cue is called {name!r}; there are: {known}", *place)
+        yield InvalidEntry(f"call {call}: no cue is called {name!r}; there are: {known}", *place)
 
 
-def _check_scenes(patch: Patch) -> None:
+def _check_scenes(patch: Patch) -> Iterator[InvalidEntry]:
     groups = {_folded(group.name) for group in patch.group}
     known = ", ".join(group.name for group in patch.group)
     named = {VIEW: {_folded(view.name) for view in patch.view} | set(built_in_views(patch))}
@@ -121,11 +121,11 @@ def _check_scenes(patch: Patch) -> None:
             address, group = split_key(key)
             if group != "*" and _folded(group) not in groups:
                 words = f"scene {scene.name!r}: {key!r}: no group is called {group!r}; there are: {known}"
-                raise InvalidEntry(words, "scene", number, "set", key)
+                yield InvalidEntry(words, "scene", number, "set", key)
             if address in named and _folded(str(value)) not in named[address]:
                 there = ", ".join(sorted(named[address]))
                 words = f"scene {scene.name!r}: {key!r}: nothing is called {value!r}; there are: {there}"
-                raise InvalidEntry(words, "scene", number, "set", key)
+                yield InvalidEntry(words, "scene", number, "set", key)
 
 
 def _folded(name: str) -> str:
@@ -136,8 +136,8 @@ GATES: Final = ("left", "right", "back")
 """Gates of a stage without a `[[gate]]`."""
 
 
-def check_call_names(patch: Patch) -> None:
-    """Raise Amiss for an unknown name in a call of the score or of a cue."""
+def check_call_names(patch: Patch) -> Iterator[InvalidEntry]:
+    """Yield an error for an unknown name in a call of the score or of a cue."""
     named: _NameTable | None = None
     seen: set[tuple[object, ...]] = set()
     for call, values, place in calls_of(patch):
@@ -148,7 +148,7 @@ def check_call_names(patch: Patch) -> None:
         try:
             named.check(REGISTRY.call(call, values, 0.0, "patch"))
         except PersonError as error:
-            raise InvalidEntry(f"call {call}: {error}", *place) from None
+            yield InvalidEntry(f"call {call}: {error}", *place)
 
 
 class _NameTable:
@@ -234,8 +234,8 @@ NAMED_CONTROLS: Final = frozenset(control.address for cls in _NAME_CHECKS for co
 """Controls with names that only the patch defines."""
 
 
-def check_trackers(psn: PsnSection, performers: Sequence[MocapSection]) -> None:
-    """Raise Amiss for a tracker that is missing in `[psn] trackers`, if given, or that two performers share."""
+def check_trackers(psn: PsnSection, performers: Sequence[MocapSection]) -> Iterator[InvalidEntry]:
+    """Yield an error for a tracker that is missing in `[psn] trackers`, if given, or that two performers share."""
     whose = {each.name: each.name for each in performers if each.tracker is None}
     for index, each in enumerate(performers):
         if each.tracker is None:
@@ -244,8 +244,8 @@ def check_trackers(psn: PsnSection, performers: Sequence[MocapSection]) -> None:
         if psn.trackers and each.tracker not in psn.trackers:
             known = ", ".join(psn.trackers)
             words = f"mocap {each.name!r}: no tracker is called {each.tracker!r}; [psn] trackers has: {known}"
-            raise InvalidEntry(words, *place)
+            yield InvalidEntry(words, *place)
         other = whose.setdefault(each.tracker, each.name)
         if other != each.name:
             words = f"mocap {each.name!r}: tracker {each.tracker!r} is already {other!r}; give each their own"
-            raise InvalidEntry(words, *place)
+            yield InvalidEntry(words, *place)

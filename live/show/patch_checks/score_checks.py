@@ -1,4 +1,7 @@
-"""Checks of a written score before it runs, with errors that name the keys (T015)."""
+"""Checks of a written score before it runs, with errors that name the keys (T015).
+
+Each check yields all its errors.
+"""
 
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
@@ -15,32 +18,34 @@ LENIENT_TABLES: Final = ("segment", "regroup")
 """Tables for which a measure after `loop_measures` was always allowed."""
 
 
-def check_score(patch: Patch) -> None:
-    """Raise Amiss for the first error."""
-    lengths = _section_lengths(patch)
+def check_score(patch: Patch) -> Iterator[InvalidEntry]:
+    """Yield the errors of the score."""
+    lengths: dict[str, int] = {}
+    yield from _check_sections(patch, lengths)
     for kind in PLACED_TABLES:
         for index, entry in enumerate(getattr(patch, kind)):
-            _check_place(patch, lengths, kind, index, entry)
-    _check_beats(patch)
-    _check_groups(patch)
-    _check_improvised(patch)
-    check_call_response(patch)
-    _check_signals(patch)
-    _check_calls(patch, set(lengths))
+            fault = _place_fault(patch, lengths, kind, index, entry)
+            if fault is not None:
+                yield fault
+    yield from _check_beats(patch)
+    yield from _check_groups(patch)
+    yield from _check_improvised(patch)
+    yield from check_call_response(patch)
+    yield from _check_signals(patch)
+    yield from _check_calls(patch, set(lengths))
 
 
-def _section_lengths(patch: Patch) -> dict[str, int]:
-    """Measures of each section by its name."""
-    lengths: dict[str, int] = {}
+def _check_sections(patch: Patch, lengths: dict[str, int]) -> Iterator[InvalidEntry]:
+    """Fill in the measures of each section by its name."""
     for index, section in enumerate(patch.section):
         name = section.name.casefold()
         if name in lengths:
-            raise InvalidEntry(
+            yield InvalidEntry(
                 f"two sections are called {section.name!r}: give each its own name", "section", index, "name"
             )
         lengths[name] = section.measures
     if patch.section and patch.loop_measures is not None:
-        raise InvalidEntry(
+        yield InvalidEntry(
             "loop_measures and [[section]]: leave loop_measures out; after its last section a score begins again",
             "loop_measures",
         )
@@ -48,29 +53,29 @@ def _section_lengths(patch: Patch) -> dict[str, int]:
         if section.then is not None and section.then.casefold() not in (*lengths, "end"):
             known = ", ".join(["end", *(one.name for one in patch.section)])
             words = f"no section is called {section.then!r}; there are: {known}"
-            raise InvalidEntry(words, "section", index, "then")
-    return lengths
+            yield InvalidEntry(words, "section", index, "then")
 
 
-def _check_place(patch: Patch, lengths: dict[str, int], kind: str, index: int, entry: Any) -> None:
+def _place_fault(patch: Patch, lengths: dict[str, int], kind: str, index: int, entry: Any) -> InvalidEntry | None:
     if entry.measure is None:
-        return
+        return None
     if entry.section is None:
         length = score_length(patch)
         if length is None or int(entry.measure) <= length or (kind in LENIENT_TABLES and not patch.section):
-            return
+            return None
         words = f"measure {entry.measure:g}: the score has {length} measures, it would never begin"
-        raise InvalidEntry(words, kind, index, "measure")
+        return InvalidEntry(words, kind, index, "measure")
     length = lengths.get(entry.section.casefold())
     if length is None:
         known = ", ".join(section.name for section in patch.section) or "none: write [[section]]"
-        raise InvalidEntry(f"no section is called {entry.section!r}; there are: {known}", kind, index, "section")
+        return InvalidEntry(f"no section is called {entry.section!r}; there are: {known}", kind, index, "section")
     if int(entry.measure) > length:
         words = f"measure {entry.measure:g}: section {entry.section!r} has {length} measures, it would never begin"
-        raise InvalidEntry(words, kind, index, "measure")
+        return InvalidEntry(words, kind, index, "measure")
+    return None
 
 
-def _check_beats(patch: Patch) -> None:
+def _check_beats(patch: Patch) -> Iterator[InvalidEntry]:
     beats = patch.clock.beats_per_measure
     placed: tuple[tuple[str, Sequence[Any]], ...] = (("at", patch.at), ("signal", patch.signal))
     for kind, entries in placed:
@@ -79,41 +84,41 @@ def _check_beats(patch: Patch) -> None:
                 words = (
                     f"beat {entry.beat:g}: a measure of this show has {beats} beats, so less than {beats + 1} expected"
                 )
-                raise InvalidEntry(words, kind, index, "beat")
+                yield InvalidEntry(words, kind, index, "beat")
 
 
-def _check_groups(patch: Patch) -> None:
+def _check_groups(patch: Patch) -> Iterator[InvalidEntry]:
     names = {group.name.casefold() for group in patch.group}
     known = ", ".join(group.name for group in patch.group)
     placed: tuple[tuple[str, Sequence[Any]], ...] = (("sequence", patch.sequence), ("improvise", patch.improvise))
     for kind, entries in placed:
         for index, entry in enumerate(entries):
             if entry.group != "*" and entry.group.casefold() not in names:
-                raise InvalidEntry(f"no group is called {entry.group!r}; there are: {known}", kind, index, "group")
+                yield InvalidEntry(f"no group is called {entry.group!r}; there are: {known}", kind, index, "group")
     for index, reaction in enumerate(patch.react):
         if reaction.sets is not None and reaction.group != "*" and reaction.group.casefold() not in names:
-            raise InvalidEntry(f"no group is called {reaction.group!r}; there are: {known}", "react", index, "group")
+            yield InvalidEntry(f"no group is called {reaction.group!r}; there are: {known}", "react", index, "group")
     for index, entry in enumerate(patch.improvise):
         if entry.answers is not None and entry.answers.casefold() not in names:
-            raise InvalidEntry(
+            yield InvalidEntry(
                 f"no group is called {entry.answers!r}; there are: {known}", "improvise", index, "answers"
             )
 
 
-def _check_improvised(patch: Patch) -> None:
-    """Raise Amiss if two improvisations of one group overlap, or if one lasts longer than its section."""
+def _check_improvised(patch: Patch) -> Iterator[InvalidEntry]:
+    """Yield an error if two improvisations of one group overlap, or if one lasts longer than its section."""
     taken: dict[tuple[int, str], list[tuple[int, float, int]]] = {}
     for index, entry in enumerate(patch.improvise):
         stay = span_of(patch, entry.section, entry.measure, entry.measures)
         if stay.size is not None and entry.measures is not None and stay.begin + entry.measures > stay.size:
             last = stay.first + stay.size if entry.section is None else stay.size
             words = f"measures {entry.measures} from measure {entry.measure} on: its section ends with {last}"
-            raise InvalidEntry(words, "improvise", index, "measures")
+            yield InvalidEntry(words, "improvise", index, "measures")
         groups = [group.name.casefold() for group in patch.group] if entry.group == "*" else [entry.group.casefold()]
         for group in groups:
             for other_begin, other_end, other in taken.setdefault((stay.section, group), []):
                 if stay.begin < other_end and other_begin < stay.end:
-                    raise InvalidEntry(
+                    yield InvalidEntry(
                         f"group {group!r} improvises already there, as improvise {other + 1} says: end one of them "
                         "with measures, or leave one out",
                         *("improvise", index, "measure"),
@@ -121,7 +126,7 @@ def _check_improvised(patch: Patch) -> None:
             taken[stay.section, group].append((stay.begin, stay.end, index))
 
 
-def _check_signals(patch: Patch) -> None:
+def _check_signals(patch: Patch) -> Iterator[InvalidEntry]:
     known = signals_of(patch)
     calls: dict[str, set[str]] = {}
     for index, reaction in enumerate(patch.react):
@@ -130,19 +135,20 @@ def _check_signals(patch: Patch) -> None:
         name = reaction.on.casefold()
         if name.startswith(UNIT_PREFIX) and name != UNIT_PREFIX:
             if not patch.partner:
-                raise InvalidEntry(f"{reaction.on!r}: there is no partner: write [[partner]]", "react", index, "on")
+                yield InvalidEntry(f"{reaction.on!r}: there is no partner: write [[partner]]", "react", index, "on")
             continue
         if name not in known:
             words = (
                 f"no signal is called {reaction.on!r}: name it in a [[signal]]; there are: {', '.join(sorted(known))}"
             )
-            raise InvalidEntry(words, "react", index, "on")
+            yield InvalidEntry(words, "react", index, "on")
+            continue
         if reaction.call == "/dance/signal" and reaction.when != "measure":
             given = str(reaction.values[0]).casefold()
             calls.setdefault(name, set()).add(given)
             if name in _triggered_signals(calls, given):
                 words = f'signal {name!r} would give itself again and again: when = "measure" for one of them'
-                raise InvalidEntry(words, "react", index, "values")
+                yield InvalidEntry(words, "react", index, "values")
 
 
 def signals_of(patch: Patch) -> set[str]:
@@ -161,12 +167,12 @@ def _triggered_signals(calls: dict[str, set[str]], name: str) -> set[str]:
     return found
 
 
-def _check_calls(patch: Patch, sections: set[str]) -> None:
-    """Raise Amiss for a call that jumps to an unknown section."""
+def _check_calls(patch: Patch, sections: set[str]) -> Iterator[InvalidEntry]:
+    """Yield an error for a call that jumps to an unknown section."""
     for call, values, place in calls_of(patch):
         if call == "/dance/section" and str(values[0]).casefold() not in sections:
             known = ", ".join(section.name for section in patch.section) or "none: write [[section]]"
-            raise InvalidEntry(f"no section is called {values[0]!r}; there are: {known}", *place)
+            yield InvalidEntry(f"no section is called {values[0]!r}; there are: {known}", *place)
 
 
 CallEntry = tuple[str, tuple[Any, ...], tuple[str | int, ...]]

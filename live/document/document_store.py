@@ -1,0 +1,383 @@
+"""A document on disk: edits are checked, saved atomically and kept in a history.
+
+Changes that another program makes to the files are taken in.
+One store at a time writes a show; it decides the order of all edits.
+"""
+
+import contextlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, Final
+
+from live.base.errors import PersonError
+from live.document.document import Document, DocumentFile, Splice
+from live.document.edit import Edit, EditRefused, Fault
+from live.document.edit_actions import apply_edit, concerned
+from live.document.history import (
+    Revision,
+    What,
+    check_conflict,
+    differences,
+    history_line,
+    read_history,
+    rebased,
+    texts_at,
+    texts_hash,
+)
+from live.document.place import refuse
+from live.library.disk_cache import read_regular_file
+from live.library.whole_file import write_atomically
+from live.show.patch.patch import Patch
+from live.show.patch.patch_reader import patch_files
+from live.show.patch.patch_search_path import PatchError
+from live.show.patch.toml_model import MAX_BYTES, BridgeTables, key_text, read_text
+
+HISTORY_FOLDER: Final = ".history"
+_BOM: Final = b"\xef\xbb\xbf"
+Check = Callable[[Patch], Sequence[PersonError]]
+"""Returns why a show of a valid patch would not start, with keys where the errors have a place."""
+
+
+@dataclass(frozen=True, slots=True)
+class Accepted:
+    """The answer to an edit that was accepted."""
+
+    revision: Revision
+
+    def to_json_values(self, edit_id: str | int | None) -> dict[str, Any]:
+        """Return it as values for JSON: the answer to an edit."""
+        inverse = self.revision.inverse
+        exact = tuple(splice.reverse() for splice in reversed(self.revision.splices))
+        kept = None if inverse is None else replace(inverse, base=self.revision.number, exact=exact).to_json_values()
+        return {"id": edit_id, "revision": self.revision.number, "inverse": kept}
+
+
+def refused_json_values(edit_id: str | int | None, error: EditRefused) -> dict[str, Any]:
+    """Return the answer to a refused edit as values for JSON."""
+    return {"id": edit_id, "refused": [fault.to_json_values() for fault in error.faults]}
+
+
+class DocumentStore:
+    """The document of one patch, its files and its history."""
+
+    def __init__(
+        self, path: Path, *, tables: BridgeTables = (), check: Check | None = None,
+        date: Callable[[], str] = lambda: "", dry: bool = False,
+    ) -> None:  # fmt: skip
+        """Open the patch in `path`; PatchError if it is not valid.
+
+        `date` gives the date of a revision, for people. With `dry` nothing is written.
+        """
+        self.path, self._tables, self._date, self._dry = path, tables, date, dry
+        self.check = check
+        """What a patch has to pass besides its own checks."""
+        self._stamps: dict[str, tuple[int, ...]] = {}
+        self._marks: set[str] = set()  # files that begin with a byte order mark
+        self.problem = ""
+        """Why the files cannot be edited now: another program made them invalid; empty if they can."""
+        self.document = self._read()
+        folder = path.parent / HISTORY_FOLDER
+        self._log, self._copies = folder / f"{path.stem}.jsonl", folder / path.stem
+        self._unwritten: list[Revision] = []  # they are not in the history's file yet
+        self.revisions = self._open_history()
+        """All revisions that are known, the oldest first; its texts are those after it."""
+
+    @property
+    def revision(self) -> int:
+        """The present revision."""
+        return self.revisions[-1].number
+
+    # Files
+
+    def _read(self) -> Document:
+        files, marks, stamps = [], set(), {}
+        for file in patch_files(self.path):
+            name = file.relative_to(self.path.parent).as_posix()
+            stamps[name] = _stamp(file)
+            files.append((name, read_text(file, "patch")))
+            if read_regular_file(file, MAX_BYTES).startswith(_BOM):
+                marks.add(name)
+        try:
+            document = Document(files, path=self.path, tables=self._tables)
+        except PersonError as error:
+            raise PatchError(error.message, error.remedy, error.key_path) from None
+        self._stamps, self._marks = stamps, marks
+        return document
+
+    def _has_changed(self) -> bool:
+        try:
+            names = {file.relative_to(self.path.parent).as_posix(): _stamp(file) for file in patch_files(self.path)}
+        except (OSError, PersonError):
+            return True
+        return names != self._stamps
+
+    def refresh(self) -> bool:
+        """Take in what another program changed in the files; return whether they are another revision now.
+
+        An invalid file is told in `problem`, and the document stays as it was.
+        """
+        if not self._has_changed():
+            return False
+        former = _block_texts(self.document)
+        try:
+            document = self._read()
+        except (PersonError, OSError) as error:
+            self.problem = f"another program changed the files, and they are not valid now: {error}"
+            return False
+        self.problem = ""
+        splices = differences(former, _block_texts(document))
+        self.document = document
+        if not splices:
+            return False
+        self.revisions.append(self._revision("files", splices=tuple(splices)))
+        self._unwritten.append(self.revisions[-1])
+        return True
+
+    # History
+
+    def _open_history(self) -> list[Revision]:
+        texts = {file.name: file.text for file in self.document.files}
+        revisions = read_history(self._log)
+        copies = {name: text for name in self._copy_names() if (text := self._read_copy(name)) is not None}
+        if revisions and revisions[-1].texts != texts_hash(texts):
+            last = revisions[-1]
+            try:
+                if last.texts != texts_hash(copies):
+                    raise LookupError
+                former = {name: DocumentFile(name, text, self.path).texts for name, text in copies.items()}
+            except (LookupError, PersonError):  # nobody knows any more what the last revision looked like
+                revisions = [Revision(last.number + 1, "files", date=self._date(), texts=texts_hash(texts))]
+                self._unwritten = revisions[:]
+                return revisions
+            splices = tuple(differences(former, _block_texts(self.document)))
+            change = Revision(last.number + 1, "files", date=self._date(), splices=splices, texts=texts_hash(texts))
+            revisions.append(change)
+            self._unwritten = [change]
+        if not revisions:
+            revisions = [Revision(0, "files", date=self._date(), texts=texts_hash(texts))]
+            self._unwritten = revisions[:]
+        return revisions
+
+    def _copy_names(self) -> list[str]:
+        with contextlib.suppress(OSError):
+            found = (file for file in sorted(self._copies.rglob("*.toml")) if file.is_file())
+            return [file.relative_to(self._copies).as_posix() for file in found][:1000]
+        return []
+
+    def _read_copy(self, name: str) -> str | None:
+        with contextlib.suppress(OSError, ValueError):
+            return (self._copies / name).read_bytes().decode()
+        return None
+
+    def _revision(self, what: What, **values: Any) -> Revision:
+        texts = {file.name: file.text for file in self.document.files}
+        return Revision(self.revision + 1, what, date=self._date(), texts=texts_hash(texts), **values)
+
+    def _append(self, revision: Revision) -> Callable[[], None]:
+        """Write a revision to the history and return what takes that back."""
+        unwritten, self._unwritten = self._unwritten, []
+        self._log.parent.mkdir(exist_ok=True)
+        with self._log.open("ab+") as file:
+            size = file.seek(0, 2)
+            file.seek(max(size - 1, 0))
+            is_cut_off = file.read(1) not in (b"", b"\n")
+            file.write(b"\n" * is_cut_off + b"".join(map(history_line, (*unwritten, revision))))
+        self.revisions.append(revision)
+
+        def take_back() -> None:
+            self.revisions.pop()
+            self._unwritten = unwritten
+            with contextlib.suppress(OSError), self._log.open("r+b") as file:
+                file.truncate(size)
+
+        return take_back
+
+    def _copy_texts(self, changed: set[str]) -> None:
+        """Keep a copy of the changed files, from which a later change by another program is known."""
+        files = {file.name: file for file in self.document.files}
+        missing = {*files} - {*self._copy_names()}
+        with contextlib.suppress(OSError, PersonError):  # without it, that change has no earlier state
+            for name in missing | changed:
+                copy = self._copies / name
+                copy.parent.mkdir(parents=True, exist_ok=True)
+                if name in files:
+                    write_atomically(files[name].text.encode(), copy, "history")
+                else:
+                    copy.unlink(missing_ok=True)
+
+    # Edits
+
+    def edit(self, edit: Edit) -> Accepted:
+        """Apply, check and save an edit; EditRefused with all faults leaves document and files as they were."""
+        self._take_in()
+        return self._commit(rebased(edit, self._since(edit.base)), "edit")
+
+    def _take_in(self) -> None:
+        self.refresh()
+        if self.problem:
+            raise EditRefused(Fault(self.problem, str(self.path), remedy="mend them there first"))
+
+    def _since(self, base: int | None) -> list[Revision]:
+        """Return the revisions after `base`."""
+        if base is None:
+            return []
+        if not self.revisions[0].number <= base <= self.revision:
+            known = f"known are {self.revisions[0].number} to {self.revision}"
+            raise EditRefused(Fault(f"base: there is no revision {base}", field="base", remedy=known))
+        return self.revisions[base - self.revisions[0].number + 1 :]
+
+    def _commit(self, edit: Edit, what: What, *, of: int | None = None) -> Accepted:
+        former = self.document.patch
+        applied = apply_edit(self.document, edit)
+        try:
+            check_conflict(edit, applied.keys, self._since(edit.base))
+            self._try_patch()
+            inverse = applied.inverse
+            kept = replace(edit, exact=())
+            revision = self._revision(
+                what, by=edit.by, of=of, edit=kept, inverse=inverse, splices=tuple(applied.splices),
+                keys=tuple(applied.keys), shifts=tuple(applied.shifts),
+            )  # fmt: skip
+            if not applied.splices:  # nothing changed
+                return Accepted(replace(revision, number=self.revision))
+            self._save(applied.splices, revision)
+        except BaseException:
+            self._take_back(applied.splices, former)
+            raise
+        return Accepted(revision)
+
+    def _take_back(self, splices: Sequence[Splice], former: Patch) -> None:
+        self.document.undo(splices)
+        self.document.patch = former
+
+    def _try_patch(self) -> None:
+        faults = [self._fault(error) for error in self.check(self.document.patch)] if self.check is not None else []
+        if faults:
+            raise EditRefused(*faults)
+
+    def _fault(self, error: PersonError) -> Fault:
+        """Return an error of a show with its place in the document."""
+        key = error.key_path
+        file, line = self.document.location(key) if key else (str(self.path), None)
+        measure, dancers = concerned(self.document, key)
+        return Fault(error.message, file, line, key_text(key), error.remedy or "", measure, dancers)
+
+    def _save(self, splices: Sequence[Splice], revision: Revision) -> None:
+        """Write the changed files and the history, all or nothing."""
+        if self._dry:
+            self.revisions.append(revision)
+            return
+        if self._has_changed():
+            words = "another program changed the files in this moment"
+            raise EditRefused(Fault(words, str(self.path), remedy="look again, and repeat it"))
+        folder = self.path.parent
+        texts = {file.name: file.text for file in self.document.files}
+        take_back: list[Callable[[], object]] = []
+        try:
+            unwritten = self._unwritten
+            take_back.append(self._append(revision))
+            for name in dict.fromkeys(splice.file for splice in splices):
+                path = folder / name
+                before = path.read_bytes() if path.exists() else None
+                take_back.append(lambda path=path, before=before: _write(path, before))  # type: ignore[misc]
+                mark = _BOM if name in self._marks else b""
+                _write(path, None if name not in texts else mark + texts[name].encode())
+        except (OSError, PersonError) as error:
+            for step in reversed(take_back):
+                with contextlib.suppress(OSError, PersonError):
+                    step()
+            words = error.message if isinstance(error, PersonError) else str(error)
+            raise refuse((), f"it cannot be saved: {words}", "make room, or make the folder writable") from None
+        self._stamps = {name: _stamp(folder / name) for name in texts}
+        self._copy_texts({splice.file for one in (*unwritten, revision) for splice in one.splices})
+
+    # Back
+
+    def undo(self, by: str | None = None, *, redo: bool = False) -> Accepted:
+        """Take back a person's last edit that is in force; with `redo` their last undo, if no edit of theirs followed.
+
+        None is everybody. EditRefused if there is none, or if others built on it since.
+        """
+        self._take_in()
+        target = self._last_undo(by) if redo else self._last_in_force(by)
+        what: What = "redo" if redo else "undo"
+        if target is None:
+            raise refuse(
+                (), f"{'nobody' if by is None else repr(by)} has nothing to {what}", "see the log of revisions"
+            )
+        exact = tuple(splice.reverse() for splice in reversed(target.splices))
+        if target.inverse is None:
+            return self._commit_texts(exact, what, by or "", target.number)
+        inverse = replace(target.inverse, by=by or "", base=target.number, exact=exact)
+        return self._commit(rebased(inverse, self._since(target.number)), what, of=target.number)
+
+    def _last_in_force(self, by: str | None) -> Revision | None:
+        """Return a person's last revision that was not undone."""
+        undone = {revision.of for revision in self.revisions if revision.what == "undo"}
+        for revision in reversed(self.revisions):
+            is_edit = revision.what in ("edit", "restore", "redo") and revision.number not in undone
+            if is_edit and by in (None, revision.by):
+                return revision
+        return None
+
+    def _last_undo(self, by: str | None) -> Revision | None:
+        """Return a person's last undo that was not redone, unless they edited since."""
+        redone = {revision.of for revision in self.revisions if revision.what == "redo"}
+        for revision in reversed(self.revisions):
+            if by not in (None, revision.by) or revision.number in redone:
+                continue
+            if revision.what == "undo":
+                return revision
+            if revision.what in ("edit", "restore"):
+                return None
+        return None
+
+    def restore(self, number: int, by: str = "") -> Accepted:
+        """Return to the texts of an earlier revision, as a new revision; EditRefused if they are not known or valid."""
+        self._take_in()
+        try:
+            texts = texts_at(self.document, self.revisions, number)
+        except LookupError:
+            known = f"the history reaches from {self.revisions[0].number} to {self.revision}"
+            raise refuse((), f"there is no revision {number}", known) from None
+        blocks = {name: DocumentFile(name, text, self.path).texts for name, text in texts.items()}
+        return self._commit_texts(differences(_block_texts(self.document), blocks), "restore", by, number)
+
+    def _commit_texts(self, splices: Sequence[Splice], what: What, by: str, of: int) -> Accepted:
+        """Apply splices of texts, check and save them."""
+        former, done = self.document.patch, list[Splice]()
+        try:
+            try:
+                for splice in splices:
+                    done.append(self.document.apply(splice))
+                self.document.patch = self.document.validate()
+            except LookupError:
+                raise refuse((), "the same lines were changed since", "see the log of revisions") from None
+            except PersonError as error:
+                raise EditRefused(Fault(error.message, remedy=error.remedy or "")) from None
+            self._try_patch()
+            revision = self._revision(what, by=by, of=of, splices=tuple(done))
+            if done:
+                self._save(done, revision)
+        except BaseException:
+            self._take_back(done, former)
+            raise
+        return Accepted(revision)
+
+
+def _write(path: Path, data: bytes | None) -> None:
+    """Write a file, or for None remove it."""
+    if data is None:
+        path.unlink(missing_ok=True)
+    else:
+        write_atomically(data, path, "file", synced=True)
+
+
+def _stamp(file: Path) -> tuple[int, ...]:
+    facts = file.stat()
+    return facts.st_mtime_ns, facts.st_size, facts.st_ino
+
+
+def _block_texts(document: Document) -> dict[str, tuple[str, ...]]:
+    return {file.name: file.texts for file in document.files}

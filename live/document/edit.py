@@ -1,0 +1,163 @@
+"""Edits as values: the closed set of changes of a document, as people send them and as the history keeps them."""
+
+import json
+import math
+from dataclasses import dataclass, field
+from typing import Annotated, Any, Final, Literal, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from live.base.errors import PersonError
+from live.document.document import Splice
+
+Action = Literal["insert", "change", "move", "resize", "copy", "delete", "rename", "set"]
+ACTIONS: Final[tuple[str, ...]] = get_args(Action)
+MAX_EDIT_BYTES: Final = 1_000_000
+_Key = Annotated[str, Field(min_length=1, max_length=200)] | Annotated[int, Field(ge=1, le=1_000_000)]
+
+
+class _SpliceForm(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    file: Annotated[str, Field(max_length=1000)]
+    block: Annotated[int, Field(ge=0, le=1_000_000)]
+    old: Annotated[list[str], Field(max_length=100_000)]
+    new: Annotated[list[str], Field(max_length=100_000)]
+
+
+class _EditForm(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    do: Action
+    at: Annotated[list[_Key], Field(min_length=1, max_length=16)]
+    value: Any = None
+    id: Annotated[str, Field(max_length=100)] | int | None = None
+    by: Annotated[str, Field(max_length=64)] | None = None
+    base: Annotated[int, Field(ge=0)] | None = None
+    exact: Annotated[list[_SpliceForm], Field(max_length=1000)] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Edit:
+    """A change of a document, by one person."""
+
+    do: str
+    """What it does, of `ACTIONS`."""
+    at: tuple[str | int, ...]
+    """What it changes: keys from the outermost table inwards; entries by name, or by their number from 1."""
+    value: Any = None
+    id: str | int | None = None
+    """What the sender calls it, for the answer."""
+    by: str = ""
+    """Who made it."""
+    base: int | None = None
+    """The revision that the sender saw; None: the present one."""
+    exact: tuple[Splice, ...] = ()
+    """Of an inverse: the texts that give the document back byte by byte, while nobody has changed them since."""
+
+    def to_json_values(self) -> dict[str, Any]:
+        """Return it as values for JSON."""
+        values: dict[str, Any] = {"do": self.do, "at": list(self.at), "value": self.value}
+        values |= {key: value for key in ("id", "by", "base") if (value := getattr(self, key)) not in (None, "")}
+        if self.exact:
+            values["exact"] = [
+                {"file": one.file, "block": one.block, "old": list(one.old), "new": list(one.new)} for one in self.exact
+            ]
+        return values
+
+
+def parse_edit(values: object) -> Edit:
+    """Return the edit that was sent; PersonError with its field and what is allowed."""
+    try:
+        form = _EditForm.model_validate(values)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = ".".join(str(part) for part in first["loc"][:2])
+        keys = ", ".join(_EditForm.model_fields)
+        words = "unknown key" if first["type"] == "extra_forbidden" else first["msg"][:1].lower() + first["msg"][1:]
+        remedy = f"allowed are {', '.join(ACTIONS)}" if where == "do" else f"an edit is an object of {keys}"
+        raise PersonError(f"{where or 'edit'}: {words}", remedy) from None
+    _check_value(form.value, depth=0)
+    exact = tuple(Splice(one.file, one.block, tuple(one.old), tuple(one.new)) for one in form.exact or ())
+    return Edit(form.do, tuple(form.at), form.value, form.id, form.by or "", form.base, exact)
+
+
+def parse_edits(text: str, what: str) -> list[Edit]:
+    """Return the edits of a list in JSON; PersonError that names the faulty one. `what` is the text's name."""
+    try:
+        found = json.loads(text)
+    except (ValueError, RecursionError) as error:
+        words = error if isinstance(error, ValueError) else "its brackets are nested too deep"
+        raise PersonError(f"{what}: not JSON: {words}") from None
+    if not isinstance(found, list):
+        raise PersonError(f"{what}: a list of edits expected", '[{"do": "set", "at": ["seed"], "value": 7}]')
+    edits = []
+    for number, values in enumerate(found, start=1):
+        try:
+            edits.append(parse_edit(values))
+        except PersonError as error:
+            raise PersonError(f"{what}: edit {number}: {error.message}", error.remedy) from None
+    return edits
+
+
+def _check_value(value: object, depth: int) -> None:
+    """Raise PersonError for what TOML cannot hold; null stands alone, or for a key that is removed."""
+    if depth > 16:
+        raise PersonError("value: its brackets are nested too deep")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise PersonError("value: a finite number expected")
+    if isinstance(value, int) and abs(value) >> 63:
+        raise PersonError("value: number with too many digits")
+    if isinstance(value, str) and any("\ud800" <= letter <= "\udfff" for letter in value):
+        raise PersonError("value: not a text in UTF-8")
+    for inner in value.values() if isinstance(value, dict) else value if isinstance(value, list) else ():
+        if inner is None and depth > 0:
+            raise PersonError("value: null only removes a key")
+        _check_value(inner, depth + 1)
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """Why an edit was refused, at one place."""
+
+    what: str
+    file: str = ""
+    line: int | None = None
+    field: str = ""
+    """The key, with entries counted from 1: `segment.3.measures`."""
+    remedy: str = ""
+    measure: float | None = None
+    """The measure that it concerns."""
+    dancers: str | None = None
+    """The dancers that it concerns, as a selection."""
+
+    def to_json_values(self) -> dict[str, Any]:
+        """Return it as values for JSON."""
+        keys = ("file", "line", "field", "what", "remedy", "measure", "dancers")
+        return {key: getattr(self, key) for key in keys}
+
+    def __str__(self) -> str:
+        place = f"{self.file}, line {self.line}: " if self.line is not None else ""
+        field_text = f"{self.field}: " if self.field else ""
+        return f"{place}{field_text}{self.what}" + (f" ({self.remedy})" if self.remedy else "")
+
+
+class EditRefused(Exception):
+    """An edit was refused; the document is as it was."""
+
+    def __init__(self, *faults: Fault) -> None:
+        """`faults` are all errors that were found."""
+        super().__init__("; ".join(map(str, faults)))
+        self.faults = faults
+
+
+@dataclass(slots=True)
+class Applied:
+    """What an edit did to a document."""
+
+    splices: list[Splice] = field(default_factory=list)
+    """The changes of text, in order."""
+    inverse: Edit | None = None
+    """The edit that takes it back, without its exact texts."""
+    keys: list[tuple[Any, ...]] = field(default_factory=list)
+    """The keys that it changed, with entries by number from 0: ("segment", 2, "measure")."""
+    shifts: list[tuple[tuple[str, ...], int, int]] = field(default_factory=list)
+    """Entries that were inserted (list, -1, index), removed (list, index, -1) or moved (list, from, to)."""
