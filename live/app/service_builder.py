@@ -10,6 +10,7 @@ from live.app.bridges import ServiceContext, installed_bridges
 from live.app.launch_options import LaunchOptions
 from live.app.services.audience_service import make_audience
 from live.app.services.click_service import make_click, make_link
+from live.app.services.document_service import DocumentService, edit_date
 from live.app.services.http_services import WebService
 from live.app.services.midi_service import MidiFileService, MidiService, make_midi
 from live.app.services.osc_services import MusicianOscPort, make_osc_out
@@ -19,7 +20,10 @@ from live.base.event_queue import EventQueue
 from live.clock.time_source import Clock
 from live.control.events.events import ControlEvent
 from live.control.registry.control import ROLE_RANKS
+from live.document.document_store import DocumentStore
 from live.show.engine import Engine
+from live.show.loader import LoadedShow
+from live.show.patch.hot_reload import PatchWatch
 from live.show.venue.venue import Venue
 from live.show.view.status import Status
 
@@ -81,6 +85,19 @@ class ServiceBuilder:
                 MidiFileService(self.options.midi_file, self.engine.show, self.engine, resume_tick=resume_tick),
             )
         return midi
+
+    def add_document(self, watch: PatchWatch, loaded: LoadedShow) -> DocumentService:
+        """Add the editing of the show's files."""
+
+        def open_store() -> DocumentStore:
+            return DocumentStore(loaded.path, tables=loaded.tables, date=edit_date)
+
+        document = DocumentService(watch, self.engine.show, open_store)
+        self.add("document", document)
+        self.publisher.add_value("/dance/status/document", lambda: document.revision)
+        self.publisher.add_value("/dance/status/document_answers", lambda: document.published or None)
+        self.publisher.add_value("/dance/status/document_log", lambda: document.log)
+        return document
 
     def add_osc(self) -> None:
         """Add the musicians' port and OSC output."""

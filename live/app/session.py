@@ -207,6 +207,7 @@ class Session:
         self._services = beside.services
         self._watch, library = make_file_watches(loaded, show, post=self.inbox.put, now=self.clock.now)
         self.status.extra_figures["patch"] = self._watch.status
+        self.document = beside.add_document(self._watch, loaded)
         self.status.notices.append(lambda: self._watch.problem)
         self.status.notices.append(self._records.problem)
         self.notifier = make_notifier(

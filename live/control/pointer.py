@@ -18,8 +18,8 @@ WALK_TOOL: Final = "0"
 """The tool that draws a path while it is walked."""
 MIN_STROKE: Final = 0.3
 """Minimum length of a stroke [m]."""
-MAX_POINTS: Final = 14
-"""Maximum points kept of a stroke: as many as fit into a text."""
+MAX_POINTS: Final = 512
+"""Maximum number of points kept of a stroke."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,6 +92,6 @@ def _length(points: Points) -> float:
 
 
 def _thinned(points: Points) -> list[tuple[float, float]]:
-    """Return at most MOST_POINTS of the points, evenly chosen, including the first and the last."""
+    """Return at most MAX_POINTS of the points, evenly chosen, including the first and the last."""
     count = min(len(points), MAX_POINTS)
     return [points[round(k * (len(points) - 1) / (count - 1))] for k in range(count)]

@@ -5,10 +5,12 @@ One store at a time writes a show; it decides the order of all edits.
 """
 
 import contextlib
-from collections.abc import Callable, Sequence
+import os
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
-from typing import Any, Final
+from typing import IO, Any, Final
 
 from live.base.errors import PersonError
 from live.document.document import Document, DocumentFile, Splice
@@ -80,6 +82,7 @@ class DocumentStore:
         folder = path.parent / HISTORY_FOLDER
         self._log, self._copies = folder / f"{path.stem}.jsonl", folder / path.stem
         self._unwritten: list[Revision] = []  # they are not in the history's file yet
+        self._known_log_size = 0
         self.revisions = self._open_history()
         """All revisions that are known, the oldest first; its texts are those after it."""
 
@@ -105,7 +108,8 @@ class DocumentStore:
         self._stamps, self._marks = stamps, marks
         return document
 
-    def _has_changed(self) -> bool:
+    def has_changed(self) -> bool:
+        """Return whether another program changed the files since they were read or written."""
         try:
             names = {file.relative_to(self.path.parent).as_posix(): _stamp(file) for file in patch_files(self.path)}
         except (OSError, PersonError):
@@ -117,7 +121,11 @@ class DocumentStore:
 
         An invalid file is told in `problem`, and the document stays as it was.
         """
-        if not self._has_changed():
+        if self._log_size() != self._known_log_size:  # another program edited this document
+            self.document, self.problem = self._read(), ""
+            self.revisions = self._open_history()
+            return True
+        if not self.has_changed():
             return False
         former = _block_texts(self.document)
         try:
@@ -136,7 +144,13 @@ class DocumentStore:
 
     # History
 
+    def _log_size(self) -> int:
+        with contextlib.suppress(OSError):
+            return self._log.stat().st_size
+        return 0
+
     def _open_history(self) -> list[Revision]:
+        self._unwritten, self._known_log_size = [], self._log_size()
         texts = {file.name: file.text for file in self.document.files}
         revisions = read_history(self._log)
         copies = {name: text for name in self._copy_names() if (text := self._read_copy(name)) is not None}
@@ -174,24 +188,25 @@ class DocumentStore:
         texts = {file.name: file.text for file in self.document.files}
         return Revision(self.revision + 1, what, date=self._date(), texts=texts_hash(texts), **values)
 
-    def _append(self, revision: Revision) -> Callable[[], None]:
-        """Write a revision to the history and return what takes that back."""
-        unwritten, self._unwritten = self._unwritten, []
+    @contextlib.contextmanager
+    def _opened_log(self) -> Iterator[IO[bytes]]:
+        """Open the history for one writer at a time; what was appended is removed again if the block fails."""
         self._log.parent.mkdir(exist_ok=True)
-        with self._log.open("ab+") as file:
-            size = file.seek(0, 2)
-            file.seek(max(size - 1, 0))
-            is_cut_off = file.read(1) not in (b"", b"\n")
-            file.write(b"\n" * is_cut_off + b"".join(map(history_line, (*unwritten, revision))))
-        self.revisions.append(revision)
+        with self._log.open("ab+") as log:
+            with contextlib.suppress(ImportError):
+                import fcntl  # not on every system
 
-        def take_back() -> None:
-            self.revisions.pop()
-            self._unwritten = unwritten
-            with contextlib.suppress(OSError), self._log.open("r+b") as file:
-                file.truncate(size)
-
-        return take_back
+                fcntl.flock(log, fcntl.LOCK_EX)
+            size = log.seek(0, os.SEEK_END)
+            if size != self._known_log_size or self.has_changed():
+                raise refuse((), "another program changed the files in this moment", "look again, and repeat it")
+            try:
+                yield log
+                log.flush()
+            except BaseException:
+                log.truncate(size)
+                raise
+            self._known_log_size = log.seek(0, os.SEEK_END)
 
     def _copy_texts(self, changed: set[str]) -> None:
         """Keep a copy of the changed files, from which a later change by another program is known."""
@@ -268,29 +283,34 @@ class DocumentStore:
         if self._dry:
             self.revisions.append(revision)
             return
-        if self._has_changed():
-            words = "another program changed the files in this moment"
-            raise EditRefused(Fault(words, str(self.path), remedy="look again, and repeat it"))
         folder = self.path.parent
         texts = {file.name: file.text for file in self.document.files}
         take_back: list[Callable[[], object]] = []
         try:
-            unwritten = self._unwritten
-            take_back.append(self._append(revision))
-            for name in dict.fromkeys(splice.file for splice in splices):
-                path = folder / name
-                before = path.read_bytes() if path.exists() else None
-                take_back.append(lambda path=path, before=before: _write(path, before))  # type: ignore[misc]
-                mark = _BOM if name in self._marks else b""
-                _write(path, None if name not in texts else mark + texts[name].encode())
+            with self._opened_log() as log:
+                size = log.seek(0, os.SEEK_END)
+                log.seek(max(size - 1, 0))
+                is_cut_off = log.read(1) not in (b"", b"\n")
+                lines = (history_line(one) for one in (*self._unwritten, revision))
+                log.write(b"\n" * is_cut_off + b"".join(lines))
+                log.flush()
+                for name in dict.fromkeys(splice.file for splice in splices):
+                    path = folder / name
+                    before = path.read_bytes() if path.exists() else None
+                    take_back.append(partial(_write, path, before))
+                    mark = _BOM if name in self._marks else b""
+                    _write(path, None if name not in texts else mark + texts[name].encode())
         except (OSError, PersonError) as error:
             for step in reversed(take_back):
                 with contextlib.suppress(OSError, PersonError):
                     step()
             words = error.message if isinstance(error, PersonError) else str(error)
             raise refuse((), f"it cannot be saved: {words}", "make room, or make the folder writable") from None
+        written = (*self._unwritten, revision)
+        self.revisions.append(revision)
+        self._unwritten = []
         self._stamps = {name: _stamp(folder / name) for name in texts}
-        self._copy_texts({splice.file for one in (*unwritten, revision) for splice in one.splices})
+        self._copy_texts({splice.file for one in written for splice in one.splices})
 
     # Back
 
@@ -300,7 +320,7 @@ class DocumentStore:
         None is everybody. EditRefused if there is none, or if others built on it since.
         """
         self._take_in()
-        target = self._last_undo(by) if redo else self._last_in_force(by)
+        target = self._last_undo(by) if redo else self.last_in_force(by)
         what: What = "redo" if redo else "undo"
         if target is None:
             raise refuse(
@@ -312,7 +332,7 @@ class DocumentStore:
         inverse = replace(target.inverse, by=by or "", base=target.number, exact=exact)
         return self._commit(rebased(inverse, self._since(target.number)), what, of=target.number)
 
-    def _last_in_force(self, by: str | None) -> Revision | None:
+    def last_in_force(self, by: str | None) -> Revision | None:
         """Return a person's last revision that was not undone."""
         undone = {revision.of for revision in self.revisions if revision.what == "undo"}
         for revision in reversed(self.revisions):

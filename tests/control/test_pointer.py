@@ -9,7 +9,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.control.events import events
+from live.control.osc.osc_codec import decode, encode
 from live.control.pointer import MAX_POINTS, MIN_STROKE, TOOLS, event_for_place, event_for_stroke
+from live.control.registry.registry import REGISTRY
 
 STAMP = {"time": 4.0, "source": "pointer"}
 STROKE = [(0.0, 0.0), (0.5, 0.5), (2.0, 0.0)]
@@ -82,3 +84,12 @@ def test_long_stroke_is_thinned_to_point_limit(points):
     assert (event is not None) == (far >= MIN_STROKE)
     if event is not None:
         assert 2 <= len(event.points) <= MAX_POINTS
+
+
+@pytest.mark.parametrize("scale", [1.0, 60.0])
+def test_a_stroke_of_512_points_is_kept_whole_also_by_osc(scale):
+    points = [(round(scale * math.cos(k / 40), 2), round(-scale * math.sin(k / 25), 2)) for k in range(512)]
+    assert event_for_stroke("D", points, False, 4.0).points == tuple(points)
+    text = ", ".join(f"{x:g} {z:g}" for x, z in points)
+    (message,) = decode(encode("/dance/attract/drawn", (text,)))
+    assert REGISTRY.call(message.address, message.arguments, 4.0, "osc").points == tuple(points)

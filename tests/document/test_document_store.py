@@ -333,3 +333,17 @@ def test_an_inverse_that_was_sent_back_gives_the_bytes(path: Path) -> None:
     for answer in reversed(json.loads(json.dumps(answers))):
         store.edit(parse_edit(answer["inverse"]))
     assert tree(path) == before
+
+
+def test_two_programs_edit_one_show(path: Path) -> None:
+    """The running show and the command line: each takes in the revisions of the other."""
+    one, other = DocumentStore(path), DocumentStore(path)
+    put(one, ("seed",), 4, by="ana")
+    put(other, ("segment", 1, "measures"), 3, by="bea")
+    put(one, ("name",), "y", by="ana")
+    other.undo("ana")
+    assert [revision.number for revision in DocumentStore(path).revisions] == [0, 1, 2, 3, 4]
+    assert one.refresh()
+    assert one.revisions == other.revisions
+    one.restore(0)
+    assert path.read_text() == TEXT

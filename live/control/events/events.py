@@ -11,6 +11,7 @@ from live.control.events import (
     capture,
     clock,
     cues,
+    document,
     elements,
     groups,
     midi,
@@ -27,6 +28,7 @@ from live.control.events.audio import *  # noqa: F403
 from live.control.events.capture import *  # noqa: F403
 from live.control.events.clock import *  # noqa: F403
 from live.control.events.cues import *  # noqa: F403
+from live.control.events.document import *  # noqa: F403
 from live.control.events.elements import *  # noqa: F403
 from live.control.events.event import ControlEvent as ControlEvent
 from live.control.events.groups import *  # noqa: F403
@@ -41,7 +43,7 @@ from live.control.events.system import *  # noqa: F403
 
 MODULES: Final = (
     elements, groups, motion, parameters, partners, scenes, cues, output, audience, clock, audio, score, capture,
-    system, midi,
+    system, midi, document,
 )  # fmt: skip
 """The modules that declare commands and events, in the order of the reference."""
 

@@ -20,7 +20,9 @@ MAX_PACKET_BYTES: Final = 8192
 MAX_BUNDLE_DEPTH: Final = 4
 MAX_MESSAGES: Final = 64
 MAX_ARGUMENTS: Final = 64
-MAX_STRING_BYTES: Final = 256
+MAX_ADDRESS_BYTES: Final = 256
+MAX_STRING_BYTES: Final = 8000
+"""Maximum length of a text argument; controls allow less, see `Argument.length`."""
 MAX_BLOB_BYTES: Final = 1024
 IMMEDIATELY: Final = 1
 """The time tag that means "now"; also given to a message outside any bundle."""
@@ -99,7 +101,7 @@ def _decode_bundle(data: bytes, start: int, stop: int, depth: int, messages: lis
 
 def _message(data: bytes, start: int, stop: int, timetag: int) -> Message:
     """Return the message that fills data[start:stop]."""
-    end, position = _string_end(data, start, stop)
+    end, position = _string_end(data, start, stop, MAX_ADDRESS_BYTES)
     address = data[start:end]
     forbidden = _FORBIDDEN_IN_PATTERN if b"{" in address else _FORBIDDEN
     if _ADDRESS.fullmatch(address) is None or forbidden.search(address):
@@ -108,7 +110,7 @@ def _message(data: bytes, start: int, stop: int, timetag: int) -> Message:
         raise OscRejected(Reason.NO_TYPES)
     if data.find(b"\0", position, min(stop, position + 2 + MAX_ARGUMENTS)) < 0 and stop - position > 1 + MAX_ARGUMENTS:
         raise OscRejected(Reason.MANY_ARGUMENTS)
-    end, position_of_values = _string_end(data, position, stop)
+    end, position_of_values = _string_end(data, position, stop, MAX_ADDRESS_BYTES)
     arguments, position = _arguments(data, data[position + 1 : end], position_of_values, stop)
     if position != stop:
         raise OscRejected(Reason.TRAILING)
@@ -129,7 +131,7 @@ def _arguments(data: bytes, tags: bytes, position: int, stop: int) -> tuple[tupl
             values.append(value)
             position += number.size
         elif tag == 0x73:  # "s"
-            end, after = _string_end(data, position, stop)
+            end, after = _string_end(data, position, stop, MAX_STRING_BYTES)
             try:
                 values.append(data[position:end].decode("utf-8"))
             except UnicodeDecodeError:
@@ -150,9 +152,9 @@ def _arguments(data: bytes, tags: bytes, position: int, stop: int) -> tuple[tupl
     return tuple(values), position
 
 
-def _string_end(data: bytes, start: int, stop: int) -> tuple[int, int]:
-    """Return the end of the string at `start`, and the position after its padding."""
-    end = data.find(b"\0", start, min(stop, start + MAX_STRING_BYTES + 1))
+def _string_end(data: bytes, start: int, stop: int, longest: int) -> tuple[int, int]:
+    """Return the end of the string of at most `longest` bytes at `start`, and the position after its padding."""
+    end = data.find(b"\0", start, min(stop, start + longest + 1))
     if end < 0:
         raise OscRejected(Reason.UNTERMINATED)
     after = (end + 4) & ~3  # strings begin and end at multiples of 4 from the packet's start

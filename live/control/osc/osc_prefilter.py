@@ -7,7 +7,7 @@ control is passed on. A sender of mostly invalid datagrams is ignored for a whil
 from collections.abc import Callable
 from typing import Any, Final
 
-from live.control.osc.osc_codec import MAX_PACKET_BYTES, MAX_STRING_BYTES
+from live.control.osc.osc_codec import MAX_ADDRESS_BYTES, MAX_PACKET_BYTES
 from live.control.registry.control import Control
 from live.control.registry.registry import Registry
 from live.control.registry.rejections import Reason, Rejection, Tally
@@ -128,5 +128,5 @@ def _header(data: bytes) -> bytes:
     """Return the address and type tags of a message; empty for anything else."""
     if data[0] != _SLASH:
         return b""
-    comma = data.find(b",", 0, MAX_STRING_BYTES)
+    comma = data.find(b",", 0, MAX_ADDRESS_BYTES)
     return b"" if comma < 0 else data[: (data.find(b"\0", comma) + 4) & ~3]

@@ -126,10 +126,12 @@ OwnFadeMeasures = Annotated[
     float, Argument.number("how long it takes; 0 is at once, -1: its own duration", -1, 1024, "measures")
 ]
 Next = Annotated[bool, Argument.switch("1: from the next measure line on, 0: now")]
+MAX_POINTS_LENGTH: Final = 9000
+"""Maximum length of a drawn line [characters]: 512 points with centimetres fit, anywhere within 100 m."""
 Points = Annotated[
     tuple[tuple[float, float], ...],
     replace(
-        Argument.text("x z of each point in order, as in `-3 0, 0 -2, 3 0`"),
+        Argument.text("x z of each point in order, as in `-3 0, 0 -2, 3 0`", longest=MAX_POINTS_LENGTH),
         convert=parse_points, form="x z of each in metres, as in -3 0, 0 -2.5, 3 0",
     ),
 ]  # fmt: skip

@@ -52,6 +52,8 @@ class Argument:
     """Makes the event's value of one that was checked: `round` for a whole number; ValueError if it cannot."""
     form: str = ""
     """How a text is written, if not any text is valid."""
+    longest: int = 0
+    """Maximum length of a text [characters]; 0: that of its type."""
     names: str = ""
     """What a name names, as in "step" or "cue": the names that exist are offered as completions."""
 
@@ -73,9 +75,9 @@ class Argument:
         return cls("", "name", description, default=default, names=names)
 
     @classmethod
-    def text(cls, description: str, names: str = "") -> "Argument":
+    def text(cls, description: str, names: str = "", longest: int = 0) -> "Argument":
         """Return a text."""
-        return cls("", "text", description, names=names)
+        return cls("", "text", description, longest=longest, names=names)
 
     @property
     def expected(self) -> str:
@@ -91,7 +93,7 @@ class Argument:
     @property
     def length(self) -> int:
         """Maximum length of a name or text."""
-        return NAME_LENGTH if self.type == "name" else TEXT_LENGTH
+        return self.longest or (NAME_LENGTH if self.type == "name" else TEXT_LENGTH)
 
     def check(self, value: object) -> ArgumentValue | Reason:
         """Return the value in its own type, never NaN or out of range, or the reason. `True` is not a number."""

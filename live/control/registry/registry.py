@@ -128,6 +128,9 @@ READINGS: Final = (
     Reading("fading", "int", "Number of values that are fading."),
     Reading("frame_ms", "float", "Frame time, 99th percentile.", "ms"),
     Reading("late_frames", "int", "Late frames since the start."),
+    Reading("document", "int", "The revision of the show's files; nothing before their first edit by the show."),
+    Reading("document_answers", "text", "The latest answers to edits of the show's files, as JSON."),
+    Reading("document_log", "text", "The latest revisions of the show's files, as JSON."),
     Reading("accepted", "int", "Events applied since the start."),
     Reading("refused", "int", "Messages and events refused since the start."),
 )

@@ -134,12 +134,14 @@ class Evolutions:
         self._live_path_count = 0
         claims = DancerSelections(patch, casting)
         for index, section in enumerate(patch.segment):  # errors are reported at the start, not in measure 200
-            with error_context(f"segment in measure {section.measure}", ("segment", index)):
-                if section.formation is not None:
+            where = f"segment in measure {section.measure}"
+            if section.formation is not None:
+                with error_context(where, ("segment", index, "formation")):
                     self._register_formation(section.formation)
+            with error_context(where, ("segment", index, "group")):
                 claims.bits(section.group)
         for index, regroup in enumerate(patch.regroup):
-            with error_context(f"regroup in measure {regroup.measure}", ("regroup", index)):
+            with error_context(f"regroup in measure {regroup.measure}", ("regroup", index, "dancers")):
                 claims.bits(regroup.dancers)
         check_segments(patch.segment, self._score, claims)
         check_regroups(patch.regroup, self._score, casting)

@@ -5,7 +5,9 @@ never reaches the stage; the last good patch stays in force. Only a patch that s
 """
 
 import gc
+import queue
 from collections.abc import Callable
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
 
@@ -14,14 +16,14 @@ from live.base.errors import PersonError
 from live.base.fault_isolation import FAULTS
 from live.control.events.events import ControlEvent, PatchChanged
 from live.control.worker_thread import WorkerThread
-from live.graph.motion_graph import MotionGraph
+from live.graph.library_insert import stranded
 from live.render.custom_pass import try_passes
 from live.show.background_work import short_switch_interval
 from live.show.dancers.character_casting import check_characters
-from live.show.loader import LoadedShow, adapt_edited_patch, locate_errors
+from live.show.loader import LoadedShow, adapt_edited_patch
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import custom_pass_files, patch_files, read_sources
-from live.show.patch.patch_update import PreparedPatch, patch_version, prepare_patch, split_deferred
+from live.show.patch.patch_update import PreparedPatch, changed_fields, fresh_show, patch_version, split_deferred
 from live.show.patch.table_batches import free_patches, patch_json
 from live.show.patch.toml_model import TomlSources, key_text
 from live.show.selection.library_watch import LibraryWatch, Stamp
@@ -36,6 +38,20 @@ LIBRARY_POLL_INTERVAL: Final = 20
 """The step folder is polled once in this many polls: recordings are long files that take long to write."""
 MAX_PACKED_CHARS: Final = 2_000_000
 """Largest length of a packed patch [characters]; enough for more than 20,000 entries."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Candidate:
+    """An edited patch that the running show can take."""
+
+    written: Patch
+    """The patch as it was written."""
+    patch: Patch
+    """The patch as far as it acts before the next start."""
+    deferred_keys: tuple[str, ...]
+    """The keys that wait for the next start."""
+    new_show: Any
+    """A show of it, which is not run; None if nothing changes before the next start."""
 
 
 class PatchWatch:
@@ -54,15 +70,15 @@ class PatchWatch:
         self._loaded, self._show, self._post, self._now = loaded, show, post, now
         self._library = library
         self._patch, self._graph = show.patch, show.graph
-        self._text = patch_json(self._patch)
         self._last_written = self._patch  # as last written, including keys that wait for the next start
         if library is not None:
             library.check = lambda graph: show.hot_swap.make_show(self._patch, graph)
         self._last_stamp = self._handled_stamp = file_stamp(loaded.path)
         self._failure_count, self._freed_counts = 0, (0, 0)
         self._turn = 0
-        self._worker = WorkerThread("patch watch", self._watch, part="the watch of the patch", every=POLL_S)
-        self.version = patch_version(self._text)
+        self._worker = WorkerThread("patch watch", self._work, part="the watch of the patch")
+        self._tasks: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
+        self.version = patch_version(patch_json(self._patch))
         """Version of the patch that was offered last; at first that of the patch the show began with."""
         self.problem = ""
         """Why the last edit was refused; empty if it was accepted."""
@@ -82,6 +98,26 @@ class PatchWatch:
     def status(self) -> dict[str, Any]:
         """Return status values: the patch in force, the last edit's problem, and keys that wait for a new start."""
         return {"version": self.version, "problem": self.problem, "waits": list(self.deferred_keys)}
+
+    def do(self, task: Callable[[], None]) -> None:
+        """Run a task soon in the watching thread, between two polls. Thread: any."""
+        self._tasks.put(task)
+
+    def _work(self) -> None:
+        while not self._worker.stopping.is_set():
+            try:
+                task = self._tasks.get(timeout=POLL_S)
+            except queue.Empty:
+                self._watch()
+                continue
+            task()
+            self.run_tasks()
+            self.free_replaced()
+
+    def run_tasks(self) -> None:
+        """Run the tasks that wait. Thread: the watching one, or before it starts."""
+        while not self._tasks.empty():
+            self._tasks.get()()
 
     def _watch(self) -> None:
         self._turn += 1
@@ -117,52 +153,73 @@ class PatchWatch:
             return False
 
     def _reload(self) -> bool:
-        """Read, validate and offer the current files."""
-        graph = self._graph if self._library is None else self._library.graph
+        """Read, check and offer the current files."""
         patch, sources = read_sources(self._loaded.path, self._loaded.tables)
-        patch = adapt_edited_patch(patch, graph, self._patch, recordings=self._loaded.recordings is not None)
+        try:
+            candidate = self.candidate(patch)
+        except PersonError as error:
+            self._failure_count += 1
+            where = f"{sources.location_text(error.key_path)}: {key_text(error.key_path)}: " if error.key_path else ""
+            raise PersonError(f"{where}{error.message}", error.remedy) from None
+        return self.offer(candidate, sources)
+
+    def candidate(self, written: Patch) -> Candidate:
+        """Return an edited patch ready for the running show; PersonError, with its place, if the show cannot take it.
+
+        Thread: the watching one, or before it starts.
+        """
+        graph = self._graph if self._library is None else self._library.graph
+        patch = adapt_edited_patch(written, graph, self._patch, recordings=self._loaded.recordings is not None)
         patch = with_venue_projector(patch, self._loaded.projector)
-        self._check_files(patch, sources)
-        patch, self.deferred_keys = split_deferred(patch, self._patch)
-        text = patch_json(patch)
-        if text == self._text:  # only comments or keys that wait changed, or the edit was undone
+        self._check_files(patch)
+        whole = patch
+        patch, waits = split_deferred(patch, self._patch)
+        if patch == self._patch:
+            return Candidate(whole, self._patch, waits, None)
+        if patch.picture.own != self._patch.picture.own:
+            try_passes(patch.picture.own_passes)
+        new_show = fresh_show(patch, self._show.hot_swap.make_show, self._patch, graph)
+        if new_show.graph is not graph and stranded(new_show.graph, self._show.dancers.node).any():
+            raise PersonError("[locomotion] would leave dancers without a next step", "a larger threshold_m")
+        return Candidate(whole, patch, waits, new_show)
+
+    def offer(self, candidate: Candidate, sources: TomlSources) -> bool:
+        """Have the show take a candidate from the next measure that is not planned yet; return False if nothing
+        changes. PersonError if it is too long. `sources` are its texts, for messages. Thread: as for `candidate`."""
+        self._last_written, self.deferred_keys = candidate.written, candidate.deferred_keys
+        if candidate.new_show is None:  # only comments or keys that wait changed, or the edit was undone
             mended, self.problem = bool(self.problem), ""
             self._set_message((), sources)
             if mended and not self.message:
                 self.message = "patch: mended; it is the same as the patch in force"
             return False
-        if len(compress_text(text)) > MAX_PACKED_CHARS:
+        text = patch_json(candidate.patch)
+        packed = compress_text(text)
+        if len(packed) > MAX_PACKED_CHARS:
             raise PersonError("the patch is too long to be taken while the show runs")
-        if patch.picture.own != self._patch.picture.own:
-            try_passes(patch.picture.own_passes)
-        prepared = self._validated(text, graph, sources)
-        walk_ahead(prepared.new_show.patch, "patch")  # snapshots need this
-        self._text, self._patch, self._graph, self.version = text, patch, prepared.new_show.graph, prepared.version
+        walk_ahead(candidate.patch, "patch")  # snapshots need this
+        changed = changed_fields(self._patch, candidate.patch)
+        prepared = PreparedPatch(patch_version(text), candidate.new_show, changed)
+        self._patch, self._graph, self.version = candidate.patch, candidate.new_show.graph, prepared.version
         if self._library is not None:
-            self._library.graph = prepared.new_show.graph
+            self._library.graph = self._graph
             self._library.retry()
         self.problem = ""
         self._show.hot_swap.offer_patch(prepared)
-        self._post(PatchChanged(time=self._now(), source="patch", patch=compress_text(text), version=prepared.version))
-        self._set_message(prepared.changed_fields, sources)
+        self._post(PatchChanged(time=self._now(), source="patch", patch=packed, version=prepared.version))
+        self._set_message(changed, sources)
         return True
 
-    def _check_files(self, patch: Patch, sources: TomlSources) -> None:
-        """Raise PersonError for a file that the next start would refuse, so that the author hears of it now."""
-        with locate_errors(sources):
-            if patch.character != self._last_written.character:
-                check_characters(patch, self._loaded.path)
-            if patch.background != self._last_written.background:
-                make_backgrounds(patch, self._loaded.path)
-        self._last_written = patch
+    def skip_present_files(self) -> None:
+        """Take the present files as read: their patch was offered by other ways. Thread: as for `candidate`."""
+        self._last_stamp = self._handled_stamp = file_stamp(self._loaded.path)
 
-    def _validated(self, text: str, graph: MotionGraph, sources: TomlSources) -> PreparedPatch:
-        try:
-            return prepare_patch(text, self._show.hot_swap.make_show, self._patch, graph)
-        except PersonError as error:
-            self._failure_count += 1
-            where = f"{sources.location_text(error.key_path)}: {key_text(error.key_path)}: " if error.key_path else ""
-            raise PersonError(f"{where}{error.message}", error.remedy) from None
+    def _check_files(self, patch: Patch) -> None:
+        """Raise PersonError for a file that the next start would refuse, so that the author hears of it now."""
+        if patch.character != self._last_written.character:
+            check_characters(patch, self._loaded.path)
+        if patch.background != self._last_written.background:
+            make_backgrounds(patch, self._loaded.path)
 
     def _set_message(self, different: tuple[str, ...], sources: TomlSources) -> None:
         words = [f"patch: new from the next measure on: {', '.join(different)}"] if different else []

@@ -137,21 +137,30 @@ ShowFactory = Callable[[Patch, MotionGraph], Any]
 """Builds a new show from a patch and a graph."""
 
 
-def prepare_patch(text: str, make_show: ShowFactory, running: Patch, graph: MotionGraph) -> PreparedPatch:
-    """Validate a patch, written as JSON, for a show that runs with the patch `running` in `graph`.
+def fresh_show(patch: Patch, make_show: ShowFactory, running: Patch, graph: MotionGraph) -> Any:
+    """Return a show of a valid `patch` for one that runs with the patch `running` in `graph`.
 
-    PersonError if it would not start, or cannot replace the running one. Slow: do not call it in a live frame.
+    PersonError, with its place, if it would not start, or cannot replace the running one. Slow: do not call it in a
+    live frame.
     """
     try:
-        patch = validate_model(Patch, _parse_json(text), PATCH_CHECKS)
         if split_deferred(patch, running)[1]:
             raise PersonError("the patch needs a new start")
-        fresh = make_show(patch, rebuilt_graph(graph, running, patch))
-        return PreparedPatch(patch_version(text), fresh, changed_fields(running, patch))
+        return make_show(patch, rebuilt_graph(graph, running, patch))
     except UnknownStep as error:
         raise PersonError(str(error), key_path=error.place) from None
-    except ValueError as error:  # of pydantic or the graph, or a damaged text
+    except ValueError as error:  # of the graph
         raise PersonError(str(error)) from None
+
+
+def prepare_patch(text: str, make_show: ShowFactory, running: Patch, graph: MotionGraph) -> PreparedPatch:
+    """Validate a patch, written as JSON, and prepare a show of it; PersonError as by `fresh_show`. Slow, too."""
+    try:
+        patch = validate_model(Patch, _parse_json(text), PATCH_CHECKS)
+    except ValueError as error:  # of pydantic, or a damaged text
+        raise PersonError(str(error)) from None
+    fresh = fresh_show(patch, make_show, running, graph)
+    return PreparedPatch(patch_version(text), fresh, changed_fields(running, patch))
 
 
 def _parse_json(text: str) -> dict[str, Any]:

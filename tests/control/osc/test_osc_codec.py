@@ -11,6 +11,7 @@ from pythonosc.osc_message_builder import OscMessageBuilder
 
 from live.control.osc.osc_codec import (
     IMMEDIATELY,
+    MAX_ADDRESS_BYTES,
     MAX_ARGUMENTS,
     MAX_BLOB_BYTES,
     MAX_MESSAGES,
@@ -135,7 +136,7 @@ NAN, INF = struct.pack(">f", float("nan")), struct.pack(">f", float("inf"))
         (b"/abc", Reason.UNTERMINATED),
         (b"/a\0x,\0\0\0", Reason.PADDING),
         (b"/a\0\0,\0x\0", Reason.PADDING),
-        (b"/" + b"a" * MAX_STRING_BYTES + b"\0\0\0,\0\0\0", Reason.UNTERMINATED),
+        (b"/" + b"a" * MAX_ADDRESS_BYTES + b"\0\0\0,\0\0\0", Reason.UNTERMINATED),
         (b"/a\0\0", Reason.NO_TYPES),
         (b"/a\0\0\0\0\0\0", Reason.NO_TYPES),
         (b"/a\0\0" + struct.pack(">f", 1.0), Reason.NO_TYPES),

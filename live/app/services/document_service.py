@@ -1,0 +1,219 @@
+"""Edits of a running show's files: each is checked with the show, saved, and danced from the next free measure line."""
+
+import json
+from collections import deque
+from collections.abc import Callable, Iterator
+from datetime import datetime
+from functools import partial
+from typing import Any, Final
+
+from live.base.errors import PersonError
+from live.base.fault_isolation import FAULTS
+from live.control.events.document import EditDocument, RedoDocument, RestoreDocument, UndoDocument
+from live.control.events.event import ControlEvent
+from live.document.document_store import Accepted, DocumentStore, refused_json_values
+from live.document.edit import EditRefused, parse_edits
+from live.document.history import Revision
+from live.document.place import refuse
+from live.document.show_check import show_faults
+from live.show.background_work import short_switch_interval
+from live.show.patch.hot_reload import Candidate, PatchWatch
+from live.show.patch.patch import Patch
+from live.show.patch.toml_model import TomlSources
+from live.show.show import Show
+
+Request = EditDocument | UndoDocument | RedoDocument | RestoreDocument
+Change = tuple[str | int | None, Callable[[], Accepted]]
+"""The sender's name for a change, and what makes it."""
+WORDS: Final[dict[type, str]] = {
+    EditDocument: "edit", UndoDocument: "undo", RedoDocument: "redo", RestoreDocument: "restore",
+}  # fmt: skip
+REQUESTS: Final = (EditDocument, UndoDocument, RedoDocument, RestoreDocument)
+MAX_ANSWERS_LENGTH: Final = 6000
+"""Maximum length of the published answers [characters]; an OSC packet has 8,192 bytes."""
+MAX_WAITING: Final = 1000
+"""Maximum number of edits that wait; more are refused."""
+SHOWN_FAULTS: Final = 4
+LOGGED: Final = 20
+"""Number of revisions that are published."""
+
+
+class DocumentService:
+    """The document of a running show. Its edits are applied one after the other in the thread of the patch watch."""
+
+    def __init__(self, watch: PatchWatch, show: Show, open_store: Callable[[], DocumentStore]) -> None:
+        """`open_store` reads the show's files, for the first edit."""
+        self._watch, self._show, self._open_store = watch, show, open_store
+        self._store: DocumentStore | None = None
+        self._candidate: Candidate | None = None  # the patch that was checked last
+        self._waiting = 0
+        self._answers: deque[dict[str, Any]] = deque(maxlen=64)
+        self._accepted_in: dict[int, int] = {}  # measure of the show in which a revision was accepted
+        self._danced_in: dict[tuple[int, int], int] = {}  # last measure of the show at a place of the score
+        self._last_measure = -1
+        self._accepted = self._refused = 0
+        self._log: str | None = None
+        self.published = ""
+        """The latest answers as JSON."""
+
+    # -- thread: the show's ------------------------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Do nothing; the patch watch has the thread."""
+
+    def stop(self) -> None:
+        """Do nothing: edits that wait when the show ends are not saved, and were not answered."""
+
+    def frame(self) -> None:
+        """Note which measure of the score is being danced."""
+        measure = self._show.span.number
+        if measure != self._last_measure and measure >= 0:
+            self._last_measure = measure
+            place = self._show.score_runner.score.place(measure)
+            self._danced_in[place.section, place.measure] = measure
+
+    def handle(self, event: ControlEvent) -> None:
+        """Pass an edit on to the watching thread."""
+        if not isinstance(event, REQUESTS):
+            return
+        if self._waiting >= MAX_WAITING:
+            self._refused += 1
+            return
+        self._waiting += 1
+        self._watch.do(lambda: self._serve(event))
+
+    def status(self) -> dict[str, Any]:
+        """Return revision, and the number of accepted and refused edits."""
+        return {"revision": self.revision, "accepted": self._accepted, "refused": self._refused}
+
+    @property
+    def revision(self) -> int | None:
+        """The present revision; None before the first edit."""
+        return None if self._store is None else self._store.revision
+
+    @property
+    def log(self) -> str | None:
+        """The latest revisions as JSON; None before the first edit."""
+        return self._log
+
+    # -- thread: the watching one ------------------------------------------------------------------------------------
+
+    def _serve(self, event: Request) -> None:
+        self._waiting -= 1
+        try:
+            with short_switch_interval():
+                for answer in self._answer(event):
+                    self._publish(answer, event)
+        except Exception as error:  # a fault of the program: the show and the next edits go on
+            FAULTS.record("an edit of the document", error)
+            self._publish({"id": None, "refused": [{"what": f"{type(error).__name__}: {error}"}]}, event)
+
+    def _answer(self, event: Request) -> Iterator[dict[str, Any]]:
+        """Serve a request and yield its answers."""
+        try:
+            store = self._opened()
+            changes = self._changes(store, event)
+        except (PersonError, OSError) as error:
+            self._refused += 1
+            yield refused_json_values(None, refuse((), str(error)))
+            return
+        for edit_id, change in changes:
+            try:
+                answer = self._take(store, change).to_json_values(edit_id)
+                self._accepted += 1
+            except EditRefused as error:
+                answer = refused_json_values(edit_id, error)
+                self._refused += 1
+            yield answer
+
+    def _changes(self, store: DocumentStore, event: Request) -> list[Change]:
+        """Return the changes that an event asks for; PersonError if it cannot be read."""
+        match event:
+            case EditDocument():
+                text = event.edit if event.edit.lstrip().startswith("[") else f"[{event.edit}]"
+                return [(edit.id, partial(store.edit, edit)) for edit in parse_edits(text, "edit")]
+            case UndoDocument():
+                return [(None, partial(self._undo, store, event.by or None))]
+            case RedoDocument():
+                return [(None, partial(store.undo, event.by or None, redo=True))]
+            case RestoreDocument():
+                return [(None, partial(store.restore, event.revision, event.by))]
+
+    def _undo(self, store: DocumentStore, by: str | None) -> Accepted:
+        self._refuse_danced(store, store.last_in_force(by))
+        return store.undo(by)
+
+    def _opened(self) -> DocumentStore:
+        if self._store is None:
+            self._store = self._open_store()
+            self._store.check = self._check
+        return self._store
+
+    def _check(self, patch: Patch) -> list[PersonError]:
+        """Return why the running show cannot take a patch; keep what it would take."""
+
+        def build(one: Patch) -> None:
+            self._candidate = self._watch.candidate(one)
+
+        self._candidate = None
+        return show_faults(build, patch)
+
+    def _take(self, store: DocumentStore, change: Callable[[], Accepted]) -> Accepted:
+        """Save a change, and have the show take it."""
+        before = store.revision
+        accepted = change()
+        if store.revision != before and self._candidate is not None:
+            self._accepted_in[store.revision] = self._show.span.number
+            try:
+                self._watch.offer(self._candidate, TomlSources(store.document.files))
+            except PersonError as error:  # it is saved, and acts from the next start on
+                self._watch.problem = str(error)
+            if not store.has_changed():
+                self._watch.skip_present_files()
+        self._candidate = None
+        return accepted
+
+    def _refuse_danced(self, store: DocumentStore, target: Revision | None) -> None:
+        """Raise EditRefused for the undo of a revision whose measures have been danced since."""
+        since = None if target is None else self._accepted_in.get(target.number)
+        if target is None or since is None:
+            return
+        for key in {key[:2] for key in target.keys}:
+            rows = getattr(store.document.patch, str(key[0]), None)
+            if not isinstance(rows, tuple) or len(key) < 2 or not isinstance(key[1], int) or key[1] >= len(rows):
+                continue
+            entry = rows[key[1]]
+            measure = getattr(entry, "measure", None)
+            place = None if measure is None else self._show.score_runner.score.place_of(entry.section, measure)
+            if place is not None and self._danced_in.get(place, -1) > since:
+                where = f" of {entry.section}" if entry.section else ""
+                words = f"measure {measure:g}{where} has been danced with it"
+                raise refuse(key, words, "change it by a new edit, which acts when that measure comes again")
+
+    def _publish(self, answer: dict[str, Any], event: Request) -> None:
+        """Add an answer to those that everybody can read, in a short form."""
+        answer = {**answer, "what": WORDS[type(event)]}
+        if "refused" in answer:
+            faults = answer["refused"]
+            short = {**answer, "refused": faults[:SHOWN_FAULTS], "faults": len(faults)}
+        else:
+            inverse = answer["inverse"]
+            short = {**answer, "inverse": None if inverse is None else {**inverse, "exact": None}}
+        self._answers.append(short)
+        text = json.dumps(list(self._answers))
+        while len(text) > MAX_ANSWERS_LENGTH and len(self._answers) > 1:
+            self._answers.popleft()
+            text = json.dumps(list(self._answers))
+        if len(text) > MAX_ANSWERS_LENGTH:  # one long answer: without its values
+            self._answers[0] = {key: short[key] for key in ("id", "what", "revision", "faults") if key in short}
+            text = json.dumps(list(self._answers))
+        self.published = text
+        if self._store is not None:
+            latest = self._store.revisions[-LOGGED:]
+            rows = [{"revision": one.number, "date": one.date, "by": one.by, "text": one.text} for one in latest]
+            self._log = json.dumps(rows)
+
+
+def edit_date() -> str:
+    """Return the present date and time, for people who read a history."""
+    return datetime.now().astimezone().isoformat(timespec="seconds")

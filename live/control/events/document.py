@@ -1,0 +1,44 @@
+"""Commands that edit the show's files while it runs.
+
+The show itself ignores them: what they change comes as PatchChanged.
+"""
+
+from typing import Annotated, Final
+
+from live.control.events.event import ControlEvent
+from live.control.registry.command import command
+from live.control.registry.control import Argument
+
+MAX_EDIT_LENGTH: Final = 7500
+"""Maximum length of an edit by OSC [characters]; a packet has 8,192 bytes."""
+_EDIT: Final = "as JSON (docs/document.md); the answer is in /dance/status/document_answers"
+Person = Annotated[str, Argument.label("who edits, as in the edits; left out: everybody")]
+
+
+@command("/dance/document/edit", "operator")
+class EditDocument(ControlEvent):
+    """Edits the show's files: checked, saved, and danced from the next measure that is not planned yet."""
+
+    edit: Annotated[str, Argument.text(_EDIT, longest=MAX_EDIT_LENGTH)]
+
+
+@command("/dance/document/undo", "operator")
+class UndoDocument(ControlEvent):
+    """Takes back a person's last edit of the show's files, unless it has been danced."""
+
+    by: Person = ""
+
+
+@command("/dance/document/redo", "operator")
+class RedoDocument(ControlEvent):
+    """Repeats the edit of the show's files that a person took back last."""
+
+    by: Person = ""
+
+
+@command("/dance/document/restore", "operator")
+class RestoreDocument(ControlEvent):
+    """Returns the show's files to an earlier revision, as a new revision."""
+
+    revision: Annotated[int, Argument.number("a number of the history", 0, 100_000_000)]
+    by: Person = ""

@@ -1,0 +1,196 @@
+"""A running show's files are edited: saved, danced from the next free measure line, replayed bit by bit."""
+
+import json
+import random
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from live.app.services.document_service import MAX_ANSWERS_LENGTH, DocumentService
+from live.control.events.document import EditDocument, RedoDocument, RestoreDocument, UndoDocument
+from live.document.document_store import DocumentStore
+from live.show.journal.journal import read_journal
+from live.show.journal.replay import first_start, load_journal, replay
+from live.show.patch.hot_reload import PatchWatch
+from live.show.patch.patch_reader import read_patch
+from live.show.patch.patch_update import split_deferred
+from tests.document.random_edits import random_edit
+from tests.show.patch.edited_night import JournaledShow, write_patch_folder
+
+PATCH = """# Two groups.
+name = "edited"
+steps = "moves"
+[clock]
+bpm = 120
+[[group]]
+name = "ember"
+dancers = 3
+steps = ["groove"]
+[[group]]
+name = "tide"
+dancers = 3
+steps = ["side step"]
+
+[[segment]]
+measure = 2
+measures = 2
+formation = "line"
+
+[[segment]]
+measure = 8
+measures = 2
+formation = "circle"
+"""
+
+
+class EditedShow(JournaledShow):
+    """A journaled show with the editing of its files; edits are served when the test says so."""
+
+    def __init__(self, patch: Path) -> None:
+        super().__init__(patch)
+        self.watch = PatchWatch(self.loaded, self.show, post=self.inbox.put, now=self.clock.now, library=self.library)
+        self.service = DocumentService(self.watch, self.show, lambda: DocumentStore(self.path))
+        self.engine.event_listeners.append(self.service.handle)
+
+    def run(self, seconds: float) -> dict[int, set[str]]:
+        danced: dict[int, set[str]] = {}
+        for _ in range(round(seconds * 10)):
+            for measure, names in super().run(0.1).items():
+                danced.setdefault(measure, set()).update(names)
+            self.service.frame()
+        return danced
+
+    def send(self, *edits: dict[str, Any]) -> list[dict[str, Any]]:
+        """Send edits as one message; return the answers."""
+        return self.serve(EditDocument(time=self.clock.now(), source="osc", edit=json.dumps(edits)))
+
+    def undo(self, by: str = "") -> dict[str, Any]:
+        return self.serve(UndoDocument(time=self.clock.now(), source="osc", by=by))[-1]
+
+    def serve(self, event: Any) -> list[dict[str, Any]]:
+        """Have the show handle an event, then the service; return the answers that it added."""
+        before = json.loads(self.service.published or "[]")
+        self.inbox.put(event)
+        self.run(0.1)
+        self.watch.run_tasks()
+        answers = json.loads(self.service.published)
+        return answers[len(before) :] if answers[: len(before)] == before else answers
+
+    def replay_differences(self) -> tuple[object, ...]:
+        self.writer.close(self.engine.ticks.index)
+        journal = read_journal(self.journal)
+        result = replay(first_start(journal, load_journal(journal)).show, journal)
+        assert result.measures > 0
+        return tuple(result.differences)
+
+
+@pytest.fixture
+def night(tmp_path: Path) -> EditedShow:
+    return EditedShow(write_patch_folder(tmp_path, PATCH))
+
+
+def test_an_edit_is_saved_and_danced_from_the_next_free_measure(night: EditedShow) -> None:
+    night.run(2.5)  # in the second measure
+    (answer,) = night.send(
+        {"id": "e1", "by": "ana", "do": "set", "at": ["group", "ember", "steps"], "value": ["side step"]}
+    )
+    assert (answer["id"], answer["revision"]) == ("e1", 1)
+    assert 'steps = ["side step"]' in night.path.read_text()
+    assert night.path.read_text().startswith("# Two groups.\n")
+    danced = night.run(4.0)
+    assert danced[3] == {"side step"}
+    assert not night.watch.poll()
+    assert not night.watch.poll()  # its own file is no news
+    assert night.show.patch_updates.applied_count == 1
+    night.undo("ana")
+    assert night.path.read_text() == PATCH
+    assert {"groove", "side step"} == night.run(4.0)[6]
+    night.serve(RedoDocument(time=night.clock.now(), source="osc", by="ana"))
+    assert read_patch(night.path).group[0].steps == ("side step",)
+    night.serve(RestoreDocument(time=night.clock.now(), source="osc", revision=0))
+    assert night.path.read_text() == PATCH
+    night.run(3.0)
+    assert night.show.patch == read_patch(night.path)
+    assert night.replay_differences() == ()
+
+
+def test_what_the_show_cannot_take_is_refused_and_not_saved(night: EditedShow) -> None:
+    night.run(1.0)
+    answers = night.send(
+        {"id": 1, "do": "set", "at": ["group", "ember", "steps"], "value": ["no such step"]},
+        {"id": 2, "do": "set", "at": ["group", "ember", "colour"], "value": [1, 0, 0]},
+    )
+    assert [(answer["id"], "refused" in answer) for answer in answers] == [(1, True), (2, False)]
+    assert answers[0]["refused"][0]["field"] == "group.1.steps"
+    assert "no step is called 'no such step'" in answers[0]["refused"][0]["what"]
+    night.undo()
+    assert night.path.read_text() == PATCH
+    (answer,) = night.send({"do": "set", "at": ["segment", 1, "formation"], "value": "nothing"})
+    assert (answer["refused"][0]["field"], answer["refused"][0]["measure"]) == ("segment.1.formation", 2.0)
+    for text in ("nonsense", "7", '{"do": "burn", "at": ["seed"]}', "[" * 5000):
+        night.serve(EditDocument(time=night.clock.now(), source="osc", edit=text))
+    assert night.path.read_text() == PATCH
+    assert night.service.status() == {"revision": 2, "accepted": 2, "refused": 6}
+
+
+def test_keys_that_wait_for_the_next_start_are_saved_and_told(night: EditedShow) -> None:
+    night.run(1.0)
+    (answer,) = night.send({"do": "set", "at": ["stage", "width"], "value": 16})
+    assert answer["revision"] == 1
+    assert "stage.width" in night.watch.message
+    night.run(3.0)
+    assert night.show.patch.stage.width != 16
+    assert night.watch.status()["waits"] == ["stage.width"]
+
+
+def test_an_undo_of_what_has_been_danced_is_refused_with_the_reason(night: EditedShow) -> None:
+    night.run(1.0)
+    night.send({"by": "ana", "do": "set", "at": ["segment", 1, "formation"], "value": "circle"})
+    night.send({"by": "bea", "do": "set", "at": ["segment", 2, "formation"], "value": "grid"})
+    night.run(6.0)  # the first one's measure is over, the second one's is not
+    answer = night.undo("ana")
+    assert answer["refused"][0]["what"] == "measure 2 has been danced with it"
+    assert "revision" in night.undo("bea")
+    assert [each.formation for each in read_patch(night.path).segment] == ["circle", "circle"]
+
+
+def test_an_editor_of_files_and_the_commands_work_side_by_side(night: EditedShow) -> None:
+    night.run(1.0)
+    night.send({"do": "set", "at": ["group", "ember", "colour"], "value": [1, 0, 0]})
+    night.path.write_text(night.path.read_text().replace('steps = ["groove"]', 'steps = ["side step"] # by hand'))
+    night.send({"do": "set", "at": ["group", "tide", "colour"], "value": [0, 1, 0]})
+    assert "# by hand" in night.path.read_text()
+    night.run(3.0)
+    assert night.show.patch == read_patch(night.path)
+    night.path.write_text("name = ")
+    (answer,) = night.send({"do": "set", "at": ["group", "tide", "colour"], "value": [0, 0, 1]})
+    assert "not valid now" in answer["refused"][0]["what"]
+    assert night.path.read_text() == "name = "
+
+
+def test_answers_stay_short_enough_for_a_packet(night: EditedShow) -> None:
+    for number in range(70):
+        night.send({"id": f"{number}", "do": "set", "at": ["name"], "value": "x" * 60 + str(number)})
+        assert len(night.service.published) <= MAX_ANSWERS_LENGTH
+    assert json.loads(night.service.published)[-1]["id"] == "69"
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_random_edits_of_three_people_leave_engine_and_file_alike_and_replay(night: EditedShow, seed: int) -> None:
+    rng = random.Random(seed)
+    store = DocumentStore(night.path)
+    for _ in range(40):
+        store.refresh()
+        edit = random_edit(rng, store.document)
+        by = rng.choice(("ana", "bea", "cem"))
+        if rng.random() < 0.2:
+            night.undo(by)
+        else:
+            night.send(edit.to_json_values() | {"by": by})
+        night.run(0.1 * rng.randrange(1, 12))
+    night.run(4.0)
+    assert night.service.revision is not None
+    assert night.service.revision > 10
+    assert split_deferred(read_patch(night.path), night.show.patch)[0] == night.show.patch
+    assert night.replay_differences() == ()
