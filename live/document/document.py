@@ -4,7 +4,7 @@ Only changed blocks are parsed and validated again, so that an edit of a long sc
 """
 
 import contextlib
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -16,10 +16,10 @@ from live.document.toml_blocks import Block, split_blocks
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import FOLDERS, add_custom_passes
 from live.show.patch.patch_search_path import learned_path
-from live.show.patch.section_base import Section
+from live.show.patch.section_base import InvalidEntry, Section
 from live.show.patch.table_batches import section_of
 from live.show.patch.toml_model import BridgeTables, TomlSources, parse_text, validate_sources
-from live.show.patch_checks.patch_check import PATCH_CHECKS
+from live.show.patch_checks.patch_check import PATCH_CHECKS, check_patch
 
 Names = tuple[str, ...]
 """Keys of a table: ("stage",), ("midi", "map")."""
@@ -38,12 +38,21 @@ def _list_sections() -> dict[Names, type[Section] | None]:
     return found
 
 
+def _length_limits(metadata: Sequence[Any]) -> tuple[int, int]:
+    low = max((each.min_length for each in metadata if hasattr(each, "min_length")), default=0)
+    return low, min((each.max_length for each in metadata if hasattr(each, "max_length")), default=1 << 30)
+
+
 LIST_SECTIONS: Final = _list_sections()
 """The lists of tables of a patch: their keys, and the section of an entry (None: checked as plain values)."""
 _ADAPTERS: Final[dict[Names, TypeAdapter[Section]]] = {
     names: TypeAdapter(kind) for names, kind in LIST_SECTIONS.items() if kind is not None and len(names) == 1
 }
-_CHECKS_OF_WHOLE: Final = {name: check for name, check in PATCH_CHECKS.items() if name in ("patch", "formation")}
+LIST_LENGTHS: Final[dict[Names, tuple[int, int]]] = {
+    names: _length_limits(Patch.model_fields[names[0]].metadata) for names in _ADAPTERS
+}
+"""Smallest and largest number of entries of each list of sections."""
+_REMAINING_PATCH_CHECKS: Final = {name: check for name, check in PATCH_CHECKS.items() if name in ("patch", "formation")}
 """The checks that are left once each entry's section is valid."""
 
 
@@ -84,11 +93,17 @@ class DocumentFile:
         parse_text(text, self.file, "patch")
         self.blocks = split_blocks(text)
         self._data: dict[str, Any] | None = None
+        self._changed_lists: set[Names] = set()  # lists with blocks that were replaced or not valid then
+        self.has_apart = False
+        """Whether tables of an entry stand apart from it, as far as `data` was read."""
+        self._text: str | None = None
 
     @property
     def text(self) -> str:
         """The whole text."""
-        return "".join(block.text for block in self.blocks)
+        if self._text is None:
+            self._text = "".join([block.text for block in self.blocks])
+        return self._text
 
     @property
     def texts(self) -> tuple[str, ...]:
@@ -100,21 +115,48 @@ class DocumentFile:
         """Its values; entries that were validated are sections."""
         if self._data is None:
             self._data = self._merged()
+            return self._data
+        for names in list(self._changed_lists):
+            blocks = [block for block in self.blocks if block.names == names and block.is_entry]
+            if blocks:
+                self._data[names[0]] = [block.section or block.values for block in blocks]
+            else:
+                self._data.pop(names[0], None)
+            if all(block.section is not None for block in blocks):
+                self._changed_lists.remove(names)
         return self._data
 
     def replace(self, begin: int, count: int, blocks: Sequence[Block]) -> None:
         """Replace `count` blocks from `begin` on."""
+        touched = (*self.blocks[begin : begin + count], *blocks)
         self.blocks[begin : begin + count] = blocks
-        self._data = None
+        self._text = None
+        if all(block.is_entry and len(block.names) == 1 for block in touched) and not self.has_apart:
+            self._changed_lists.update(block.names for block in touched)
+        else:
+            self._data = None
 
     def _merged(self) -> dict[str, Any]:
         data: dict[str, Any] = {}
+        lists: dict[Names, list[Any]] = {}
+        self._changed_lists.clear()
+        self.has_apart = False
         for block in self.blocks:
+            rows = lists.get(block.names)
+            if block.is_entry and block.section is None and block.names in _ADAPTERS:
+                self._changed_lists.add(block.names)
+            if rows is not None and block.is_entry:
+                rows.append(block.section or block.values)
+                continue
             table: Any = data
             for name in block.names[:-1]:
+                self.has_apart |= isinstance(table.get(name), list)
                 table = _last_table(table, name)
             if block.is_entry:
-                table.setdefault(block.names[-1], []).append(block.section or block.values)
+                rows = table.setdefault(block.names[-1], [])
+                rows.append(block.section or block.values)
+                if len(block.names) == 1:
+                    lists[block.names] = rows
             elif block.names:
                 _last_table(table, block.names[-1]).update(block.values)
             else:
@@ -178,24 +220,50 @@ class Document:
         """
         self.files = [DocumentFile(name, text, path) for name, text in files]
         self.path, self._tables = path, tables
-        self._entries: dict[Names, list[Entry]] | None = None
+        self._entries: dict[Names, list[Entry]] = {}
+        self._changed: set[Names] = {()}  # tables whose values may differ from those of the last valid patch
+        self._unchecked = [block for file in self.files for block in file.blocks]  # new since the last valid patch
         self.patch = self.validate()
         """The patch that the texts give."""
 
     def validate(self) -> Patch:
         """Return the patch that the texts give now; PersonError with all errors."""
         all_valid = True
-        for file in self.files:
-            for block in file.blocks:
-                if block.section is None and block.is_entry and (adapter := _ADAPTERS.get(block.names)) is not None:
-                    try:
-                        block.section = adapter.validate_python(block.values, context=PATCH_CHECKS)
-                    except ValidationError:  # reported below together with all other errors
-                        all_valid = False
+        for block in self._unchecked:
+            if block.section is None and block.is_entry and (adapter := _ADAPTERS.get(block.names)) is not None:
+                try:
+                    block.section = adapter.validate_python(block.values, context=PATCH_CHECKS)
+                except ValidationError:  # reported below together with all other errors
+                    all_valid = False
+        if all_valid and (patch := self._with_changed_lists()) is not None:
+            self._unchecked.clear()
+            self._changed.clear()
+            return patch
         sources = TomlSources(self.files)
         add_custom_passes(sources.data, self.path)
-        checks = _CHECKS_OF_WHOLE if all_valid else PATCH_CHECKS
-        return validate_sources(sources, Patch, "patch", checks, self._tables)
+        checks = _REMAINING_PATCH_CHECKS if all_valid else PATCH_CHECKS
+        made = validate_sources(sources, Patch, "patch", checks, self._tables)
+        self._unchecked.clear()
+        self._changed.clear()
+        return made
+
+    def _with_changed_lists(self) -> Patch | None:
+        """Return the patch if it is the last valid one but for entries of some lists, and has no error; else None."""
+        names = self._changed
+        if not all(each in LIST_LENGTHS for each in names) or any(file.has_apart for file in self.files):
+            return None
+        rows: dict[str, tuple[Section, ...]] = {
+            name: tuple(row for file in self.files for row in file.data.get(name, ())) for (name,) in names
+        }
+        if not all(LIST_LENGTHS[name,][0] <= len(found) <= LIST_LENGTHS[name,][1] for name, found in rows.items()):
+            return None
+        patch = self.patch.model_copy(update=rows)
+        patch.model_fields_set.difference_update(name for name, found in rows.items() if not found)
+        try:
+            check_patch(patch)
+        except InvalidEntry:  # the whole validation has the words for it
+            return None
+        return patch
 
     def location(self, path: KeyPath) -> tuple[str, int]:
         """Return file and line of a key, as ("element", 57, "measure"), or of the nearest table around it."""
@@ -203,26 +271,26 @@ class Document:
 
     def entries(self, names: Names) -> list[Entry]:
         """Return where the entries of a list of tables stand, in the order of the patch."""
-        return self._all_entries().get(names, [])
+        found = self._entries.get(names)
+        if found is None:
+            found = self._entries[names] = list(self._find_entries(names))
+        return found
+
+    def _find_entries(self, names: Names) -> Iterator[Entry]:
+        table, key = names[:-1], names[-1]
+        for number, file in enumerate(self.files):
+            for index, block in enumerate(file.blocks):
+                if block.is_entry:
+                    if block.names == names:
+                        yield Entry(number, index)
+                elif block.names == table:
+                    value = block.values.get(key)
+                    if isinstance(value, list) and (names in LIST_SECTIONS or _is_tables(value)):
+                        yield from (Entry(number, index, (key, row)) for row in range(len(value)))
 
     def is_list(self, names: Names) -> bool:
         """Return whether a list of tables has these keys."""
-        return names in LIST_SECTIONS or names in self._all_entries()
-
-    def _all_entries(self) -> dict[Names, list[Entry]]:
-        if self._entries is None:
-            self._entries = {}
-            for number, file in enumerate(self.files):
-                for index, block in enumerate(file.blocks):
-                    if block.is_entry:
-                        self._entries.setdefault(block.names, []).append(Entry(number, index))
-                        continue
-                    for key, value in block.values.items():
-                        names = (*block.names, key)
-                        if isinstance(value, list) and (names in LIST_SECTIONS or _is_tables(value)):
-                            places = [Entry(number, index, (key, row)) for row in range(len(value))]
-                            self._entries.setdefault(names, []).extend(places)
-        return self._entries
+        return names in LIST_SECTIONS or bool(self.entries(names))
 
     def values(self, entry: Entry) -> dict[str, Any]:
         """Return the values of an entry. Do not change them."""
@@ -246,8 +314,11 @@ class Document:
         there = self.files[file]
         old = there.blocks[block : block + count]
         there.replace(block, count, blocks)
+        self._unchecked += blocks
+        if len(blocks) != count or any(map(_differ, old, blocks)):
+            self._changed.update(one.names for one in (*old, *blocks))
         if len(blocks) != count or not all(one.is_entry for one in blocks):
-            self._entries = None
+            self._entries.clear()
         return Splice(there.name, block, tuple(one.text for one in old), tuple(one.text for one in blocks))
 
     def apply(self, splice: Splice) -> Splice:
@@ -268,14 +339,17 @@ class Document:
 
     def _apply_file(self, splice: Splice, number: int | None) -> Splice:
         """Add or remove a whole file."""
-        self._entries = None
+        self._entries.clear()
         if number is None and not splice.old:
             self.files.append(DocumentFile(splice.file, "".join(splice.new), self.path))
+            self._unchecked += self.files[-1].blocks
+            self._changed.add(())
             self.files.sort(key=lambda file: file_order(file.name, self.path))
         elif (
             number is not None and not splice.new and tuple(one.text for one in self.files[number].blocks) == splice.old
         ):
             del self.files[number]
+            self._changed.add(())
         else:
             raise LookupError(splice.file)
         return splice
@@ -302,6 +376,11 @@ def _parse_block(text: str, *, is_first: bool) -> Block:
     if is_first or len(blocks) != 2 or blocks[0].text:
         raise LookupError("text")
     return blocks[1]
+
+
+def _differ(old: Block, new: Block) -> bool:
+    """Return whether two blocks differ by more than what follows their last key."""
+    return old.names != new.names or old.is_entry != new.is_entry or old.parts[0] != new.parts[0]
 
 
 def _is_tables(value: list[Any]) -> bool:

@@ -27,6 +27,8 @@ def validate_model(model: type[Model], data: dict[str, Any], checks: Checks | No
         for name, field in model.model_fields.items():
             rows, kind = data.get(name), section_of(field.annotation)
             if kind is not None and isinstance(rows, list) and len(rows) > BATCH_SIZE:
+                if all(type(row) is kind for row in rows):  # they were validated before
+                    continue
                 adapter = TypeAdapter(list[kind])  # type: ignore[valid-type]
                 checked: list[Any] = []
                 for begin in range(0, len(rows), BATCH_SIZE):

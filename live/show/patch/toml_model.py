@@ -68,7 +68,7 @@ class TomlSources:
     texts: Sequence[FileValues]
     data: dict[str, Any] = field(default_factory=dict)
     """The merged values."""
-    _rows: dict[str, list[tuple[FileValues, int]]] = field(default_factory=dict)
+    _rows: dict[str, list[tuple[FileValues, int]]] = field(default_factory=dict)  # each text's number of tables
     _keys: dict[KeyPath, FileValues] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -82,7 +82,7 @@ class TomlSources:
         if len(path) == 1 and isinstance(value, list) and isinstance(into.get(key, []), list):
             self._keys.setdefault(path, text)
             into.setdefault(key, []).extend(value)
-            self._rows.setdefault(key, []).extend((text, index) for index in range(len(value)))
+            self._rows.setdefault(key, []).append((text, len(value)))
         elif isinstance(value, dict) and isinstance(into.get(key, {}), dict):
             self._keys.setdefault(path, text)
             table = into.setdefault(key, {})
@@ -102,10 +102,11 @@ class TomlSources:
     def location(self, path: KeyPath) -> tuple[str, int]:
         """Return file and line of a merged key, as ("element", 57, "measure"), or of the nearest table around it."""
         if len(path) > 1 and isinstance(path[1], int):
-            rows = self._rows.get(str(path[0]), [])
-            if path[1] < len(rows):
-                text, index = rows[path[1]]
-                return text.file, text.line((path[0], index, *path[2:]))
+            index = path[1]
+            for text, count in self._rows.get(str(path[0]), []):
+                if index < count:
+                    return text.file, text.line((path[0], index, *path[2:]))
+                index -= count
         for length in range(len(path), 0, -1):
             found = self._keys.get(path[:length])
             if found is not None:

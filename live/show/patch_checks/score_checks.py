@@ -3,6 +3,7 @@
 Each check yields all its errors.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Any, Final
 
@@ -22,11 +23,15 @@ def check_score(patch: Patch) -> Iterator[InvalidEntry]:
     """Yield the errors of the score."""
     lengths: dict[str, int] = {}
     yield from _check_sections(patch, lengths)
+    length = score_length(patch) or math.inf
     for kind in PLACED_TABLES:
+        any_measure = kind in LENIENT_TABLES and not patch.section
         for index, entry in enumerate(getattr(patch, kind)):
-            fault = _place_fault(patch, lengths, kind, index, entry)
-            if fault is not None:
-                yield fault
+            if entry.section is not None:
+                yield from _section_faults(patch, lengths, kind, index, entry)
+            elif not any_measure and entry.measure is not None and int(entry.measure) > length:
+                words = f"measure {entry.measure:g}: the score has {length:g} measures, it would never begin"
+                yield InvalidEntry(words, kind, index, "measure")
     yield from _check_beats(patch)
     yield from _check_groups(patch)
     yield from _check_improvised(patch)
@@ -56,23 +61,17 @@ def _check_sections(patch: Patch, lengths: dict[str, int]) -> Iterator[InvalidEn
             yield InvalidEntry(words, "section", index, "then")
 
 
-def _place_fault(patch: Patch, lengths: dict[str, int], kind: str, index: int, entry: Any) -> InvalidEntry | None:
+def _section_faults(patch: Patch, lengths: dict[str, int], kind: str, index: int, entry: Any) -> Iterator[InvalidEntry]:
+    """Yield the error of an entry whose section does not exist, or ends before it."""
     if entry.measure is None:
-        return None
-    if entry.section is None:
-        length = score_length(patch)
-        if length is None or int(entry.measure) <= length or (kind in LENIENT_TABLES and not patch.section):
-            return None
-        words = f"measure {entry.measure:g}: the score has {length} measures, it would never begin"
-        return InvalidEntry(words, kind, index, "measure")
+        return
     length = lengths.get(entry.section.casefold())
     if length is None:
         known = ", ".join(section.name for section in patch.section) or "none: write [[section]]"
-        return InvalidEntry(f"no section is called {entry.section!r}; there are: {known}", kind, index, "section")
-    if int(entry.measure) > length:
+        yield InvalidEntry(f"no section is called {entry.section!r}; there are: {known}", kind, index, "section")
+    elif int(entry.measure) > length:
         words = f"measure {entry.measure:g}: section {entry.section!r} has {length} measures, it would never begin"
-        return InvalidEntry(words, kind, index, "measure")
-    return None
+        yield InvalidEntry(words, kind, index, "measure")
 
 
 def _check_beats(patch: Patch) -> Iterator[InvalidEntry]:

@@ -3,6 +3,7 @@
 Measures of the show count from 0 at its measure lines. Requests such as jumps take effect at a line.
 """
 
+from bisect import bisect_right
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
@@ -169,9 +170,10 @@ class Playhead:
 
     def place_of_written(self, measure: int) -> Place:
         """Return the place of a measure of the written score; raises ValueError if there is none."""
-        for index, (first, stretch) in enumerate(zip(self._section_starts, self.sections, strict=True)):
-            if measure >= first and (stretch.measures is None or measure < first + stretch.measures):
-                return Place(index, measure - first)
+        index = bisect_right(self._section_starts, measure) - 1
+        length = self.sections[index].measures
+        if measure >= 0 and (length is None or measure < self._section_starts[index] + length):
+            return Place(index, measure - self._section_starts[index])
         raise ValueError(f"the score has no measure {measure + 1}: it has {self.length}")
 
     @property

@@ -136,7 +136,11 @@ def test_dancers_in_formation_move_to_its_edited_positions(patch):
         ('["groove"]', '["groove"]\ntravel_step = "wlak"', "show.toml, line 10: group.1.travel_step"),
         ('["groove"]', "[3]", "show.toml, line 9: group.1.steps.1"),
         ("bpm = 120", "bpm = = 3", "show.toml, line 5: not valid TOML"),
-        ('["groove"]', '["groove"]\n[[segment]]\nmeasure = 1\nformation = "rnig"', "show.toml, line 10: segment.1"),
+        (
+            '["groove"]',
+            '["groove"]\n[[segment]]\nmeasure = 1\nformation = "rnig"',
+            "show.toml, line 12: segment.1.formation",
+        ),
         (
             "[clock]",
             "[locomotion]\nthreshold_m = 0.011\n[clock]",

@@ -83,7 +83,7 @@ def test_errors_are_reported_with_their_file_and_line(tmp_path, files, where, wo
 
 def test_errors_at_show_start_have_file_and_line(tmp_path):
     cases = {
-        '[[segment]]\nmeasure = 2\nformation = "rnig"\n': "score/a.toml, line 1: segment.1",
+        '[[segment]]\nmeasure = 2\nformation = "rnig"\n': "score/a.toml, line 3: segment.1.formation",
         '\n[[element]]\nkind = "follow"\nmeasure = 2\nwhom = "99"\n': "score/a.toml, line 2: element.2",
         '[selections]\npair = "nobody"\n': "score/a.toml, line 2: selections.pair",
         '[[formation]]\nname = "odd"\nshape = "text"\n': "score/a.toml, line 1: formation.1",
