@@ -15,7 +15,7 @@ from live.app.exit_codes import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, install_sig
 from live.app.machine import kernel_warmup as warm
 from live.app.option_values import expand_audience_option
 from live.base.errors import PersonError
-from live.cli import bench, document, pair, play, render, replay, service, simulate, soak
+from live.cli import bench, document, music, pair, play, render, replay, service, simulate, soak
 from live.cli.beats import beats, clock_check
 from live.cli.inspect import check, contact_sheet, formation, journal, schema, score
 from live.cli.motion import bvh, character, export, sync
@@ -60,6 +60,7 @@ app.command("warm")(warm.warm)
 app.command("sync")(sync.sync)
 app.add_typer(document.app, name="document")
 app.add_typer(journal.app, name="journal")
+app.add_typer(music.app, name="music")
 app.add_typer(steps.app, name="steps")
 app.add_typer(service.app, name="service")
 for bridge in installed_bridges().bridges:

@@ -1,0 +1,188 @@
+"""Measure map of a music file for `live music map`: proposed, corrected by fixes, read and written in other forms."""
+
+import json
+import statistics
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+import numpy as np
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from live.base.errors import PersonError
+from live.clock.measure_map import MeasureLine, MeasureMap, Phrase
+from live.clock.tracking.beat_network import ActivationStream, BeatNetwork
+from live.clock.tracking.offline_beats import HIGH_BPM, LOW_BPM, Activations, Beats, find_beats
+from live.control.audio.analysis import beat_weights
+from live.control.audio.music_file import Music
+
+BLOCK: Final = 4096
+OCTAVE: Final = (0.8, 1.25)
+"""Range of the tempo around half or double the former one."""
+MAX_MUSIC_S: Final = 3600.0
+Do = Literal["move", "insert", "delete", "half", "double", "metre", "ramp", "step", "phrase"]
+
+
+class Fix(BaseModel):
+    """A correction by a person."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True)
+    do: Do
+    """`move` a line (all lines follow: they are found again), `insert` or `delete` one, `half` or `double` the tempo,
+    `metre` from a line on, the tempo of a measure as `ramp` or `step`, a `phrase` that begins with a measure."""
+    line: Annotated[int, Field(ge=1)] | None = None
+    """The measure line, by its number in the map after the corrections before."""
+    time_s: Annotated[float, Field(ge=0, le=36000, allow_inf_nan=False)] | None = None
+    """Where a line belongs [s]."""
+    beats: Annotated[int, Field(ge=1, le=16)] | None = None
+    """Beats of a measure."""
+    name: Annotated[str, Field(max_length=64)] = ""
+    """Name of a phrase."""
+
+
+NEEDS: Final[dict[str, tuple[str, ...]]] = {
+    "move": ("time_s",), "insert": ("time_s",), "delete": ("line",), "metre": ("beats",), "ramp": ("line",),
+    "step": ("line",), "phrase": ("line",),
+}  # fmt: skip
+
+
+def read_fixes(path: Path) -> list[Fix]:
+    """Return the corrections in a JSON file; PersonError that names the faulty one."""
+    try:
+        found = json.loads(path.read_text("utf-8"))
+    except (OSError, ValueError, RecursionError) as error:
+        raise PersonError(f"cannot read the corrections {path}: {error}") from None
+    if not isinstance(found, list):
+        raise PersonError(f"{path}: a list of corrections expected", '[{"do": "move", "line": 1, "time_s": 2.5}]')
+    fixes = []
+    for number, values in enumerate(found, start=1):
+        try:
+            fix = Fix.model_validate(values)
+        except ValidationError as error:
+            first = error.errors(include_url=False)[0]
+            where = ".".join(map(str, first["loc"]))
+            raise PersonError(f"{path}: correction {number}: {where}: {first['msg']}") from None
+        missing = [key for key in NEEDS.get(fix.do, ()) if getattr(fix, key) is None]
+        if missing:
+            raise PersonError(f"{path}: correction {number}: {fix.do} needs {' and '.join(missing)}")
+        fixes.append(fix)
+    return fixes
+
+
+def hear(music: Music) -> Activations:
+    """Return the network's probabilities for a whole piece; PersonError if it is too long."""
+    if music.samples.shape[0] > MAX_MUSIC_S * music.sample_rate:
+        raise PersonError(f"the music is longer than {MAX_MUSIC_S / 60:g} minutes", "cut it into pieces")
+    mono = music.samples.mean(axis=1, dtype=np.float32)
+    stream = ActivationStream(music.sample_rate, BeatNetwork(beat_weights()))
+    rest = np.zeros(int(music.sample_rate), np.float32)  # the network is some frames late
+    rows: list[Any] = []
+    for block in (*(mono[at : at + BLOCK] for at in range(0, mono.size, BLOCK)), rest):
+        count = stream.feed(block)
+        rows.append([column[:count].astype(np.float64) for column in (stream.position, stream.beat, stream.downbeat)])
+    time, beat, downbeat = (np.concatenate([row[k] for row in rows]) for k in range(3))
+    kept = (time >= 0.0) & (time <= mono.size / music.sample_rate)
+    return Activations(time[kept], beat[kept], downbeat[kept])
+
+
+@dataclass
+class MapProposal:
+    """The map that the tracker proposes, with what a person said about it."""
+
+    activations: Activations
+    bpm_range: tuple[float, float] = (LOW_BPM, HIGH_BPM)
+    downbeats: list[float] = field(default_factory=list)
+    metres: list[tuple[float, int]] = field(default_factory=list)
+    local: list[Fix] = field(default_factory=list)
+    """Corrections of single lines, phrases and tempo runs, in their order."""
+
+    def beats(self) -> Beats:
+        """Return all beats."""
+        return find_beats(self.activations, bpm_range=self.bpm_range, downbeats=self.downbeats, metres=self.metres)
+
+    def map(self) -> MeasureMap:
+        """Return the map; PersonError if no beat was found, or a correction fits none."""
+        found = map_of_beats(self.beats())
+        for fix in self.local:
+            found = _with_local(found, fix)
+        return found
+
+    def correct(self, fix: Fix) -> None:
+        """Take in a correction; PersonError if its line does not exist."""
+        if fix.do in ("insert", "delete", "ramp", "step", "phrase"):
+            self.local.append(fix)
+            self.map()  # names a line that does not exist
+            return
+        now = self.map()
+        match fix.do:
+            case "half" | "double":
+                bpm = now.bpm * (0.5 if fix.do == "half" else 2.0)
+                self.bpm_range = max(bpm * OCTAVE[0], LOW_BPM * 0.5), min(bpm * OCTAVE[1], HIGH_BPM)
+            case "move":
+                assert fix.time_s is not None
+                self.downbeats.append(fix.time_s)
+            case "metre":
+                assert fix.beats is not None
+                begin = 0.0 if fix.line is None else now.lines[_line_index(now, fix.line)].time_s
+                self.metres.append((begin, fix.beats))
+        try:
+            self.beats()
+        except ValueError as error:
+            raise PersonError(f"{fix.do}: {error}") from None
+
+
+def _line_index(found: MeasureMap, number: int) -> int:
+    if not 1 <= number <= len(found.lines):
+        raise PersonError(f"there is no line {number}", f"there are {len(found.lines)}")
+    return number - 1
+
+
+def _with_local(found: MeasureMap, fix: Fix) -> MeasureMap:
+    try:
+        match fix.do:
+            case "insert":
+                assert fix.time_s is not None
+                return found.with_line(fix.time_s)
+            case "delete":
+                assert fix.line is not None
+                return found.without_line(_line_index(found, fix.line))
+            case "ramp" | "step":
+                assert fix.line is not None
+                return found.with_run(_line_index(found, fix.line), fix.do)
+    except ValueError as error:
+        raise PersonError(f"{fix.do}: {error}") from None
+    assert fix.line is not None
+    index = _line_index(found, fix.line)
+    kept = [phrase for phrase in found.phrases if phrase.measure != found.lines[index].measure]
+    return MeasureMap(found.lines, [*kept, Phrase(found.lines[index].measure, fix.name)])
+
+
+def map_of_beats(beats: Beats) -> MeasureMap:
+    """Return the map whose lines are the downbeats; PersonError if there is none."""
+    starts = np.flatnonzero(beats.number == 0).tolist()
+    if not starts:
+        raise PersonError("no measure was found in this music", "give its first line: --fix with an insert")
+    lines = []
+    for number, start in enumerate(starts, start=1):
+        end = starts[number] if number < len(starts) else start + int(beats.metre[start])
+        lines.append(MeasureLine(round(float(beats.time[start]), 4), number, end - start))
+    return MeasureMap(lines)
+
+
+def map_values(found: MeasureMap, beats: Sequence[float] = ()) -> dict[str, Any]:
+    """Return a map as values for JSON."""
+    lines = [
+        {"time_s": line.time_s, "measure": line.measure, "beats": line.beats, "tempo": line.tempo}
+        for line in found.lines
+    ]
+    phrases = [{"measure": phrase.measure, "name": phrase.name} for phrase in found.phrases]
+    gaps = [b.time_s - a.time_s for a, b in zip(found.lines, found.lines[1:], strict=False)]
+    beat_times = [round(found.time_at(float(k)), 4) for k in range(round(found.line_beat(len(found.lines) - 1)) + 1)]
+    return {
+        "bpm": round(found.bpm, 3),
+        "measure_s": round(statistics.median(gaps), 4) if gaps else None,
+        "lines": lines,
+        "phrases": phrases,
+        "beats": list(beats) or beat_times,
+    }

@@ -1,0 +1,65 @@
+"""Command `live music map`: the measures of a piece of music, proposed, corrected, imported and exported."""
+
+import json
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+app = typer.Typer(help="Annotate music: measures and phrases.", no_args_is_help=True)
+
+
+@app.callback()
+def _music() -> None:
+    """Keep `map` a command of its own."""
+
+
+@app.command("map")
+def measure_map(
+    file: Annotated[Path, typer.Argument(help="A music file: wav, flac, ogg, mp3, m4a …")],
+    fix: Annotated[
+        Path | None, typer.Option("--fix", help="Corrections, as a JSON list (docs/music.md).", metavar="FIXES.json")
+    ] = None,
+    start: Annotated[
+        Path | None,
+        typer.Option("--from", help="Take this map instead of a proposal.", metavar="LINES.csv|.mid|.txt"),
+    ] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="Write the map: Sonic Visualiser, MIDI, Audacity, patch.", metavar="OUT.csv|.mid|.txt|.toml"),
+    ] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the map as JSON.")] = False,
+) -> None:
+    """Find the measure lines of a whole piece, correct them, and write them for the show or other programs."""
+    from live.app.offline.music_map import MapProposal, hear, map_values, read_fixes
+    from live.app.offline.music_map_files import read_map, write_map
+    from live.base.errors import PersonError
+    from live.control.audio.music_file import MusicFileError, read_music
+
+    fixes = [] if fix is None else read_fixes(fix)
+    try:
+        music = read_music(file)
+    except MusicFileError as error:
+        raise PersonError(str(error)) from None
+    if start is not None:
+        if fixes:
+            raise PersonError("--fix corrects a proposal", "leave out --from")
+        found = read_map(start)
+    else:
+        proposal = MapProposal(hear(music))
+        for number, each in enumerate(fixes, start=1):
+            try:
+                proposal.correct(each)
+            except PersonError as error:
+                raise PersonError(f"{fix}: correction {number}: {error.message}", error.remedy) from None
+        found = proposal.map()
+    if out is not None:
+        write_map(found, out)
+    if as_json:
+        print(json.dumps({"file": str(file), **map_values(found)}))
+        return
+    for line in found.lines:
+        run = "  ramp" if line.tempo == "ramp" else ""
+        name = next((f"  phrase {each.name}" for each in found.phrases if each.measure == line.measure), "")
+        print(f"{line.time_s:9.3f} s  measure {line.measure:4}  {line.beats} beats{run}{name}")
+    print(f"{len(found.lines)} measure lines, {found.bpm:.1f} bpm on average")
