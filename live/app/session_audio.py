@@ -16,6 +16,8 @@ from live.app.processes.resume_state import ResumeState
 from live.base.errors import PersonError, error_context
 from live.base.event_queue import EventQueue
 from live.clock.follower.manual_control import TrackerHint
+from live.clock.map_clock import MapClock
+from live.clock.measure_map import MeasureMap
 from live.clock.time_source import Clock, SystemClock
 from live.control.audio.devices import device_error
 from live.control.audio.music_file import Music, MusicFileError, read_music
@@ -122,26 +124,33 @@ def _music(path: Path) -> Music:
         raise PersonError(str(error)) from None
 
 
-def make_show_analysis(loaded: LoadedShow, show: Show) -> "MakeAnalysis":
-    """Return a factory of analyses with the patch's tracker and this show's manual settings of the beat.
+def make_show_analysis(loaded: LoadedShow, show: Show, sound: AudioChoice | None = None) -> "MakeAnalysis":
+    """Return a factory of analyses with the patch's tracker, this show's manual settings of the beat, and the patch's
+    measure map for the patch's music.
 
     Each analysis replaces the one before (a device that came back, another sample rate, a failed analysis) and keeps
     the manual settings.
     """
     seeds: deque[TrackerHint] = deque(maxlen=64)
     show.seed_tracker(seeds.append)
-    return make_analysis_factory(loaded.patch.clock.tracker, seeds)
+    music = None if sound is None or not sound.from_patch else sound.music
+    known = None if music is None else loaded.patch.music.measures
+    return make_analysis_factory(loaded.patch.clock.tracker, seeds, known, 0.0 if music is None else music.duration)
 
 
-def make_analysis_factory(tracker: "TrackerName", seeds: deque[TrackerHint]) -> "MakeAnalysis":
-    """Return a factory of analyses with that tracker, each replacing the one before; `seeds`: manual settings."""
+def make_analysis_factory(
+    tracker: "TrackerName", seeds: deque[TrackerHint], measures: MeasureMap | None = None, duration: float = 0.0
+) -> "MakeAnalysis":
+    """Return a factory of analyses with that tracker, each replacing the one before; `seeds`: manual settings;
+    `measures`: the known measures of music that lasts `duration` [s]."""
     from live.control.audio.analysis import AudioAnalysis
 
     former: AudioAnalysis | None = None
 
     def make(rate: float) -> AudioAnalysis:
         nonlocal former
-        analysis = AudioAnalysis(rate, tracker=tracker, seeds=seeds, energy=True)
+        known = None if measures is None else MapClock(measures, duration)
+        analysis = AudioAnalysis(rate, tracker=tracker, seeds=seeds, energy=True, measures=known)
         if former is not None:
             analysis.take_over(former)
         former = analysis
@@ -157,8 +166,9 @@ def audio_plan(sound: AudioChoice, loaded: LoadedShow) -> dict[str, Any]:
         "device": sound.device,
         "channels": sound.channels,
         "output": sound.output,
-        "one_at": loaded.patch.music.one_at_s if sound.from_patch else None,
+        "one_at": loaded.patch.music.first_downbeat if sound.from_patch else None,
         "tracker": loaded.patch.clock.tracker,
+        "measures": [line.model_dump() for line in loaded.patch.music.line] if sound.from_patch else [],
     }
 
 
@@ -174,7 +184,7 @@ def make_audio(
     if sound.music is not None:
         from live.control.audio.music_player import MusicPlayer
 
-        one_at = loaded.patch.music.one_at_s if sound.from_patch else None
+        one_at = loaded.patch.music.first_downbeat if sound.from_patch else None
         output: bool | str = sound.output or True
         try:
             player = MusicPlayer(
@@ -184,7 +194,7 @@ def make_audio(
                 output=output,
                 latency=latencies.output,
                 one_at=one_at,
-                analysis=make_show_analysis(loaded, show),
+                analysis=make_show_analysis(loaded, show, sound),
             )
         except ValueError as error:  # the named output does not exist
             raise PersonError(f"the venue's audio.output: {error}") from None
@@ -204,7 +214,7 @@ def make_audio(
         clock,
         channels=_channels(sound.channels),
         latency=latencies.input,
-        analysis=make_show_analysis(loaded, show),
+        analysis=make_show_analysis(loaded, show, sound),
     )
 
     def to_listener(event: ControlEvent) -> None:

@@ -118,6 +118,10 @@ class MeasureMap:
         """Return the beat at which the line with this index begins."""
         return self._beats[index]
 
+    def line_index(self, beat: float) -> int:
+        """Return the index of the line whose measure holds a beat; before the first line that of the first."""
+        return max(bisect_right(self._beats, beat) - 1, 0)
+
     # Corrections
 
     def with_line(self, time: float) -> "MeasureMap":

@@ -77,7 +77,7 @@ def assemble(
         breakers,
         measure_beats=patch.clock.beats_per_measure,
         follow_metre=patch.clock.follow_metre,
-        known_tempo=patch.music.bpm if tempo is None else None,
+        known_tempo=patch.music.known_tempo if tempo is None else None,
     )
     casting = Casting(patch)
     casting.check()

@@ -69,10 +69,10 @@ def film_show(
     inbox: EventQueue[ControlEvent] = EventQueue()
     status = Status(show, rejected=Counter, memory=resident_megabytes())
     engine = Engine(show, clock=clock, inbox=inbox, status=status, stall=math.inf)
-    one_at = loaded.patch.music.one_at_s if sound.from_patch else None
+    one_at = loaded.patch.music.first_downbeat if sound.from_patch else None
     music = None
     if sound.music is not None:
-        music = OfflineMusic(sound.music, one_at=one_at, analysis=make_show_analysis(loaded, show))
+        music = OfflineMusic(sound.music, one_at=one_at, analysis=make_show_analysis(loaded, show, sound))
     engine.guides = guides
     attach_midi_file(options.midi_file, show, engine)
     frames = max(1, math.ceil(seconds * options.film_fps))

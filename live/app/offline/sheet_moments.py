@@ -126,8 +126,8 @@ def moments_of_patch(
     """Yield the moments of a show from its beginning, `seconds` long."""
     music = None
     if sound.music is not None:
-        one_at = loaded.patch.music.one_at_s if sound.from_patch else None
-        music = OfflineMusic(sound.music, one_at=one_at, analysis=make_show_analysis(loaded, show))
+        one_at = loaded.patch.music.first_downbeat if sound.from_patch else None
+        music = OfflineMusic(sound.music, one_at=one_at, analysis=make_show_analysis(loaded, show, sound))
     taking = MomentSelector(show, every, 0)
     for tick in range(1, math.ceil(seconds / TICK) + 1):
         for event in [] if music is None else music.events_until(tick * TICK):

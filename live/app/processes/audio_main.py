@@ -23,6 +23,7 @@ from live.control.audio.music_file import read_music
 from live.control.audio.music_player import MusicPlayer
 from live.control.events.event_json import event_from_json, event_to_json
 from live.control.events.events import ControlEvent
+from live.show.patch.section_music import MusicSection
 from live.supervisor.adoption.audio_adoption import AudioLink
 from live.supervisor.cpu_priority import AUDIO_NICE, raise_priority
 from live.supervisor.heartbeat import Phase
@@ -87,11 +88,14 @@ class AudioWorker:
 
     def _start(self, plan: dict[str, Any]) -> None:
         clock = SystemClock(plan["origin"])
-        analysis = make_analysis_factory(plan["tracker"], self._seeds)
         into, out = plan["latency"]
         begun = plan["begun"]
         try:
-            if plan["music"] is None:
+            music = None if plan["music"] is None else read_music(Path(plan["music"]))
+            known = MusicSection(line=plan["measures"]).measures
+            length = 0.0 if music is None else music.duration
+            analysis = make_analysis_factory(plan["tracker"], self._seeds, known, length)
+            if music is None:
                 source: AudioInput | MusicPlayer = AudioInput(
                     plan["device"], self._sender, clock, channels=Channels.parse(plan["channels"]), latency=into,
                     analysis=analysis,
@@ -99,7 +103,7 @@ class AudioWorker:
                 source.start()
             else:
                 source = MusicPlayer(
-                    read_music(Path(plan["music"])), self._sender, clock, output=plan["output"] or True,
+                    music, self._sender, clock, output=plan["output"] or True,
                     latency=out, one_at=plan["one_at"] if begun is None else None, analysis=analysis,
                 )  # fmt: skip
                 begun = clock.now() if begun is None else begun

@@ -6,7 +6,7 @@ from typing import Final, Literal, Protocol, get_args
 
 from live.clock.timeline import Grid
 
-SourceName = Literal["link", "midi", "mtc", "audio", "tap", "internal"]
+SourceName = Literal["link", "midi", "mtc", "map", "audio", "tap", "internal"]
 PRIORITY: Final[tuple[SourceName, ...]] = get_args(SourceName)
 """All sources, the first in rank first. A source that nothing in this program makes is always absent."""
 

@@ -6,7 +6,7 @@ package and passed to the core as a value.
 
 import io
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import cache
 from importlib.resources import files
 from typing import Final, Literal
@@ -17,6 +17,7 @@ import numpy.typing as npt
 from live.clock.beat_estimate import BeatEstimate
 from live.clock.energy.music_energy import BeatEnergy, MusicEnergy
 from live.clock.follower.manual_control import TrackerHint
+from live.clock.map_clock import MapClock
 from live.clock.silence import PauseDetector, SoundState
 from live.clock.tracking.aubio_tracker import AubioTracker
 from live.clock.tracking.beat_network import BeatNetwork, NetworkWeights
@@ -75,8 +76,10 @@ class AudioAnalysis:
         tracker: TrackerName = "network",
         seeds: deque[TrackerHint] | None = None,
         energy: bool = False,
+        measures: MapClock | None = None,
     ) -> None:
-        """`source`: the events' source name; `energy`: whether MusicHeard events describe each beat.
+        """`source`: the events' source name; `energy`: whether MusicHeard events describe each beat; `measures`: the
+        known measures of the piece, which are told instead of tracked beats.
 
         ValueError for an impossible sample rate.
         """
@@ -86,6 +89,9 @@ class AudioAnalysis:
         self._corrected_tracker = self.tracker if isinstance(self.tracker, BeatTracker) else None
         """The tracker with the manual corrections; the previous one while aubio is used."""
         self._source = source
+        self._measures = measures
+        self.origin = 0.0
+        """Position in the piece of the first sample fed [s]."""
         self._pauses = PauseDetector()
         self._sound_state: SoundState = "sound"
         self._mono = np.zeros(MAX_BLOCK, np.float32)
@@ -121,13 +127,17 @@ class AudioAnalysis:
             for estimate in self.tracker.feed(mono):
                 if self._energy is not None:
                     self._energy.set_beat(estimate.position, estimate.period)
-                if self._sound_state == "sound":  # beats extrapolated during silence are not reported
+                if (
+                    self._sound_state == "sound" and self._measures is None
+                ):  # beats extrapolated during silence are not reported
                     events.append(self._event(estimate, time_of, now))
             hearing = self._pauses.step(self.tracker.level, self.tracker.position)
             if hearing != self._sound_state:
                 self._sound_state = hearing
                 time = time_of(self.tracker.position) if now is None else now
                 events.append(SourceChanged(time=time, source=self._source, state=STATES[hearing]))
+            if self._measures is not None:
+                events += self._map_beats(self._measures, time_of, now)
             if self._energy is not None:
                 events += [self._music(beat, time_of, now) for beat in self._energy.feed(mono)]
         return events
@@ -145,6 +155,15 @@ class AudioAnalysis:
             drop=beat.drop,
             loudness_db=beat.loudness_db,
         )
+
+    def _map_beats(self, measures: MapClock, time_of: TimeOf, now: float | None) -> Iterator[ControlEvent]:
+        for beat in measures.until(self.origin + self.tracker.position):
+            time = time_of(beat.position - self.origin)
+            yield BeatHeard(
+                time=time_of(self.tracker.position) if now is None else now, source="map", beat_time=time,
+                period=beat.period, confidence=1.0, beat=beat.beat, beats_per_measure=beat.beats_per_measure,
+                jump=beat.jump,
+            )  # fmt: skip
 
     def _event(self, estimate: BeatEstimate, time_of: TimeOf, now: float | None) -> BeatHeard:
         return BeatHeard(

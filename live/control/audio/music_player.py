@@ -217,6 +217,7 @@ class MusicPlayer:
             self._restart_at = None
             self._fed = self._skipped = wanted
             self._analysis = self._make_analysis(rate)
+            self._analysis.origin = self._skipped / rate
         if wanted <= self._fed:
             return
         block = self._music.block(self._fed, wanted - self._fed)

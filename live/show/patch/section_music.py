@@ -1,12 +1,36 @@
 """Patch sections for music: `[music]`, `[sound]`, `[clock]`, and reactions of the dance to it: `[[react]]`."""
 
+import itertools
 from typing import Annotated, Final, Literal
 
 from pydantic import Field, ValidationInfo, model_validator
 
 from live.base.motion_parameters import MOTION_KEYS
 from live.clock.follower.clock_source import PRIORITY, SourceName
-from live.show.patch.section_base import Section, run_check
+from live.clock.measure_map import MIN_MEASURE_S, MeasureLine, MeasureMap, Phrase
+from live.show.patch.section_base import InvalidEntry, Section, run_check
+
+
+class MusicLine(Section):
+    """`[[music.line]]`: a measure line of the music, as `live music map` proposes them ([music.md](music.md), T007)."""
+
+    time_s: Annotated[float, Field(ge=0, le=36000, allow_inf_nan=False)]
+    """Its time in the music [s]; lines are written in their order."""
+    measure: Annotated[int, Field(ge=1, le=100000)]
+    """The measure that it begins, counted on by one from line to line."""
+    beats: Annotated[int, Field(ge=1, le=16)] = 4
+    """Beats of this measure."""
+    tempo: Literal["step", "ramp"] = "step"
+    """The tempo within the measure: constant, or running evenly from that of the measure before."""
+
+
+class MusicPhrase(Section):
+    """`[[music.phrase]]`: a phrase of the music, until the next one begins."""
+
+    measure: Annotated[int, Field(ge=1, le=100000)]
+    """The measure with which it begins."""
+    name: Annotated[str, Field(max_length=64)] = ""
+    """Its name."""
 
 
 class MusicSection(Section):
@@ -17,7 +41,43 @@ class MusicSection(Section):
     bpm: Annotated[float, Field(ge=20, le=400)] | None = None
     """Its tempo if it is known: the clock starts with it."""
     one_at_s: Annotated[float, Field(ge=0, le=3600, allow_inf_nan=False)] | None = None
-    """Time of its first downbeat, if known."""
+    """Time of its first downbeat, if known; with `bpm` the simplest map of its measures."""
+    line: Annotated[tuple[MusicLine, ...], Field(max_length=20000)] = ()
+    """Its measure lines: the show follows them exactly, instead of the beats that it hears."""
+    phrase: Annotated[tuple[MusicPhrase, ...], Field(max_length=2000)] = ()
+    """Its phrases."""
+
+    @model_validator(mode="after")
+    def _lines_go_forward(self) -> "MusicSection":
+        for index, (before, line) in enumerate(itertools.pairwise(self.line), start=1):
+            if line.time_s < before.time_s + MIN_MEASURE_S:
+                words = f"{line.time_s:g} s after a line at {before.time_s:g} s: lines go forward; sort them by time"
+                raise InvalidEntry(words, "line", index, "time_s")
+            if line.measure != before.measure + 1:
+                words = f"measure {line.measure} after measure {before.measure}; they are counted on by one"
+                raise InvalidEntry(words, "line", index, "measure")
+        return self
+
+    @property
+    def first_downbeat(self) -> float | None:
+        """Time of the first downbeat [s], given or that of the first line; None if neither is known."""
+        return self.line[0].time_s if self.one_at_s is None and self.line else self.one_at_s
+
+    @property
+    def known_tempo(self) -> float | None:
+        """The tempo [bpm], given or that of the first measure; None if neither is known."""
+        measures = self.measures
+        if self.bpm is not None or measures is None:
+            return self.bpm
+        return min(max(60.0 / (measures.time_at(1.0) - measures.time_at(0.0)), 20.0), 400.0)
+
+    @property
+    def measures(self) -> MeasureMap | None:
+        """The map of its measure lines; None if it has none."""
+        if not self.line:
+            return None
+        lines = [MeasureLine(one.time_s, one.measure, one.beats, one.tempo) for one in self.line]
+        return MeasureMap(lines, [Phrase(one.measure, one.name) for one in self.phrase])
 
 
 class SoundSection(Section):

@@ -22,8 +22,8 @@ def make_follower(patch: Patch, tempo: float | None) -> TimelineFollower:
     return TimelineFollower(
         tempo=tempo or clock.bpm,
         beats_per_measure=clock.beats_per_measure,
-        one_at=music.one_at_s if tempo is None else None,
-        known_tempo=music.bpm if tempo is None else None,
+        one_at=music.first_downbeat if tempo is None else None,
+        known_tempo=music.known_tempo if tempo is None else None,
         priority=clock.priority,
         tempo_range=clock.tempo_range,
         follow_metre=clock.follow_metre,
