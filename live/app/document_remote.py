@@ -53,8 +53,9 @@ class RemoteDocument:
         return found
 
     def command(self, what: str, *values: Any) -> dict[str, Any]:
-        """Send `undo`, `redo` or `restore` and return its answer."""
-        return self._ask(f"/dance/document/{what}", (*values, self._by), lambda one: one.get("what") == what)
+        """Send `undo`, `redo`, `restore` or `keep/…` and return its answer."""
+        word = what.partition("/")[0]
+        return self._ask(f"/dance/document/{what}", (*values, self._by), lambda one: one.get("what") == word)
 
     def log(self) -> list[dict[str, Any]]:
         """Return the latest revisions."""

@@ -1,11 +1,11 @@
-"""Commands `live document edit | log | undo | redo | restore`: edits of a show's files, and their history."""
+"""Commands `live document edit | log | undo | redo | restore | keep`: edits of a show's files, and their history."""
 
 import contextlib
 import json
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
@@ -181,6 +181,27 @@ def _return(
         print(json.dumps(answer, ensure_ascii=False))
     else:
         _print_answer(what, answer)
+    if "refused" in answer:
+        raise typer.Exit(1)
+
+
+@app.command("keep")
+def keep(
+    what: Annotated[Literal["measures", "formation", "scene", "cue"], typer.Argument(help="What is kept.")],
+    name: Annotated[str, typer.Argument(help="Its name: of the new section, or of what was made live.")],
+    to: Annotated[str, typer.Option(help="The show that runs there.", metavar="HOST:PORT")] = "127.0.0.1:9010",
+    measures: Annotated[int, typer.Option(help="How many of the last measures become a section.", min=1)] = 16,
+    by: BY = None,
+    as_json: JSON = False,
+) -> None:
+    """Keep what a running show made: its last measures as a section, or a formation, scene or cue."""
+    with _remote(to, by) as remote:
+        values = (measures, name) if what == "measures" else (name,)
+        answer = remote.command(f"keep/{what}", *values)
+    if as_json:
+        print(json.dumps(answer, ensure_ascii=False))
+    else:
+        _print_answer("keep", answer)
     if "refused" in answer:
         raise typer.Exit(1)
 

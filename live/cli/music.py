@@ -32,9 +32,9 @@ def measure_map(
 ) -> None:
     """Find the measure lines of a whole piece, correct them, and write them for the show or other programs."""
     from live.app.offline.music_map import MapProposal, hear, map_values, read_fixes
-    from live.app.offline.music_map_files import read_map, write_map
     from live.base.errors import PersonError
     from live.control.audio.music_file import MusicFileError, read_music
+    from live.library.music_map_file import read_map, write_map
 
     fixes = [] if fix is None else read_fixes(fix)
     try:

@@ -16,7 +16,6 @@ from live.document.toml_blocks import (
     joined_tail,
     renamed_key,
 )
-from live.show.patch.patch import Patch
 
 
 class BlockEditor:
@@ -25,11 +24,6 @@ class BlockEditor:
     def __init__(self, document: Document, edit: Edit) -> None:
         self.document, self.edit = document, edit
         self.applied = Applied()
-
-    def take_back(self, former: Patch) -> None:
-        """Undo all that was done; `former` is the patch before."""
-        self.document.undo(self.applied.splices)
-        self.document.patch = former
 
     def restore(self, splices: tuple[Splice, ...]) -> bool:
         """Give back the texts of an inverse; False, with nothing done, if somebody changed them since."""

@@ -15,7 +15,7 @@ from typing import IO, Any, Final
 from live.base.errors import PersonError
 from live.document.document import Document, DocumentFile, Splice
 from live.document.edit import Edit, EditRefused, Fault
-from live.document.edit_actions import apply_edit, concerned
+from live.document.edit_actions import apply_edits, concerned
 from live.document.history import (
     Revision,
     What,
@@ -226,7 +226,12 @@ class DocumentStore:
     def edit(self, edit: Edit) -> Accepted:
         """Apply, check and save an edit; EditRefused with all faults leaves document and files as they were."""
         self._take_in()
-        return self._commit(rebased(edit, self._since(edit.base)), "edit")
+        return self._commit([rebased(edit, self._since(edit.base))], "edit", by=edit.by)
+
+    def edit_together(self, edits: Sequence[Edit], by: str) -> Accepted:
+        """Apply edits as one revision, which is undone as one; EditRefused with all faults changes nothing."""
+        self._take_in()
+        return self._commit(edits, "keep", by=by)
 
     def _take_in(self) -> None:
         self.refresh()
@@ -242,17 +247,15 @@ class DocumentStore:
             raise EditRefused(Fault(f"base: there is no revision {base}", field="base", remedy=known))
         return self.revisions[base - self.revisions[0].number + 1 :]
 
-    def _commit(self, edit: Edit, what: What, *, of: int | None = None) -> Accepted:
-        former = self.document.patch
-        applied = apply_edit(self.document, edit)
+    def _commit(self, edits: Sequence[Edit], what: What, *, by: str, of: int | None = None) -> Accepted:
+        former, first = self.document.patch, edits[0]
+        applied = apply_edits(self.document, edits)
         try:
-            check_conflict(edit, applied.keys, self._since(edit.base))
+            check_conflict(first, applied.keys, self._since(first.base))
             self._try_patch()
-            inverse = applied.inverse
-            kept = replace(edit, exact=())
             revision = self._revision(
-                what, by=edit.by, of=of, edit=kept, inverse=inverse, splices=tuple(applied.splices),
-                keys=tuple(applied.keys), shifts=tuple(applied.shifts),
+                what, by=by, of=of, edit=replace(first, exact=()), inverse=applied.inverse,
+                splices=tuple(applied.splices), keys=tuple(applied.keys), shifts=tuple(applied.shifts),
             )  # fmt: skip
             if not applied.splices:  # nothing changed
                 return Accepted(replace(revision, number=self.revision))
@@ -330,13 +333,14 @@ class DocumentStore:
         if target.inverse is None:
             return self._commit_texts(exact, what, by or "", target.number)
         inverse = replace(target.inverse, by=by or "", base=target.number, exact=exact)
-        return self._commit(rebased(inverse, self._since(target.number)), what, of=target.number)
+        edits = [rebased(inverse, self._since(target.number))]
+        return self._commit(edits, what, by=inverse.by, of=target.number)
 
     def last_in_force(self, by: str | None) -> Revision | None:
         """Return a person's last revision that was not undone."""
         undone = {revision.of for revision in self.revisions if revision.what == "undo"}
         for revision in reversed(self.revisions):
-            is_edit = revision.what in ("edit", "restore", "redo") and revision.number not in undone
+            is_edit = revision.what in ("edit", "keep", "restore", "redo") and revision.number not in undone
             if is_edit and by in (None, revision.by):
                 return revision
         return None
@@ -349,7 +353,7 @@ class DocumentStore:
                 continue
             if revision.what == "undo":
                 return revision
-            if revision.what in ("edit", "restore"):
+            if revision.what in ("edit", "keep", "restore"):
                 return None
         return None
 

@@ -1,13 +1,13 @@
 """What each edit does to a document's blocks, and the edit that takes it back."""
 
 import contextlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final
 
 from live.base.errors import PersonError
 from live.base.toml import KeyPath
 from live.document.block_editor import BlockEditor
-from live.document.document import LIST_SECTIONS, Document, Names
+from live.document.document import LIST_SECTIONS, Document, Names, Splice
 from live.document.edit import Applied, Edit, EditRefused, Fault
 from live.document.place import Place, find_place, folded, path_text, refuse, value_at
 from live.document.references import references
@@ -23,52 +23,64 @@ SHOWN_FAULTS: Final = 50
 
 def apply_edit(document: Document, edit: Edit) -> Applied:
     """Apply an edit to a document and return what it did; EditRefused with all faults leaves it as it was."""
-    action = BlockEditor(document, edit)
-    former = document.patch
+    return apply_edits(document, [edit])
+
+
+def apply_edits(document: Document, edits: Sequence[Edit]) -> Applied:
+    """Apply edits as one; the document has to be valid after the last of them. The inverse is that of a single edit."""
+    former, whole = document.patch, Applied()
     try:
-        _ACTIONS[edit.do](action)
+        for edit in edits:
+            action = BlockEditor(document, edit)
+            try:
+                _ACTIONS[edit.do](action)
+            finally:
+                whole.splices += action.applied.splices
+            whole.keys += action.applied.keys
+            whole.shifts += action.applied.shifts
+            whole.inverse = action.applied.inverse if len(edits) == 1 else None
         document.patch = document.validate()
-        if edit.exact:
-            _restore(action)
-    except EditRefused:
-        action.take_back(former)
-        raise
-    except InvalidModel as error:
-        faults = [
-            Fault(
-                what,
-                problem.file,
-                problem.line,
-                key_text(problem.key_path),
-                remedy,
-                *concerned(document, problem.key_path),
-            )
-            for problem in error.problems(SHOWN_FAULTS)
-            for what, remedy in [_split_remedy(problem.text)]
-        ]
-        action.take_back(former)
-        raise EditRefused(*faults) from None
-    except PersonError as error:
-        action.take_back(former)
-        raise EditRefused(Fault(error.message, field=path_text(edit.at), remedy=error.remedy or "")) from None
-    except BaseException:
-        action.take_back(former)
-        raise
-    return action.applied
+        if len(edits) == 1 and edits[0].exact:
+            whole.splices = _restore(document, edits[0], whole.splices)
+    except BaseException as error:
+        refusal = _refusal(document, edits, error)
+        document.undo(whole.splices)
+        document.patch = former
+        if refusal is error:
+            raise
+        raise refusal from None
+    return whole
 
 
-def _restore(action: BlockEditor) -> None:
-    """Give back the exact texts of an inverse instead, if they are still known and mean the same."""
-    document, written, wanted = action.document, action.applied.splices, action.document.patch
+def _refusal(document: Document, edits: Sequence[Edit], error: BaseException) -> BaseException:
+    """Return an error in the form of a refusal, if it is a person's; the document is still as it was edited."""
+    if isinstance(error, InvalidModel):
+        faults = []
+        for problem in error.problems(SHOWN_FAULTS):
+            what, remedy = _split_remedy(problem.text)
+            measure, dancers = concerned(document, problem.key_path)
+            place = problem.file, problem.line, key_text(problem.key_path)
+            faults.append(Fault(what, *place, remedy, measure, dancers))
+        return EditRefused(*faults)
+    if isinstance(error, PersonError):
+        return EditRefused(Fault(error.message, field=path_text(edits[-1].at), remedy=error.remedy or ""))
+    return error
+
+
+def _restore(document: Document, edit: Edit, written: list[Splice]) -> list[Splice]:
+    """Give back the exact texts of an inverse instead, if they are still known and mean the same; return what was
+    done."""
+    wanted = document.patch
     document.undo(written)
-    action.applied.splices = []
-    if action.restore(action.edit.exact):
+    action = BlockEditor(document, edit)
+    if action.restore(edit.exact):
         with contextlib.suppress(PersonError):
             if document.validate() == wanted:
-                return
+                return action.applied.splices
         document.undo(action.applied.splices)
-    action.applied.splices = [document.apply(splice) for splice in written]
+    done = [document.apply(splice) for splice in written]
     document.patch = document.validate()
+    return done
 
 
 def _split_remedy(text: str) -> tuple[str, str]:

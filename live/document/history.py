@@ -20,7 +20,7 @@ from live.document.place import path_text, refuse
 from live.show.patch.toml_model import key_text
 
 MAX_HISTORY_BYTES: Final = 200_000_000
-What = Literal["edit", "undo", "redo", "restore", "files"]
+What = Literal["edit", "keep", "undo", "redo", "restore", "files"]
 
 
 class _Splice(BaseModel):
@@ -53,7 +53,8 @@ class Revision:
     number: int
     """From 1; 0 is the state in which the history begins."""
     what: What
-    """An edit, its undo or redo, a return to an earlier revision, or a change of the files by another program."""
+    """An edit, something made live that is kept, an undo or redo, a return to an earlier revision, or a change of the
+    files by another program."""
     by: str = ""
     """Who made it."""
     date: str = ""
@@ -93,6 +94,8 @@ class Revision:
         match self.what:
             case "edit":
                 return did.strip()
+            case "keep":
+                return f"keep: {did.strip()}"
             case "files" if not self.splices:
                 return "the history begins here"
             case "files":

@@ -2,33 +2,48 @@
 
 import json
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from datetime import datetime
 from functools import partial
 from typing import Any, Final
 
 from live.base.errors import PersonError
 from live.base.fault_isolation import FAULTS
-from live.control.events.document import EditDocument, RedoDocument, RestoreDocument, UndoDocument
+from live.control.events.document import (
+    EditDocument,
+    KeepCue,
+    KeepFormation,
+    KeepMeasures,
+    KeepScene,
+    RedoDocument,
+    RestoreDocument,
+    UndoDocument,
+)
 from live.control.events.event import ControlEvent
 from live.document.document_store import Accepted, DocumentStore, refused_json_values
-from live.document.edit import EditRefused, parse_edits
+from live.document.edit import Edit, EditRefused, parse_edits
 from live.document.history import Revision
 from live.document.place import refuse
 from live.document.show_check import show_faults
+from live.document.take import TakeRecorder, formation_table, keep_edits
 from live.show.background_work import short_switch_interval
 from live.show.patch.hot_reload import Candidate, PatchWatch
 from live.show.patch.patch import Patch
+from live.show.patch.section_score import formation_names
 from live.show.patch.toml_model import TomlSources
 from live.show.show import Show
+from live.show.stages.now import Now
 
-Request = EditDocument | UndoDocument | RedoDocument | RestoreDocument
+Keep = KeepMeasures | KeepFormation | KeepScene | KeepCue
+Request = EditDocument | UndoDocument | RedoDocument | RestoreDocument | Keep
+MakeEdits = Callable[[Patch], list[Edit]]
+"""Makes the edits of something that is kept, for the patch as it is written now."""
 Change = tuple[str | int | None, Callable[[], Accepted]]
 """The sender's name for a change, and what makes it."""
 WORDS: Final[dict[type, str]] = {
     EditDocument: "edit", UndoDocument: "undo", RedoDocument: "redo", RestoreDocument: "restore",
+    KeepMeasures: "keep", KeepFormation: "keep", KeepScene: "keep", KeepCue: "keep",
 }  # fmt: skip
-REQUESTS: Final = (EditDocument, UndoDocument, RedoDocument, RestoreDocument)
 MAX_ANSWERS_LENGTH: Final = 6000
 """Maximum length of the published answers [characters]; an OSC packet has 8,192 bytes."""
 MAX_WAITING: Final = 1000
@@ -45,6 +60,8 @@ class DocumentService:
         """`open_store` reads the show's files, for the first edit."""
         self._watch, self._show, self._open_store = watch, show, open_store
         self._store: DocumentStore | None = None
+        self._recorder = TakeRecorder(show)
+        show.frame.router.observers.append(self._observe)
         self._candidate: Candidate | None = None  # the patch that was checked last
         self._waiting = 0
         self._answers: deque[dict[str, Any]] = deque(maxlen=64)
@@ -65,22 +82,62 @@ class DocumentService:
         """Do nothing: edits that wait when the show ends are not saved, and were not answered."""
 
     def frame(self) -> None:
-        """Note which measure of the score is being danced."""
+        """Note what is being danced."""
+        self._recorder.frame()
         measure = self._show.span.number
         if measure != self._last_measure and measure >= 0:
             self._last_measure = measure
             place = self._show.score_runner.score.place(measure)
             self._danced_in[place.section, place.measure] = measure
 
+    def _observe(self, event: ControlEvent, now: Now) -> None:
+        try:
+            self._recorder.observe(event, now)
+        except Exception as error:  # a fault of the program: the show goes on without this note
+            FAULTS.record("the recorder of takes", error)
+
     def handle(self, event: ControlEvent) -> None:
         """Pass an edit on to the watching thread."""
-        if not isinstance(event, REQUESTS):
+        if not isinstance(event, Request):
             return
         if self._waiting >= MAX_WAITING:
             self._refused += 1
             return
         self._waiting += 1
-        self._watch.do(lambda: self._serve(event))
+        try:
+            make = self._keep(event) if isinstance(event, Keep) else None
+        except PersonError as error:
+            answer = refused_json_values(None, refuse((), error.message, error.remedy or ""))
+            self._watch.do(lambda: self._refuse(event, answer))
+            return
+        self._watch.do(lambda: self._serve(event, make))
+
+    def _keep(self, event: Keep) -> MakeEdits:
+        """Return what makes the edits that keep what an event names, as it is now; PersonError if there is no such
+        thing."""
+        match event:
+            case KeepMeasures():
+                take = self._recorder.last(event.measures)
+                if not take:
+                    raise PersonError("no whole measure was danced yet", "wait for the next measure line")
+                return lambda patch: keep_edits(take, patch, event.name)
+            case KeepFormation():
+                made = self._show.motion.evolutions.formations.get(event.name.casefold().strip())
+                if made is None:
+                    known = ", ".join(one.name for one in self._show.motion.evolutions.formations.values())
+                    raise PersonError(f"no formation is called {event.name!r}", f"there are: {known or 'none'}")
+                table = formation_table(made.name, made.spec)
+                return lambda patch: [_put("formation", table, formation_names(patch.formation))]
+            case KeepScene():
+                table = {"name": event.name, "set": self._show.desk.scenes.written(event.name)}
+                return lambda patch: [_put("scene", table, [scene.name for scene in patch.scene])]
+            case KeepCue():
+                table = {"name": event.name, "set": self._show.desk.scenes.written()}
+                cue = {"name": event.name, "scene": event.name}
+                return lambda patch: [
+                    _put("scene", table, [scene.name for scene in patch.scene]),
+                    _put("cue", cue, [one.name for one in patch.cue]),
+                ]
 
     def status(self) -> dict[str, Any]:
         """Return revision, and the number of accepted and refused edits."""
@@ -98,21 +155,26 @@ class DocumentService:
 
     # -- thread: the watching one ------------------------------------------------------------------------------------
 
-    def _serve(self, event: Request) -> None:
+    def _refuse(self, event: Request, answer: dict[str, Any]) -> None:
+        self._waiting -= 1
+        self._refused += 1
+        self._publish(answer, event)
+
+    def _serve(self, event: Request, make: MakeEdits | None) -> None:
         self._waiting -= 1
         try:
             with short_switch_interval():
-                for answer in self._answer(event):
+                for answer in self._answer(event, make):
                     self._publish(answer, event)
         except Exception as error:  # a fault of the program: the show and the next edits go on
             FAULTS.record("an edit of the document", error)
             self._publish({"id": None, "refused": [{"what": f"{type(error).__name__}: {error}"}]}, event)
 
-    def _answer(self, event: Request) -> Iterator[dict[str, Any]]:
+    def _answer(self, event: Request, make: MakeEdits | None) -> Iterator[dict[str, Any]]:
         """Serve a request and yield its answers."""
         try:
             store = self._opened()
-            changes = self._changes(store, event)
+            changes = self._changes(store, event, make)
         except (PersonError, OSError) as error:
             self._refused += 1
             yield refused_json_values(None, refuse((), str(error)))
@@ -126,8 +188,11 @@ class DocumentService:
                 self._refused += 1
             yield answer
 
-    def _changes(self, store: DocumentStore, event: Request) -> list[Change]:
+    def _changes(self, store: DocumentStore, event: Request, make: MakeEdits | None) -> list[Change]:
         """Return the changes that an event asks for; PersonError if it cannot be read."""
+        if make is not None and isinstance(event, Keep):
+            store.refresh()
+            return [(None, partial(store.edit_together, make(store.document.patch), event.by))]
         match event:
             case EditDocument():
                 text = event.edit if event.edit.lstrip().startswith("[") else f"[{event.edit}]"
@@ -138,6 +203,7 @@ class DocumentService:
                 return [(None, partial(store.undo, event.by or None, redo=True))]
             case RestoreDocument():
                 return [(None, partial(store.restore, event.revision, event.by))]
+        raise PersonError("nothing to do")
 
     def _undo(self, store: DocumentStore, by: str | None) -> Accepted:
         self._refuse_danced(store, store.last_in_force(by))
@@ -212,6 +278,12 @@ class DocumentService:
             latest = self._store.revisions[-LOGGED:]
             rows = [{"revision": one.number, "date": one.date, "by": one.by, "text": one.text} for one in latest]
             self._log = json.dumps(rows)
+
+
+def _put(kind: str, table: dict[str, Any], known: Iterable[str]) -> Edit:
+    """Return the edit that writes an entry: over the one of the same name, or a new one."""
+    named = str(table["name"]).casefold().strip() in {name.casefold().strip() for name in known}
+    return Edit("set", (kind, table["name"]), table) if named else Edit("insert", (kind,), table)
 
 
 def edit_date() -> str:

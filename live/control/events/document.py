@@ -42,3 +42,39 @@ class RestoreDocument(ControlEvent):
 
     revision: Annotated[int, Argument.number("a number of the history", 0, 100_000_000)]
     by: Person = ""
+
+
+Name = Annotated[str, Argument.label("its name in the show's files")]
+
+
+@command("/dance/document/keep/measures", "operator")
+class KeepMeasures(ControlEvent):
+    """Writes the last measures danced into the show's files, as a section: steps, segments, elements and calls."""
+
+    measures: Annotated[int, Argument.number("how many whole measures", 1, 1000)]
+    name: Name
+    by: Person = ""
+
+
+@command("/dance/document/keep/formation", "operator")
+class KeepFormation(ControlEvent):
+    """Writes a formation that was defined live into the show's files."""
+
+    name: Name
+    by: Person = ""
+
+
+@command("/dance/document/keep/scene", "operator")
+class KeepScene(ControlEvent):
+    """Writes a scene that was stored live into the show's files."""
+
+    name: Name
+    by: Person = ""
+
+
+@command("/dance/document/keep/cue", "operator")
+class KeepCue(ControlEvent):
+    """Writes the present light, camera and motion into the show's files, as a cue with a scene of its own."""
+
+    name: Name
+    by: Person = ""

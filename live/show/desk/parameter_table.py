@@ -4,7 +4,7 @@ There are two families of rows: the picture's (`live.base.picture_parameters`), 
 (`live.base.motion_parameters`). All values form one row of numbers: the picture's, then those of each group.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -108,6 +108,10 @@ class ParameterTable:
             return found
         index = self.group_index(group)
         return [one for one in found if one.group == index]
+
+    def slots(self) -> Iterator[tuple[str, list[Slot]]]:
+        """Yield every address with its parameters: one for the stage, or one for each group."""
+        yield from self._by_address.items()
 
     def places(self, address: str, group: str = "*") -> list[int]:
         """Return the places of these parameters in the row; empty for an unknown parameter or group."""

@@ -158,6 +158,25 @@ class Scenes:
         """Names of all scenes."""
         return [scene.name for scene in (self._scenes | self.stored).values()]
 
+    def written(self, name: str | None = None) -> dict[str, Setting]:
+        """Return the values of a scene stored live, or for None the present ones, as a `[[scene]]` sets them.
+
+        Those that the show starts with are left out. Raises PersonError for an unknown scene.
+        """
+        if name is None:
+            goals: Mapping[int, float] = dict(enumerate(np.asarray(self._parameters.goals()).tolist()))
+        else:
+            goals = _find_scene(self.stored, name, "scene stored live").goals
+        start, settings = self._parameters.start, dict[str, Setting]()
+        for address, slots in self._parameters.table.slots():
+            for slot in slots:
+                numbers = [goals.get(place, float(start[place])) for place in slot.numbers]
+                if slot.parameter.size in (1, 3) and numbers != [float(start[place]) for place in slot.numbers]:
+                    group = "" if slot.group < 0 else f" {self._parameters.table.group_names[slot.group]}"
+                    one = bool(numbers[0]) if slot.parameter.kind == "switch" else numbers[0]
+                    settings[address + group] = one if len(numbers) == 1 else (numbers[0], numbers[1], numbers[2])
+        return settings
+
     def edited_values(self, event: ControlEvent) -> dict[str, Scene]:
         """Return the scenes stored live, by name, see `EditablePart`."""
         return dict(self.stored)

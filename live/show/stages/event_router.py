@@ -44,6 +44,8 @@ class EventRouter:
         self._parts: tuple[EventPart, ...] = parts
         self._clock, self._motion, self._undo_history, self._refusals = clock, motion, undo_history, refusals
         self._handlers: dict[type[ControlEvent], tuple[Handler, ...]] = {}
+        self.observers: list[Callable[[ControlEvent, Now], None]] = []
+        """Called with every event that was handled, also with the show's own; they change nothing in the show."""
         self.build_table()
 
     def build_table(self) -> None:
@@ -73,3 +75,5 @@ class EventRouter:
                 return
             for each in triggered or ():
                 self.handle(each)
+        for observe in self.observers:
+            observe(event, now)

@@ -93,7 +93,7 @@ KINDS: Final = [
     Kind("event-router", EventRouter, """
         _parts:row[audience|desk|directions|elements|group-controls|hot-swap|light|mocap|score-requests|seen|show-clock|tripped-stages]
         _clock:show-clock _motion:group-motion _undo_history:edits _refusals:refusals
-    """, factories={"_handlers": dict}, after_read=EventRouter.build_table),
+    """, factories={"_handlers": dict, "observers": list}, after_read=EventRouter.build_table),
     Kind("show-clock", ShowClock, """
         follower:timeline-follower timeline:timeline span:measure-span time:float measure_beats:int beat:float
         _beats_per_tick:float _breakers:breakers _follow_metre:bool _known_tempo:float|none

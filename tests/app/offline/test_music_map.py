@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from live.app.offline.music_map import Fix, MapProposal, hear, map_values, read_fixes
-from live.app.offline.music_map_files import read_map, write_map
 from live.base.errors import PersonError
 from live.clock.measure_map import MeasureLine, MeasureMap, Phrase
 from live.clock.tracking.offline_beats import Activations
 from live.control.audio.music_file import read_music
+from live.library.music_map_file import read_map, write_map
 from tests.cli.command import run_live
 from tests.clock.tracking.test_offline_beats import activations
 from tests.places import SHARED

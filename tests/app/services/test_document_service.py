@@ -2,13 +2,27 @@
 
 import json
 import random
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from live.agents.formations.formation_notation import parse_formation
+from live.agents.formations.formation_spec import spec_from_table
 from live.app.services.document_service import MAX_ANSWERS_LENGTH, DocumentService
-from live.control.events.document import EditDocument, RedoDocument, RestoreDocument, UndoDocument
+from live.control.events.document import (
+    EditDocument,
+    KeepCue,
+    KeepFormation,
+    KeepMeasures,
+    KeepScene,
+    RedoDocument,
+    RestoreDocument,
+    UndoDocument,
+)
+from live.control.events.event import ControlEvent
+from live.control.registry.registry import REGISTRY
 from live.document.document_store import DocumentStore
 from live.show.journal.journal import read_journal
 from live.show.journal.replay import first_start, load_journal, replay
@@ -193,4 +207,74 @@ def test_random_edits_of_three_people_leave_engine_and_file_alike_and_replay(nig
     assert night.service.revision is not None
     assert night.service.revision > 10
     assert split_deferred(read_patch(night.path), night.show.patch)[0] == night.show.patch
+    assert night.replay_differences() == ()
+
+
+def keep(night: EditedShow, measures: int, name: str, by: str = "ana") -> dict[str, Any]:
+    return night.serve(KeepMeasures(time=night.clock.now(), source="osc", measures=measures, name=name, by=by))[-1]
+
+
+def test_what_was_danced_becomes_a_section_and_is_danced_again(night: EditedShow) -> None:
+    night.run(4.5)  # measures of 2 s
+    for address, values in (
+        ("/dance/sequence", ["side step x2, groove", "ember"]),
+        ("/dance/formation", ["star", 2, "tide", True]),
+        ("/dance/attract", [2.0, 1.0, 1.5, 2.0, "ember"]),
+        ("/dance/motion/larger", [0.4, "tide"]),
+    ):
+        event = REGISTRY.call(address, values, night.clock.now(), "osc")
+        assert isinstance(event, ControlEvent)
+        night.inbox.put(event)
+    danced = night.run(9.0)
+    first = night.show.span.number + 1 - 4
+    answer = keep(night, 4, "take")
+    assert "revision" in answer, answer
+    patch = read_patch(night.path)
+    assert [(one.name, one.measures) for one in patch.section] == [("show", 100_000), ("take", 4)]
+    kinds = ("segment", "element", "at")
+    own = {kind: [one for one in getattr(patch, kind) if one.section == "take"] for kind in kinds}
+    (element,) = own["element"]
+    assert (element.kind, element.at, element.strength, element.group) == ("attract", (2.0, 1.0), 1.5, "ember")
+    assert [one.formation for one in own["segment"] if one.group == "tide"] == ["star"]
+    assert [(one.call, one.values) for one in own["at"]] == [("/dance/motion/larger", (0.4, "tide"))]
+    steps = {one.group: one.steps for one in patch.sequence if one.section == "take"}
+    assert set(steps) == {"ember", "tide"}
+    night.inbox.put(REGISTRY.call("/dance/section", ["take"], night.clock.now(), "osc"))  # type: ignore[arg-type]
+    again = night.run(14.0)
+    rows = [danced[first + k] for k in range(4)]
+    assert len(set(map(frozenset, rows))) == 2
+    assert any([again.get(begin + k) for k in range(4)] == rows for begin in again)
+    night.undo("ana")
+    assert night.path.read_text() == PATCH
+    night.run(3.0)
+    assert night.replay_differences() == ()
+
+
+def test_scenes_cues_and_formations_made_live_are_kept(night: EditedShow) -> None:
+    night.run(1.0)
+    for address, values in (
+        ("/dance/light/level", [0.5]),
+        ("/dance/motion/larger", [0.25, "tide"]),
+        ("/dance/formation/define", ["wedge", "polygon:5"]),
+    ):
+        night.inbox.put(REGISTRY.call(address, values, night.clock.now(), "osc"))  # type: ignore[arg-type]
+    night.run(1.0)
+    night.inbox.put(REGISTRY.call("/dance/scene/store", ["dusk"], night.clock.now(), "osc"))  # type: ignore[arg-type]
+    night.run(0.5)
+    now = {"time": night.clock.now(), "source": "osc"}
+    night.serve(KeepScene(**now, name="dusk"))
+    night.serve(KeepFormation(**now, name="wedge"))
+    night.serve(KeepCue(**now, name="now"))
+    patch = read_patch(night.path)
+    wanted = {"/dance/light/level": 0.5, "/dance/motion/larger tide": 0.25}
+    assert [(scene.name, scene.set) for scene in patch.scene] == [("dusk", wanted), ("now", wanted)]
+    assert [(cue.name, cue.scene) for cue in patch.cue] == [("now", "now")]
+    assert spec_from_table(patch.formation[0]) == replace(parse_formation("polygon:5"), name="wedge")
+    night.inbox.put(REGISTRY.call("/dance/light/level", [0.75], night.clock.now(), "osc"))  # type: ignore[arg-type]
+    night.run(0.5)
+    night.serve(KeepCue(**now, name="now"))  # once more: the scene is written over
+    assert read_patch(night.path).scene[1].set["/dance/light/level"] == 0.75
+    for event in (KeepScene(**now, name="no"), KeepFormation(**now, name="no")):
+        assert "refused" in night.serve(event)[-1]
+    night.run(3.0)
     assert night.replay_differences() == ()
