@@ -22,7 +22,7 @@ UNKNOWN = {
     "scene": {"name": "dusk", "set": {"/dance/nonsense": 1}},
 }
 """A table of each kind that names what does not exist."""
-MODEL_IMPORTS = (
+MODEL_IMPORTS = ("live.clock.measure_map", 
     "live.base", "live.motion.skeleton", "live.clock.follower.clock_source", "live.show.patch.section_",
 )  # fmt: skip
 
