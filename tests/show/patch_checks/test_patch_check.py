@@ -22,8 +22,9 @@ UNKNOWN = {
     "scene": {"name": "dusk", "set": {"/dance/nonsense": 1}},
 }
 """A table of each kind that names what does not exist."""
-MODEL_IMPORTS = ("live.clock.measure_map", 
-    "live.base", "live.motion.skeleton", "live.clock.follower.clock_source", "live.show.patch.section_",
+MODEL_IMPORTS = (
+    "live.base", "live.motion.skeleton", "live.clock.follower.clock_source", "live.clock.measure_map",
+    "live.show.patch.section_",
 )  # fmt: skip
 
 
