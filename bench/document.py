@@ -12,7 +12,9 @@ from bench._document_score import score_text
 from live.cli.bench import Row
 from live.document.document_store import DocumentStore
 from live.document.edit import Edit, EditRefused
+from live.document.preview import PreviewEngine
 from live.document.show_check import ShowCheck
+from live.show.loader import load_show
 from live.show.patch.patch_reader import read_patch
 
 MEASURES = 5000
@@ -49,6 +51,7 @@ def _rows(count: int) -> list[Row]:
         renamed = _times(
             store, [Edit("rename", ("group", "ember"), "glow"), Edit("rename", ("group", "glow"), "ember")]
         )
+        preview = _preview_times(Path(folder))
     where = f"a score of {MEASURES:,} measures"
     return [
         Row(f"{where}: edit to saved file, CPU", saved, "ms", 10.0),
@@ -56,6 +59,38 @@ def _rows(count: int) -> list[Row]:
         Row(f"{where}: undo to saved file, CPU", undone, "ms"),
         Row(f"{where}: edit to accepted and saved, with the show's checks, CPU", accepted, "ms", 50.0),
         Row(f"{where}: a group's new name in 1,250 entries, accepted and saved, CPU", renamed, "ms"),
+        *preview,
+    ]
+
+
+def _preview_times(folder: Path) -> list[Row]:
+    """A score of 64 measures and 50 dancers, simulated aside."""
+    path = folder / "short.toml"
+    path.write_text(score_text(64))
+    loaded = load_show(path)
+    begin = time.perf_counter()
+    engine = PreviewEngine(loaded)
+    engine.run_to(64)
+    whole = (time.perf_counter() - begin) * 1e3
+    rng = random.Random(3)
+    scrubbed, planned = [], []
+    for _ in range(12):
+        begin = time.perf_counter()
+        engine.view_at(rng.uniform(0.0, 63.0))
+        scrubbed.append((time.perf_counter() - begin) * 1e3)
+        index = rng.randrange(len(loaded.patch.segment))
+        rows = list(loaded.patch.segment)
+        rows[index] = rows[index].model_copy(update={"formation": "star:5"})
+        edited = loaded.patch.model_copy(update={"segment": tuple(rows)})
+        measure = rows[index].measure
+        begin = time.perf_counter()
+        engine.plan(measure, measure + rows[index].measures - 1, edited)
+        planned.append((time.perf_counter() - begin) * 1e3)
+    where = "64 measures of 50 dancers"
+    return [
+        Row(f"{where}: ways of a changed segment", statistics.median(planned), "ms", 200.0),
+        Row(f"{where}: the stage at any measure, from a warm preview", max(scrubbed), "ms", 300.0),
+        Row(f"{where}: the whole preview", whole, "ms"),
     ]
 
 

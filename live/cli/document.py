@@ -1,4 +1,4 @@
-"""Commands `live document edit | log | undo | redo | restore | keep`: edits of a show's files, and their history."""
+"""Commands `live document …`: edits of a show's files, their history, and a preview of any measures."""
 
 import contextlib
 import json
@@ -43,12 +43,7 @@ def edit(
     from live.base.errors import PersonError
     from live.document.edit import parse_edits
 
-    what = "the standard input" if edits == "-" else edits
-    try:
-        text = sys.stdin.read() if edits == "-" else Path(edits).read_text("utf-8")
-    except (OSError, ValueError) as error:
-        raise PersonError(f"cannot read the edits {what}: {error}") from None
-    parsed = parse_edits(text, what)
+    parsed = parse_edits(_read_edits(edits), "the standard input" if edits == "-" else edits)
     if to is not None:
         if dry:
             raise PersonError("--dry with --to: a running show has no dry run", "leave one of them out")
@@ -63,6 +58,15 @@ def edit(
             _print_answer(f"edit {number}", answer, dry=dry)
     if any("refused" in answer for answer in answers):
         raise typer.Exit(1)
+
+
+def _read_edits(name: str) -> str:
+    from live.base.errors import PersonError
+
+    try:
+        return sys.stdin.read() if name == "-" else Path(name).read_text("utf-8")
+    except (OSError, ValueError) as error:
+        raise PersonError(f"cannot read the edits {name}: {error}") from None
 
 
 def _open(show: str, *, dry: bool = False) -> "DocumentStore":
@@ -107,6 +111,64 @@ def _print_answer(what: str, answer: dict[str, Any], *, dry: bool = False) -> No
     print(f"{what}: refused")
     for fault in answer["refused"]:
         print(f"  {Fault(**fault)}")
+
+
+@app.command("preview")
+def preview(
+    show: SHOW,
+    first: Annotated[int, typer.Option("--from", help="The first measure, from 1.", min=1)] = 1,
+    last: Annotated[int | None, typer.Option("--to", help="The last measure; left out: the first one.", min=1)] = None,
+    edits: Annotated[
+        str | None, typer.Option("--with", help="Edits that are tried and not saved.", metavar="EDITS.json")
+    ] = None,
+    as_json: JSON = False,
+) -> None:
+    """Simulate measures of a show aside: where everybody stands, their ways, who would meet, which way is too long.
+
+    Without sound and picture, at low priority. Exit 1 if an edit was refused.
+    """
+    import os
+    from dataclasses import replace
+
+    from live.app.launch_options import LaunchOptions
+    from live.document.edit import parse_edits
+
+    with contextlib.suppress(OSError, AttributeError):
+        os.nice(15)
+    parsed = [] if edits is None else parse_edits(_read_edits(edits), edits)
+    store = _open(show, dry=True)
+    answers = _apply_all(store, parsed, "")
+    from live.document.preview import PreviewEngine, preview_values
+
+    engine = PreviewEngine(replace(LaunchOptions(patch=show).load(), patch=store.document.patch))
+    values = preview_values(engine, first, last or first)
+    if as_json:
+        print(json.dumps({**values, "answers": answers}, ensure_ascii=False))
+    else:
+        for number, answer in enumerate(answers, start=1):
+            _print_answer(f"edit {number}", answer, dry=True)
+        _print_preview(values)
+    if any("refused" in answer for answer in answers):
+        raise typer.Exit(1)
+
+
+def _print_preview(values: dict[str, Any]) -> None:
+    for measure in values["measures"]:
+        print(f"measure {measure['measure']}, {measure['time_s']:.2f} s")
+        for number, dancer in enumerate(measure["dancers"], start=1):
+            if dancer is not None:
+                print(f"  {number:4}  {dancer[0]:7.2f} {dancer[1]:7.2f}  {dancer[3]}")
+    for one in values["meetings"]:
+        print(
+            "measure {}: dancers {} and {} would come as near as {} m".format(
+                one["measure"], *one["dancers"], one["distance"]
+            )
+        )
+    for one in values["too_far"]:
+        far = f"{one['distance']} m to go, and reaches {one['reach']} m"
+        print(f"measure {one['measure']}: dancer {one['dancer']} has {far}")
+    for note in values["notes"]:
+        print(f"note: {note}")
 
 
 @app.command("log")

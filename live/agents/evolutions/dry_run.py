@@ -55,6 +55,8 @@ class DryRunResult:
     """Pairs under segments who would collide; steering has to keep them apart."""
     links: tuple[Link, ...]
     """The linked timeline (T089)."""
+    ways: Float32
+    """Places `SAMPLES_PER_MEASURE` times in each measure [m], shape (S M, A, 2); (0, A, 2) if they were not kept."""
 
     @property
     def distances(self) -> Float64:
@@ -84,6 +86,7 @@ def simulate_plan(
     half: tuple[float, float] = (6.0, 4.0),
     radius: npt.ArrayLike = 0.25,
     seed: int = 0,
+    keep_ways: bool = False,
 ) -> DryRunResult:
     """Run `measures` measures from `positions` (A, 2) [m]; dancers moved by elements are assumed to stay."""
     plan = Plan(roster, repertoire, segments, measure_beats=measure_beats, half=half, radius=radius, seed=seed)
@@ -91,6 +94,7 @@ def simulate_plan(
     facing = np.array(np.broadcast_to(np.asarray(headings, np.float32), (roster.count,)))
     places, faced, held = [place.copy()], [facing.copy()], []
     near: list[TooNear] = []
+    ways = [np.zeros((0, roster.count, 2), np.float32)]
     spans: dict[int, Span] = {}
     bodies = np.broadcast_to(np.asarray(radius, np.float64), (roster.count,))
     for measure in range(measures):
@@ -99,7 +103,10 @@ def simulate_plan(
             dancers[motion.dancers] = True
             spans[plan.segments.index(motion.segment)] = Span(motion.begin, motion.departure.end, dancers)
         plan.finish()
-        near += _too_near(plan, measure, measure_beats, place, bodies)
+        sample, under = _sampled(plan, measure, measure_beats, place)
+        near += _too_near(sample, under, measure, bodies)
+        if keep_ways:
+            ways.append(sample[:-1])
         there = plan.predicted_state((measure + 1) * measure_beats)
         under = there.controlled == 1
         place, facing = np.where(under[:, None], there.position, place), np.where(under, there.heading, facing)
@@ -107,7 +114,7 @@ def simulate_plan(
         faced.append(facing.copy())
         held.append(under)
     links = _links(spans, roster.count, measures * measure_beats)
-    return DryRunResult(np.array(places), np.array(faced), np.array(held), tuple(near), links)
+    return DryRunResult(np.array(places), np.array(faced), np.array(held), tuple(near), links, np.concatenate(ways))
 
 
 def _links(spans: dict[int, Span], dancers: int, length: float) -> tuple[Link, ...]:
@@ -121,14 +128,19 @@ def _links(spans: dict[int, Span], dancers: int, length: float) -> tuple[Link, .
     )  # fmt: skip
 
 
-def _too_near(plan: Plan, measure: int, measure_beats: float, place: Float32, bodies: Float64) -> list[TooNear]:
-    count = len(place)
-    sample = np.empty((SAMPLES_PER_MEASURE + 1, count, 2), np.float32)
-    under = np.zeros(count, np.bool_)
+def _sampled(plan: Plan, measure: int, measure_beats: float, place: Float32) -> tuple[Float32, npt.NDArray[np.bool_]]:
+    """Return the places within a measure, (S + 1, A, 2) [m], and who is under a segment at its end, (A,)."""
+    sample = np.empty((SAMPLES_PER_MEASURE + 1, len(place), 2), np.float32)
+    under = np.zeros(len(place), np.bool_)
     for row in range(SAMPLES_PER_MEASURE + 1):
         there = plan.state_at((measure + row / SAMPLES_PER_MEASURE) * measure_beats)
         under = there.controlled == 1
         sample[row] = np.where(under[:, None], there.position, place)
+    return sample, under
+
+
+def _too_near(sample: Float32, under: npt.NDArray[np.bool_], measure: int, bodies: Float64) -> list[TooNear]:
+    count = sample.shape[1]
     distance, when = np.empty((count, count), np.float32), np.empty((count, count), np.float32)
     nearest_approach(sample, 0, count, distance, when)
     least = bodies[:, None] + bodies[None, :] - TOLERANCE

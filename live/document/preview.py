@@ -1,0 +1,266 @@
+"""A second, silent engine: a range of measures is simulated aside, so that it can be looked at before it is danced.
+
+It runs the same show in virtual time, without music, sound or picture, and keeps a snapshot of each measure. Asked for
+a measure it goes on from the nearest one. An edited patch is taken as a running show takes it: from the last snapshot
+before the first measure that changed.
+"""
+
+from bisect import bisect_right
+from dataclasses import dataclass, replace
+from typing import Any, Final, NamedTuple
+
+import numpy as np
+
+from live.agents.evolutions.dry_run import DryRunResult, simulate_plan
+from live.base.arrays import Bool, Float32, Float64, Int32
+from live.base.errors import PersonError
+from live.base.stage_snapshot import StageView
+from live.clock.ticks import TICK
+from live.rehearse.lint import lint_show
+from live.show.group.dry_run import REACH_TOLERANCE
+from live.show.loader import LoadedShow
+from live.show.patch.patch import Patch
+from live.show.show import Show
+from live.show.state.snapshot import Snapshotter, restore
+
+TICKS_PER_SAMPLE: Final = 4
+"""Ticks between two kept positions: 16 a second."""
+AFTER_LINE: Final = 6
+"""Ticks after a measure line from which on its snapshot is taken."""
+MAX_FOUND: Final = 200
+"""Maximum number of meetings, and of ways that are too long, that are told."""
+SCORE_KINDS: Final = ("segment", "sequence", "element", "at", "signal", "regroup", "improvise")
+"""Lists whose entries act from their measure on."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Positions:
+    """Where everybody stands at one tick."""
+
+    tick: int
+    measure: float
+    """Danced measures so far: 2.5 is the middle of the third."""
+    place: Float32
+    """(A, 2) [m]."""
+    heading: Float32
+    """(A,) [rad]."""
+    node: Int32
+    """What they dance, (A,)."""
+    present: Bool
+    """Who is on the stage, (A,)."""
+
+
+class _Snapshot(NamedTuple):
+    measure: int
+    """From 0."""
+    tick: int
+    data: bytes
+    loaded: LoadedShow
+    """The show as it was written then."""
+
+
+class PreviewEngine:
+    """The preview of one show. One thread; slow calls of it belong into a process of their own."""
+
+    def __init__(self, loaded: LoadedShow, *, seed: int | None = None) -> None:
+        """`loaded` is the show as it is written; PersonError if it does not start."""
+        self._loaded, self._seed = loaded, seed
+        self._begin(loaded.start(seed=seed))
+
+    def _begin(self, show: Show) -> None:
+        self._show, self._tick = show, round(show.time / TICK)
+        self._snapshots: list[_Snapshot] = []
+        self._samples: list[Positions] = []
+        self._snapshotter = Snapshotter(show)
+        self._snapshot_due: int | None = None
+
+    @property
+    def patch(self) -> Patch:
+        """The patch that is previewed."""
+        return self._loaded.patch
+
+    @property
+    def measures(self) -> int:
+        """Number of whole measures that are simulated."""
+        return max(int(self._samples[-1].measure), 0) if self._samples else 0
+
+    def set_patch(self, patch: Patch) -> None:
+        """Preview another patch: measures before its first change stay. PersonError if it does not start."""
+        first = first_change(self._loaded.patch, patch)
+        loaded = replace(self._loaded, patch=patch)
+        fresh = loaded.start(seed=self._seed)
+        former = self._nearest(first - 2) if first is not None else None
+        if former is None:
+            self._loaded = loaded
+            self._begin(fresh)
+            return
+        show = restore(former.loaded, former.data)
+        show.hot_swap.adopt(fresh)
+        show.motion.withdraw(former.measure + 1)
+        self._loaded = loaded
+        snapshots = [one for one in self._snapshots if one.tick <= former.tick]
+        samples = [one for one in self._samples if one.tick <= former.tick]
+        self._begin(show)
+        self._tick, self._snapshots, self._samples = former.tick, snapshots, samples
+
+    def _nearest(self, measure: int) -> _Snapshot | None:
+        """Return the last snapshot in or before a measure (from 0)."""
+        index = bisect_right([one.measure for one in self._snapshots], measure) - 1
+        return self._snapshots[index] if index >= 0 else None
+
+    def run_to(self, measure: float) -> None:
+        """Simulate until so many measures have been danced."""
+        show = self._show
+        while show.danced_beats < measure * show.desk.beats:
+            self._step()
+
+    def _step(self) -> None:
+        show = self._show
+        self._tick += 1
+        if show.tick(self._tick * TICK):
+            self._snapshot_due = self._tick + AFTER_LINE
+        if self._snapshot_due is not None and self._tick >= self._snapshot_due:
+            taken = self._snapshotter.capture(self._tick)
+            if taken is not None:
+                self._snapshots.append(_Snapshot(show.span.number, self._tick, taken.seal(), self._loaded))
+                self._snapshot_due = None
+        if self._tick % TICKS_PER_SAMPLE == 0 and show.span.number >= 0:
+            measure, dancers = show.danced_beats / show.desk.beats, show.dancers
+            heading = _yaw(dancers.leg_rotation[:, 0])
+            self._samples.append(
+                Positions(
+                    self._tick,
+                    measure,
+                    dancers.drawn_hips.copy(),
+                    heading,
+                    dancers.node.copy(),
+                    show.motion.present[: len(heading)].copy(),
+                )  # fmt: skip
+            )
+
+    def at(self, measure: float) -> Positions:
+        """Return where everybody stands after so many danced measures."""
+        self.run_to(measure + 0.1)
+        index = bisect_right([one.measure for one in self._samples], measure + 1e-6) - 1
+        return self._samples[max(index, 0)]
+
+    def view_at(self, measure: float) -> StageView:
+        """Return the drawing snapshot, with all joints, after so many danced measures."""
+        self.run_to(measure + 0.1)
+        former = self._nearest(int(measure - 0.1))
+        if former is None:
+            show, tick = self._loaded.start(seed=self._seed), 0
+        else:
+            show, tick = restore(former.loaded, former.data), former.tick
+        while show.danced_beats < measure * show.desk.beats:
+            tick += 1
+            show.tick(tick * TICK)
+        view = show.view()
+        show.fill(view, tick * TICK)
+        return view
+
+    def plan(self, first: int, last: int, patch: Patch | None = None) -> DryRunResult:
+        """Return the planned ways of measures `first` to `last` (from 1), from where everybody stands before them: of
+        this patch, or of an edited one that is not previewed otherwise. PersonError if it does not start.
+
+        Dancers moved by elements are assumed to stay.
+        """
+        before, show = self.at(first - 1.0), self._show
+        if patch is not None:
+            show = show.hot_swap.make_show(patch, show.graph)  # type: ignore[assignment]
+        evolutions = show.motion.evolutions
+        segments = [
+            replace(segment, start=measure - first + 1)
+            for measure in range(first - 1, last)
+            for segment in evolutions.score_segments(measure)
+        ]
+        half = (self.patch.stage.width / 2.0, self.patch.stage.depth / 2.0)
+        return simulate_plan(
+            show.casting.roster, evolutions.repertoire, segments, before.place, measures=last - first + 1,
+            headings=before.heading, measure_beats=float(self.patch.clock.beats_per_measure), half=half,
+            radius=self._show.motion.model.radius, seed=show.seed, keep_ways=True,
+        )  # fmt: skip
+
+    def reach(self) -> Float64:
+        """Return how far steps and corrections carry each dancer in a measure [m], (A,)."""
+        reach = self._show.scheduler.step_reach() + self.patch.locomotion.correction_m
+        return np.broadcast_to(np.asarray(reach, np.float64), self._show.motion.model.radius.shape)
+
+    def notes(self) -> list[str]:
+        """Return the doubts of `live check` about the show."""
+        return [
+            words
+            for section in lint_show(self._loaded.start(seed=self._seed, begin=False))
+            for words in section.warnings
+        ]
+
+    def describe(self, node: int) -> str:
+        """Return the step of a node in words."""
+        return self._show.graph.library.describe(node)
+
+
+def _yaw(rotation: Float32) -> Float32:
+    """Return the headings of world rotations (w, x, y, z), (A, 4): (A,) [rad]."""
+    w, x, y, z = rotation.T
+    result: Float32 = np.arctan2(2.0 * (x * z + w * y), 1.0 - 2.0 * (x * x + y * y))
+    return result
+
+
+def first_change(old: Patch, new: Patch) -> int | None:
+    """Return the first measure of the whole score (from 1) in which two patches differ; None for anything else."""
+    for name in Patch.model_fields:
+        if name not in SCORE_KINDS and getattr(old, name) != getattr(new, name):
+            return None
+    measures: list[int] = []
+    for name in SCORE_KINDS:
+        before, after = (set(map(repr, getattr(patch, name))) for patch in (old, new))
+        for patch, other in ((old, after), (new, before)):
+            changed = [entry for entry in getattr(patch, name) if repr(entry) not in other]
+            if any(entry.section is not None or entry.measure is None for entry in changed):
+                return None  # it may come again and again
+            measures += [int(entry.measure) for entry in changed]
+        if [repr(one) for one in getattr(old, name)] != [repr(one) for one in getattr(new, name)] and before == after:
+            return None  # another order
+    return min(measures) if measures and old.loop_measures is None else None
+
+
+def preview_values(engine: PreviewEngine, first: int, last: int) -> dict[str, Any]:
+    """Return what measures `first` to `last` (from 1) look like, as values for JSON."""
+    if not 1 <= first <= last:
+        raise PersonError(f"measures {first} to {last}: the first one comes last", "--from 5 --to 8")
+    measures = []
+    for measure in range(first, last + 2):
+        there = engine.at(measure - 1.0)
+        columns = there.place.tolist(), there.heading.tolist(), there.node.tolist(), there.present.tolist()
+        dancers = [
+            [round(x, 3), round(z, 3), round(turn, 4), engine.describe(node)] if here else None
+            for (x, z), turn, node, here in zip(*columns, strict=True)
+        ]
+        measures.append({"measure": measure, "time_s": round(there.tick * TICK, 3), "dancers": dancers})
+    plan = engine.plan(first, last)
+    nearest = sorted(plan.too_near, key=lambda one: one.distance)[:MAX_FOUND]
+    far = plan.too_far(engine.reach() + REACH_TOLERANCE)[:MAX_FOUND]
+    return {
+        "from": first,
+        "to": last,
+        "measures": measures,
+        "ways": [[[round(x, 3), round(z, 3)] for x, z in way] for way in plan.ways.transpose(1, 0, 2).tolist()],
+        "meetings": [
+            {
+                "measure": first + one.measure,
+                "dancers": [one.first + 1, one.second + 1],
+                "distance": round(one.distance, 3),
+            }
+            for one in nearest
+        ],
+        "too_far": [
+            {
+                "measure": first + one.measure,
+                "dancer": one.dancer + 1,
+                "distance": round(one.distance, 3),
+                "reach": round(one.reach, 3),
+            }
+            for one in far
+        ],
+        "notes": engine.notes(),
+    }
