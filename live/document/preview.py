@@ -135,7 +135,7 @@ class PreviewEngine:
                     heading,
                     dancers.node.copy(),
                     show.motion.present[: len(heading)].copy(),
-                )  # fmt: skip
+                )
             )
 
     def at(self, measure: float) -> Positions:
