@@ -1,5 +1,6 @@
 """Builder of a show's services from command line, venue and patch."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -16,6 +17,7 @@ from live.app.services.midi_service import MidiFileService, MidiService, make_mi
 from live.app.services.osc_services import MusicianOscPort, make_osc_out
 from live.app.services.service import Service
 from live.app.services.service_registry import ServiceRegistry, ValuePublisher
+from live.app.services.stage_stream import StageStream
 from live.base.event_queue import EventQueue
 from live.clock.time_source import Clock
 from live.control.events.events import ControlEvent
@@ -45,6 +47,8 @@ class ServiceBuilder:
     resumes: bool = False
     """Whether the show is resumed after an engine that has ended."""
     services: ServiceRegistry = field(default_factory=ServiceRegistry)
+    document_revision: Callable[[], int | None] = lambda: None
+    """Returns the revision of the show's files; None before their first edit."""
 
     def add(self, name: str, service: Service) -> None:
         """Add a service by its name in the status, and connect all that it offers."""
@@ -93,6 +97,7 @@ class ServiceBuilder:
             return DocumentStore(loaded.path, tables=loaded.tables, date=edit_date)
 
         document = DocumentService(watch, self.engine.show, open_store)
+        self.document_revision = lambda: document.revision
         self.add("document", document)
         self.publisher.add_value("/dance/status/document", lambda: document.revision)
         self.publisher.add_value("/dance/status/document_answers", lambda: document.published or None)
@@ -136,7 +141,10 @@ class ServiceBuilder:
         """Add the operator's web page and the audience's phones."""
         options, show = self.options, self.engine.show
         if options.web is not None:
-            page = WebService(options.web, options.web_key, options.osc, show, self.clock, hosts=self._host_names)
+            stage = StageStream(show, lambda: self.engine.view, lambda: self.document_revision())
+            page = WebService(
+                options.web, options.web_key, options.osc, show, self.clock, hosts=self._host_names, stage=stage
+            )
             page.resumes = self.resumes
             self.add("web", page)
         audience = make_audience(options, show, self.venue, self.inbox.add_queue(), self.clock)

@@ -16,6 +16,7 @@ from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.errors import PersonError
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
+from live.motion.editing.facing import heading_of
 from live.rehearse.lint import lint_show
 from live.show.group.dry_run import REACH_TOLERANCE
 from live.show.loader import LoadedShow
@@ -126,7 +127,7 @@ class PreviewEngine:
                 self._snapshot_due = None
         if self._tick % TICKS_PER_SAMPLE == 0 and show.span.number >= 0:
             measure, dancers = show.danced_beats / show.desk.beats, show.dancers
-            heading = _yaw(dancers.leg_rotation[:, 0])
+            heading = heading_of(dancers.leg_rotation[:, 0]).astype(np.float32)
             self._samples.append(
                 Positions(
                     self._tick,
@@ -197,13 +198,6 @@ class PreviewEngine:
     def describe(self, node: int) -> str:
         """Return the step of a node in words."""
         return self._show.graph.library.describe(node)
-
-
-def _yaw(rotation: Float32) -> Float32:
-    """Return the headings of world rotations (w, x, y, z), (A, 4): (A,) [rad]."""
-    w, x, y, z = rotation.T
-    result: Float32 = np.arctan2(2.0 * (x * z + w * y), 1.0 - 2.0 * (x * x + y * y))
-    return result
 
 
 def first_change(old: Patch, new: Patch) -> int | None:

@@ -21,12 +21,14 @@ from rich.console import Console
 
 from live.app.option_values import parse_endpoint
 from live.app.services.listening_socket import listening_socket
+from live.app.services.stage_stream import StageStream
 from live.base.errors import PersonError
 from live.base.host_name import HOST_NAME_PATTERN
 from live.clock.time_source import Clock
 from live.control.helper_process import HelperProcess
 from live.control.registry.registry import Changes
 from live.show.desk.completions import show_completions
+from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import user_settings_folder
 from live.show.show import Show
 
@@ -264,9 +266,10 @@ class WebService(HttpService):
 
     def __init__(
         self, where: tuple[str, int], key: str, osc: tuple[str, int], show: Show, clock: Clock, *,
-        hosts: Sequence[str] = (),
+        hosts: Sequence[str] = (), stage: StageStream | None = None,
     ) -> None:  # fmt: skip
-        """`key`: the access key; `osc`: the show's OSC address; `hosts`: see `http_protection.accepted_hosts`."""
+        """`key`: the access key; `osc`: the show's OSC address; `hosts`: see `http_protection.accepted_hosts`;
+        `stage`: frames for pages that look at the stage."""
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(osc[0], osc[0])
 
         def plan() -> dict[str, Any]:
@@ -277,7 +280,19 @@ class WebService(HttpService):
             }  # fmt: skip
 
         super().__init__(where, "--web", "live.control.web.web_server", plan, clock)
-        self._key = key
+        self._key, self._stage = key, stage
+
+    def update_patch(self, patch: Patch) -> None:
+        """Show pages an edited patch."""
+        if self._stage is not None:
+            self._stage.update_patch(patch)
+
+    def frame(self) -> None:
+        """Send changed values, and frames of the stage for the pages that look at it."""
+        super().frame()
+        if self._helper is not None and self._stage is not None:
+            for packet in self._stage.packets(self._clock.now(), self._helper.status().get("stage")):
+                self._helper.send(packet)
 
     def start(self) -> None:
         """Listen, start the process and print the link; raise PersonError if that fails."""

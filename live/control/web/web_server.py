@@ -13,7 +13,7 @@ import socket
 import sys
 from dataclasses import asdict
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from aiohttp import WSMsgType, web
 
@@ -32,6 +32,7 @@ from live.control.web.http_protection import (
     page_headers,
     serve,
 )
+from live.control.web.stage_subscribers import StageSubscriber, StageSubscribers
 from live.control.web.surface import make_surface
 from live.control.web.task_guard import keep_task
 
@@ -45,6 +46,9 @@ PER_SECOND: Final = 200.0
 MAX_UNSENT_BYTES: Final = 1 << 15
 """Maximum unsent bytes of a page; one that is further behind gets the latest values later."""
 STATUS_INTERVAL: Final = 1.0
+STAGE_PATH: Final = "/studio/stream"
+MAX_FRAMES: Final = 256
+"""Maximum number of packets of the stage that wait."""
 PROTOCOL: Final = "live.operator"
 KEY_PROTOCOL: Final = "live.key."
 """Followed by the key."""
@@ -89,6 +93,8 @@ class WebServer:
         self._text = PAGE.read_text(encoding="utf-8")
         self.values = Values()
         self._clients: set[Client] = set()
+        self._stage = StageSubscribers(asyncio.get_running_loop().time)
+        self._frames: asyncio.Queue[Any] = asyncio.Queue(MAX_FRAMES)
         self._sent = self._refused = 0
         self._ended = asyncio.Event()
         self._server = BoundedServer(self._answer)
@@ -98,7 +104,11 @@ class WebServer:
         """Serve until the show ends."""
         runner = await serve(self._server, self._socket)
         asyncio.get_running_loop().add_reader(self._channel.socket, self._receive)
-        tasks = [keep_task("telling pages", self._stream), keep_task("the page's figures", self._report_status)]
+        tasks = [
+            keep_task("telling pages", self._stream),
+            keep_task("showing the stage", self._show_stage),
+            keep_task("the page's figures", self._report_status),
+        ]
         await self._ended.wait()
         for task in tasks:
             task.cancel()
@@ -108,6 +118,10 @@ class WebServer:
     def _receive(self) -> None:
         """Handle new values from the show."""
         for changes in self._channel.packets():
+            if not isinstance(changes, dict):
+                if not self._frames.full():
+                    self._frames.put_nowait(changes)
+                continue
             self.values.update(changes)
             for client in self._clients:
                 client.pending |= dict.fromkeys(changes)
@@ -119,7 +133,7 @@ class WebServer:
         with the key."""
         if not is_same_origin(request, self._hosts):
             return self._refuse(403)
-        if request.path not in ("/", "/surface.json", "/ws"):
+        if request.path not in ("/", "/surface.json", "/ws", STAGE_PATH):
             return self._refuse(404)
         if request.method not in ("GET", "HEAD"):
             return self._refuse(405)
@@ -131,7 +145,7 @@ class WebServer:
             return await self._failed.answer(request)
         if request.path == "/surface.json":
             return web.json_response(self._surface, headers=SECURITY_HEADERS)
-        return await self._open(request)
+        return await self._open(request, stage=request.path == STAGE_PATH)
 
     def _refuse(self, status: int) -> web.Response:
         self._refused += 1
@@ -146,16 +160,18 @@ class WebServer:
         # an empty key never matches
         return bool(self._key) and secrets.compare_digest(brought.encode(errors="replace"), self._key)
 
-    async def _open(self, request: web.BaseRequest) -> web.StreamResponse:
+    async def _open(self, request: web.BaseRequest, *, stage: bool) -> web.StreamResponse:
         if request.headers.get("Upgrade", "").casefold() != "websocket":
             return self._refuse(400)
-        if len(self._clients) >= MOST_CLIENTS:
+        if len(self._clients) + len(self._stage) >= MOST_CLIENTS:
             return self._refuse(503)
         ws = web.WebSocketResponse(
             max_msg_size=MOST_BYTES, heartbeat=HEARTBEAT, compress=False, timeout=1.0, protocols=(PROTOCOL,)
         )
         await ws.prepare(request)
         self._server.release(request)
+        if stage:
+            return await self._open_stage(ws, request)
         client = Client(ws, request)
         self._clients.add(client)
         try:
@@ -169,6 +185,29 @@ class WebServer:
         finally:
             self._clients.discard(client)
         return ws
+
+    async def _open_stage(self, ws: web.WebSocketResponse, request: web.BaseRequest) -> web.StreamResponse:
+        """Show the stage to a page until it leaves."""
+        page = StageSubscriber(ws, request)
+        await self._stage.add(page)
+        self._tell_show()
+        try:
+            async for message in ws:
+                why = page.choose(message.data) if message.type is WSMsgType.TEXT else "text expected"
+                if why:
+                    self._refused += 1
+                    await ws.send_str(json.dumps({"refused": why}))
+                self._tell_show()
+        except (ConnectionError, RuntimeError):  # disconnected meanwhile
+            pass
+        finally:
+            self._stage.remove(page)
+            self._tell_show()
+        return ws
+
+    async def _show_stage(self) -> None:
+        while True:
+            await self._stage.take(await self._frames.get())
 
     def _handle_message(self, client: Client, text: str) -> str:
         """Send a message {"address": …, "values": […]} to the show; return the reason of a refusal, or an
@@ -221,10 +260,13 @@ class WebServer:
         if told:
             await client.ws.send_str(json.dumps({"values": told}))
 
+    def _tell_show(self) -> None:
+        facts = {"pages": len(self._clients), "sent": self._sent, "refused": self._refused, "stage": self._stage.wants}
+        self._channel.send_facts(facts | {"wrong_keys": self._failed.count, "dropped": self._server.dropped})
+
     async def _report_status(self) -> None:
         while True:
-            facts = {"pages": len(self._clients), "sent": self._sent, "refused": self._refused}
-            self._channel.send_facts(facts | {"wrong_keys": self._failed.count, "dropped": self._server.dropped})
+            self._tell_show()
             await asyncio.sleep(STATUS_INTERVAL)
 
 
