@@ -9,12 +9,14 @@ import json
 import struct
 import threading
 from collections.abc import Callable, Iterator, Sequence
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from live.base.element_kinds import ELEMENT_KINDS
+from live.base.fault_isolation import run_once
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.motion.editing.facing import heading_of
@@ -58,7 +60,8 @@ class StageStream:
             self._start_writing(patch)
 
     def _start_writing(self, patch: Patch) -> None:
-        threading.Thread(target=self._write_structure, args=(patch,), name="structure", daemon=True).start()
+        writing = "the structure of the score", partial(self._write_structure, patch)
+        threading.Thread(target=run_once, args=writing, name="structure", daemon=True).start()
 
     def _write_structure(self, patch: Patch) -> None:
         library = self._show.graph.library
