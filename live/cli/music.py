@@ -9,11 +9,6 @@ import typer
 app = typer.Typer(help="Annotate music: measures and phrases.", no_args_is_help=True)
 
 
-@app.callback()
-def _music() -> None:
-    """Keep `map` a command of its own."""
-
-
 @app.command("map")
 def measure_map(
     file: Annotated[Path, typer.Argument(help="A music file: wav, flac, ogg, mp3, m4a …")],
@@ -63,3 +58,52 @@ def measure_map(
         name = next((f"  phrase {each.name}" for each in found.phrases if each.measure == line.measure), "")
         print(f"{line.time_s:9.3f} s  measure {line.measure:4}  {line.beats} beats{run}{name}")
     print(f"{len(found.lines)} measure lines, {found.bpm:.1f} bpm on average")
+
+
+@app.command("curves")
+def curves(
+    file: Annotated[Path, typer.Argument(help="A music file, or a MIDI file.")],
+    feature: Annotated[
+        list[str] | None,
+        typer.Option(help="A feature: loudness, density, brightness, low, build, pitch, chroma C … Left out: all."),
+    ] = None,
+    start: Annotated[
+        Path | None, typer.Option("--from", help="The piece's measures.", metavar="LINES.csv|.mid|.txt")
+    ] = None,
+    out: Annotated[Path | None, typer.Option(help="Write the tables of a patch.", metavar="CURVES.toml")] = None,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the points as JSON.")] = False,
+) -> None:
+    """Take curves from music, a value for each beat over its measures, for [[react]] and [[signal]] of a patch."""
+    from live.app.offline.music_map import MapProposal, hear
+    from live.base.errors import PersonError
+    from live.control.audio.music_file import MusicFileError, read_music
+    from live.document.music_curves import (
+        NOTE_FEATURES,
+        SOUND_FEATURES,
+        checked_features,
+        curve_tables,
+        curves_of_midi,
+        curves_of_sound,
+    )
+    from live.library.music_map_file import read_map
+    from live.library.whole_file import write_atomically
+
+    is_midi = file.suffix.lower() in (".mid", ".midi")
+    names = checked_features(feature or [], NOTE_FEATURES if is_midi else SOUND_FEATURES)
+    if is_midi:
+        measures = read_map(file if start is None else start)
+        found = curves_of_midi(file, measures, names)
+    else:
+        try:
+            music = read_music(file)
+        except MusicFileError as error:
+            raise PersonError(str(error)) from None
+        measures = MapProposal(hear(music)).map() if start is None else read_map(start)
+        found = curves_of_sound(music, measures, names)
+    text = curve_tables(found, measures.lines[0].measure)
+    if out is not None:
+        write_atomically(text.encode(), out, "--out")
+    if as_json:
+        print(json.dumps({name: [list(point) for point in points] for name, points in found.items()}))
+    elif out is None:
+        print(text, end="")

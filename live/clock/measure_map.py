@@ -118,6 +118,12 @@ class MeasureMap:
         """Return the beat at which the line with this index begins."""
         return self._beats[index]
 
+    def measure_at(self, time: float) -> float:
+        """Return the measures since the first line at a time of the piece [s]: 2.5 is the middle of the third."""
+        beat = self.beat_at(time)
+        index = self.line_index(beat)
+        return index + (beat - self._beats[index]) / self.lines[index].beats
+
     def line_index(self, beat: float) -> int:
         """Return the index of the line whose measure holds a beat; before the first line that of the first."""
         return max(bisect_right(self._beats, beat) - 1, 0)

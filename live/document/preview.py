@@ -30,7 +30,7 @@ AFTER_LINE: Final = 6
 """Ticks after a measure line from which on its snapshot is taken."""
 MAX_FOUND: Final = 200
 """Maximum number of meetings, and of ways that are too long, that are told."""
-SCORE_KINDS: Final = ("segment", "sequence", "element", "at", "signal", "regroup", "improvise")
+SCORE_KINDS: Final = ("segment", "sequence", "element", "at", "signal", "regroup", "improvise", "curve")
 """Lists whose entries act from their measure on."""
 
 

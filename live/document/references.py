@@ -8,6 +8,7 @@ from live.control.registry.registry import REGISTRY
 from live.document.document import Document
 from live.document.place import Place, folded
 from live.show.desk.parameter_table import LOOK, VIEW
+from live.show.patch.section_music import CURVE_PREFIX
 
 
 class Reference(NamedTuple):
@@ -25,11 +26,13 @@ Rename = Callable[[Any], Any]
 
 ARGUMENT_NAMES: Final = {"looks": "look", "mocap": "performer"}
 """What arguments call the things of a list, where that is not the list's own name."""
+_PLACED: Final = ("segment", "sequence", "at", "signal", "curve", "element", "improvise", "regroup")
 FIELDS: Final[dict[str, tuple[tuple[str, str], ...]]] = {
     "section": (
-        *((kind, "section") for kind in ("segment", "sequence", "at", "signal", "element", "improvise", "regroup")),
+        *((kind, "section") for kind in _PLACED),
         ("cue", "section"), ("section", "then"),
     ),
+    "curve": (("signal", "curve"),),
     "scene": (("cue", "scene"), ("at", "scene")),
     "signal": (("at", "signal"), ("react", "on")),
     "formation": (("segment", "formation"), ("group", "formation")),
@@ -58,14 +61,13 @@ def references(document: Document, kind: str, old: str, new: str) -> Iterator[Re
             return new
         return _WORD.sub(lambda word: new if folded(word.group()) == was else word.group(), text) if by_word else text
 
-    for there, field in FIELDS.get(kind, ()):
-        for place, table in _tables(document, there):
-            if field in table and renamed(table[field]) != table[field]:
-                yield Reference(_below(place, field), renamed(table[field]))
+    yield from _fields(document, kind, was, new, renamed)
     if by_word:
-        for name, words in _selections(document):
-            if renamed(words) != words:
-                yield Reference(Place((), None, ("selections", name)), renamed(words))
+        yield from (
+            Reference(Place((), None, ("selections", name)), renamed(words))
+            for name, words in _selections(document)
+            if renamed(words) != words
+        )
     argument = "group" if kind == "selections" else ARGUMENT_NAMES.get(kind, kind)
     for place, address, values in _calls(document):
         if (found := _renamed_values(address, values, argument, renamed)) != values:
@@ -73,6 +75,16 @@ def references(document: Document, kind: str, old: str, new: str) -> Iterator[Re
             yield Reference(place, call)
     yield from _mappings(document, argument, renamed)
     yield from _scene_keys(document, kind, was, new, renamed)
+
+
+def _fields(document: Document, kind: str, was: str, new: str, renamed: Rename) -> Iterator[Reference]:
+    for there, field in FIELDS.get(kind, ()):
+        for place, table in _tables(document, there):
+            if field in table and renamed(table[field]) != table[field]:
+                yield Reference(_below(place, field), renamed(table[field]))
+    for place, table in _tables(document, "react") if kind == "curve" else ():
+        if folded(table.get("to", "")) == CURVE_PREFIX + was:
+            yield Reference(_below(place, "to"), CURVE_PREFIX + new)
 
 
 def _tables(document: Document, *names: str) -> Iterator[tuple[Place, dict[str, Any]]]:

@@ -1,5 +1,6 @@
 """Commands of the score: jumps, hold, practice, improvisation, and signals that trigger reactions (T016)."""
 
+from dataclasses import dataclass
 from typing import Annotated, Final
 
 from live.control.events.event import ControlEvent
@@ -58,3 +59,12 @@ class Signal(ControlEvent):
 
     name: Annotated[str, Argument.label("the signal's name", "signal")]
     value: Annotated[float, Argument.number("its strength", 0, 1)] = 1.0
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CurveMoved(ControlEvent):
+    """A curve of the score has a value now; it is told four times a beat."""
+
+    name: str
+    value: float
+    """0 to 1."""

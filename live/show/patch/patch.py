@@ -24,6 +24,7 @@ from live.show.patch.section_music import ClockSection, MusicSection, ReactSecti
 from live.show.patch.section_picture import Characters, PictureSection, TextureSection
 from live.show.patch.section_score import (
     AtSection,
+    CurveSection,
     FormationTable,
     ImproviseSection,
     RegroupSection,
@@ -102,6 +103,7 @@ class Patch(WholeFile):
     improvise: Annotated[tuple[ImproviseSection, ...], Field(max_length=1000)] = ()
     at: Annotated[tuple[AtSection, ...], Field(max_length=20000)] = ()
     signal: Annotated[tuple[SignalSection, ...], Field(max_length=20000)] = ()
+    curve: Annotated[tuple[CurveSection, ...], Field(max_length=2000)] = ()
 
     def to_json_values(self) -> dict[str, Any]:
         """Return the keys that were written, as values for JSON; parsed again they give the same patch.

@@ -129,6 +129,9 @@ ReactTarget = Literal[(*MOTION_KEYS, "strength")]  # type: ignore[valid-type]
 UNIT_PREFIX: Final = "unit:"
 """Prefix in `[[react]] on` for the names of partner units."""
 Feature = Literal["loudness", "density", "brightness", "low", "build", "note_energy", "note_density", "chord", "pitch"]
+CURVE_PREFIX: Final = "curve:"
+"""Prefix in `[[react]] to` for the names of curves."""
+CurveName = Annotated[str, Field(min_length=7, max_length=70, pattern=f"^{CURVE_PREFIX}")]
 PictureAddress = Annotated[str, Field(min_length=1, max_length=64, pattern="^/dance/")]
 
 
@@ -136,9 +139,10 @@ class ReactSection(Section):
     """`[[react]]`: a value that follows a feature of the music (`to`, `sets`), or a control that is called on an event
     (`on`, `call`)."""
 
-    to: Feature | None = None
+    to: Feature | CurveName | None = None
     """The feature, 0 to 1 in the range heard so far: loudness, onset density, brightness, bass, progress of a build-up;
-    of MIDI notes their velocity, density, number sounding, and pitch."""
+    of MIDI notes their velocity, density, number sounding, and pitch.
+    Or `curve:NAME`: a `[[curve]]` of the score, which is followed at once unless `beats` is given."""
     sets: ReactTarget | PictureAddress | None = None
     """What it sets: a parameter of `[motion]`, the strength of elements that begin from then on, or a number of the
     picture by its address, as in `/dance/light/rim`."""
@@ -160,6 +164,11 @@ class ReactSection(Section):
     """The control that is called, by its address, as in `/dance/step`."""
     values: Annotated[tuple[str | float | bool, ...], Field(max_length=16)] = ()
     """Its values, as by OSC."""
+
+    @property
+    def is_curve(self) -> bool:
+        """Whether it follows a curve of the score."""
+        return self.to is not None and self.to.startswith(CURVE_PREFIX)
 
     @model_validator(mode="after")
     def _one_or_the_other(self, info: ValidationInfo) -> "ReactSection":

@@ -4,12 +4,14 @@
 `[[segment]]` and `[[formation]]` (T085-T087, T095-T103).
 """
 
+import itertools
 import math
+from bisect import bisect_right
 from typing import Annotated, Any, Literal
 
 from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
-from live.show.patch.section_base import Name, Place, Section, Share, run_check
+from live.show.patch.section_base import InvalidEntry, Name, Place, Section, Share, run_check
 from live.show.patch.section_elements import Polyline, Selection
 from live.show.patch.section_music import Feature
 
@@ -74,6 +76,39 @@ class AtSection(Section):
         return (self.call or "", self.values) if self.scene is None else ("/dance/scene", (self.scene,))
 
 
+CurvePoint = tuple[Annotated[float, Field(ge=0, le=100000, allow_inf_nan=False)], Share]
+
+
+class CurveSection(Section):
+    """`[[curve]]`: a value that runs along the music: drawn, or taken from sound by `live music curves` (T016)."""
+
+    name: Name
+    """Its name, for `[[react]] to = "curve:NAME"` and `[[signal]] curve`; several may share it, one after another."""
+    measure: Measure = 1
+    """The measure with which it begins, from 1; of its section, if it belongs to one."""
+    section: Name | None = None
+    """The section it belongs to; left out: measures of the whole score."""
+    points: Annotated[tuple[CurvePoint, ...], Field(min_length=2, max_length=20000)]
+    """Its points: measures after its beginning, and the value there, 0 to 1; in between it runs straight."""
+
+    @model_validator(mode="after")
+    def _points_go_forward(self) -> "CurveSection":
+        for index, (before, point) in enumerate(itertools.pairwise(self.points), start=1):
+            if point[0] < before[0]:
+                words = f"{point[0]:g} after {before[0]:g}: the points of a curve go forward"
+                raise InvalidEntry(words, "points", index)
+        return self
+
+    def value_at(self, measures: float) -> float | None:
+        """Return the value so many measures after its beginning; None before its first and after its last point."""
+        times = [point[0] for point in self.points]
+        if not times[0] <= measures <= times[-1]:
+            return None
+        index = min(max(bisect_right(times, measures) - 1, 0), len(times) - 2)
+        (begin, low), (end, high) = self.points[index : index + 2]
+        return high if end <= begin else low + (high - low) * (measures - begin) / (end - begin)
+
+
 class SignalSection(Section):
     """`[[signal]]`: a named event in the music, written in the score, detected by ear, or given by hand."""
 
@@ -87,14 +122,19 @@ class SignalSection(Section):
     """The section that measure belongs to."""
     on: Literal["drop", "build", "loud", "quiet", "dense", "sparse", "bright", "dark"] | None = None
     """What triggers it in the music: the bass returns, a build-up begins, or it becomes louder, softer, denser ..."""
+    curve: Name | None = None
+    """Or the `[[curve]]` that triggers it when it rises to `level`."""
     level: Annotated[float, Field(ge=0, le=1)] | None = None
-    """Threshold, 0 to 1 in the range heard so far; left out: 0.75, and 0.25 for `quiet`, `sparse` and `dark`."""
+    """Threshold, 0 to 1 in the range heard so far, or of the curve; left out: 0.75, and 0.25 for `quiet`, `sparse` and
+    `dark`."""
 
     @model_validator(mode="after")
     def _keys_fit(self) -> "SignalSection":
         if self.section is not None and self.measure is None:
             raise ValueError(f"signal {self.name!r}: section needs measure")
-        if self.level is not None and self.on in (None, "drop"):
+        if self.curve is not None and self.on is not None:
+            raise ValueError(f"signal {self.name!r}: on and curve: leave one out")
+        if self.level is not None and self.on in (None, "drop") and self.curve is None:
             raise ValueError(f"signal {self.name!r}: level goes with on = build, loud, quiet, dense, sparse ...")
         return self
 

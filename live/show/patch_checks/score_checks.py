@@ -9,11 +9,11 @@ from typing import Any, Final
 
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import InvalidEntry
-from live.show.patch.section_music import UNIT_PREFIX
+from live.show.patch.section_music import CURVE_PREFIX, UNIT_PREFIX
 from live.show.patch_checks.call_response_check import check_call_response
 from live.show.score.section_span import score_length, span_of
 
-PLACED_TABLES: Final = ("element", "segment", "regroup", "sequence", "improvise", "at", "signal")
+PLACED_TABLES: Final = ("element", "segment", "regroup", "sequence", "improvise", "at", "signal", "curve")
 """Tables whose entries have a measure, and may have a section."""
 LENIENT_TABLES: Final = ("segment", "regroup")
 """Tables for which a measure after `loop_measures` was always allowed."""
@@ -37,6 +37,7 @@ def check_score(patch: Patch) -> Iterator[InvalidEntry]:
     yield from _check_improvised(patch)
     yield from check_call_response(patch)
     yield from _check_signals(patch)
+    yield from _check_curves(patch)
     yield from _check_calls(patch, set(lengths))
 
 
@@ -148,6 +149,18 @@ def _check_signals(patch: Patch) -> Iterator[InvalidEntry]:
             if name in _triggered_signals(calls, given):
                 words = f'signal {name!r} would give itself again and again: when = "measure" for one of them'
                 yield InvalidEntry(words, "react", index, "values")
+
+
+def _check_curves(patch: Patch) -> Iterator[InvalidEntry]:
+    names = {curve.name.casefold().strip() for curve in patch.curve}
+    known = ", ".join(sorted({curve.name for curve in patch.curve})) or "none: write [[curve]]"
+    for index, reaction in enumerate(patch.react):
+        name = (reaction.to or "").removeprefix(CURVE_PREFIX)
+        if reaction.is_curve and name.casefold().strip() not in names:
+            yield InvalidEntry(f"no curve is called {name!r}; there are: {known}", "react", index, "to")
+    for index, signal in enumerate(patch.signal):
+        if signal.curve is not None and signal.curve.casefold().strip() not in names:
+            yield InvalidEntry(f"no curve is called {signal.curve!r}; there are: {known}", "signal", index, "curve")
 
 
 def signals_of(patch: Patch) -> set[str]:

@@ -9,10 +9,10 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 from live.base.motion_parameters import MOTION_KEYS
-from live.control.events.events import ControlEvent, MusicHeard, NotesHeard, SetParameter
+from live.control.events.events import ControlEvent, CurveMoved, MusicHeard, NotesHeard, SetParameter
 from live.control.registry.registry import REGISTRY
 from live.show.patch.patch import Patch
-from live.show.patch.section_music import UNIT_PREFIX, ReactSection
+from live.show.patch.section_music import CURVE_PREFIX, UNIT_PREFIX, ReactSection
 from live.show.patch.section_score import SignalSection
 
 FULL_DENSITY: Final = 6.0
@@ -99,6 +99,10 @@ BUILD_END: Final = 0.2
 FADE_MEASURES: Final = 0.25
 """Fade time of light that follows the music [measures]: about until the next beat."""
 STRENGTH: Final = "strength"
+CURVE_BEATS: Final = 0.25
+"""Beats between two values of a curve."""
+CURVE_FADE_MEASURES: Final = 0.0625
+"""The same for a curve [measures]: about until its next value."""
 
 
 class Reactions:
@@ -146,11 +150,19 @@ class Reactions:
         """Return the immediate changes caused by the current notes."""
         return self._follow(event.time, {name: note_level(event, name) for name in NOTE_NAMES}, event.beats)
 
-    def _follow(self, time: float, levels: Mapping[str, float], beats: float) -> list[ControlEvent]:
-        """Return the changes that follow these levels, `beats` after the previous levels."""
+    def handle_curve(self, event: CurveMoved) -> list[ControlEvent]:
+        """Return the immediate changes caused by a curve of the score."""
+        levels = {CURVE_PREFIX + event.name.casefold().strip(): event.value}
+        return self._follow(event.time, levels, CURVE_BEATS, fade=CURVE_FADE_MEASURES)
+
+    def _follow(
+        self, time: float, levels: Mapping[str, float], beats: float, *, fade: float = FADE_MEASURES
+    ) -> list[ControlEvent]:
+        """Return the changes that follow these levels, `beats` after the previous levels; numbers of the picture fade
+        in `fade` measures."""
         changes: list[ControlEvent] = []
         for index, section in enumerate(self._value_sections):
-            heard = levels.get(section.to or "")
+            heard = levels.get((section.to or "").casefold().strip())
             if heard is None:
                 continue
             value = self._smoothed(index, section, heard, beats)
@@ -162,7 +174,7 @@ class Reactions:
                 changes.append(SetParameter(
                     time=time, source="music", value=(number,), group=section.group,
                     address=section.sets if row is None else row.address,
-                    measures=FADE_MEASURES if row is None else 0.0,
+                    measures=fade if row is None else 0.0,
                 ))  # fmt: skip
         return changes
 
@@ -202,7 +214,8 @@ class Reactions:
 
     def _smoothed(self, index: int, section: ReactSection, level: float, beats: float) -> float:
         before = self._values[index]
-        share = 1.0 if before is None or section.beats == 0.0 else 1.0 - math.exp(-beats / section.beats)
+        exact = section.beats == 0.0 or (section.is_curve and "beats" not in section.model_fields_set)
+        share = 1.0 if before is None or exact else 1.0 - math.exp(-beats / section.beats)
         value = level if before is None else before + share * (level - before)
         self._values[index] = value
         return section.low + (section.high - section.low) * value
@@ -227,7 +240,7 @@ class MusicSignals:
     """Detector for the patch's music signals. Takes MusicHeard in order. Thread: the show's."""
 
     def __init__(self, signals: Iterable[SignalSection]) -> None:
-        self._signals = [signal for signal in signals if signal.on is not None]
+        self._signals = [signal for signal in signals if signal.on is not None or signal.curve is not None]
         self._active = [False] * len(self._signals)
 
     def apply_patch(self, fresh: "MusicSignals") -> None:
@@ -236,10 +249,25 @@ class MusicSignals:
         self._signals = fresh._signals
         self._active = [known.get(signal, False) for signal in self._signals]
 
+    def detect_curve(self, event: CurveMoved) -> list[str]:
+        """Return the names of the signals that a curve triggers: it has risen to their level."""
+        names = []
+        for index, signal in enumerate(self._signals):
+            if (signal.curve or "").casefold().strip() != event.name.casefold().strip():
+                continue
+            level = HIGH_LEVEL if signal.level is None else signal.level
+            before, there = self._active[index], event.value >= level - 1e-9
+            self._active[index] = there or (before and event.value > level - HYSTERESIS)
+            if there and not before:
+                names.append(signal.name)
+        return names
+
     def detect(self, event: MusicHeard) -> list[str]:
         """Return the names of the signals that one beat of the music triggers."""
         names = []
         for index, signal in enumerate(self._signals):
+            if signal.curve is not None:
+                continue
             if signal.on == "drop":
                 comes = event.drop
             else:

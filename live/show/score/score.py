@@ -1,11 +1,12 @@
 """Score entries of a patch, indexed by measure (T132)."""
 
+import math
 from collections.abc import Iterable
 from typing import Any, Final
 
 from live.show.patch.patch import Patch
 from live.show.patch.section_elements import ElementSection
-from live.show.patch.section_score import AtSection, RegroupSection, SegmentSection, SignalSection
+from live.show.patch.section_score import AtSection, CurveSection, RegroupSection, SegmentSection, SignalSection
 from live.show.score.playhead import END, Place, Playhead, SectionTiming
 
 UNNAMED_SECTION: Final = ""
@@ -55,6 +56,7 @@ class Score:
         self.written = WrittenScore()
         for kind in KINDS:
             self.written.entries[kind] = self._by_place(getattr(patch, kind))
+        self.written.entries["curve"] = self._curves_by_place(patch.curve)
 
     def apply_patch(self, fresh: "Score") -> None:
         """Adopt the entries of another score; the playhead keeps the position."""
@@ -77,6 +79,16 @@ class Score:
             place = None if entry.measure is None else self.place_of(entry.section, entry.measure)
             if place is not None:
                 found.setdefault(place, []).append(entry)
+        return found
+
+    def _curves_by_place(self, curves: Iterable[CurveSection]) -> dict[tuple[int, int], list[Any]]:
+        """Return the curves that run in each measure, with the measures since their beginning."""
+        found: dict[tuple[int, int], list[Any]] = {}
+        for curve in curves:
+            place = self.place_of(curve.section, curve.measure)
+            if place is not None:
+                for measure in range(int(curve.points[0][0]), math.ceil(curve.points[-1][0] + 1e-9)):
+                    found.setdefault((place[0], place[1] + measure), []).append((curve, measure))
         return found
 
     def _entries_at(self, kind: str, measure: int) -> list[Any]:
@@ -106,6 +118,10 @@ class Score:
     def calls(self, measure: int) -> list[AtSection]:
         """Return the calls within `measure` (from 0)."""
         return self._entries_at("at", measure)
+
+    def curves(self, measure: int) -> list[tuple[CurveSection, int]]:
+        """Return the curves that run in `measure` (from 0), with the measures since they began."""
+        return self._entries_at("curve", measure)
 
     def signals(self, measure: int) -> list[SignalSection]:
         """Return the signals that the score gives within `measure` (from 0)."""

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 class ScoreRequests:
     """Passes events to score and reactions; a changed next measure is planned again if there is still time."""
 
-    EVENTS = (*SCORE_EVENTS, events.MusicHeard, events.NotesHeard)
+    EVENTS = (*SCORE_EVENTS, events.MusicHeard, events.NotesHeard, events.CurveMoved)
 
     def __init__(
         self, score_runner: ScoreRunner, reactions: Reactions, motion: "GroupMotion", scheduler: "Scheduler"
@@ -36,6 +36,12 @@ class ScoreRequests:
             case events.NotesHeard():
                 self._score_runner.handle_notes(event)
                 changes = self._reactions.handle_notes(event)
+                self._motion.elements.gain = self._reactions.strength
+                return changes
+            case events.CurveMoved():
+                changes = self._reactions.handle_curve(event)
+                for signal in self._score_runner.handle_curve(event):
+                    self._handle_request(signal, now)
                 self._motion.elements.gain = self._reactions.strength
                 return changes
         self._handle_request(event, now)

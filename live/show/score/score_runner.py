@@ -22,6 +22,8 @@ AHEAD_EVENTS: Final = (events.CallStep, events.SetSequence, events.Improvise)
 """Calls that must be known before their measure begins: those at its line are sent ahead of it."""
 AHEAD_BEATS: Final = 2.0
 """Lead time of these calls [beats]: a little before the measure is planned."""
+CURVE_PARTS: Final = 4
+"""Values of a curve that are told in each beat."""
 AHEAD_SOURCE: Final = "score ahead"
 """Source of these calls."""
 SCORE_EVENTS: Final = (events.JumpTo, events.Advance, events.HoldScore, events.Practice, events.Signal)
@@ -81,6 +83,12 @@ class ScoreRunner:
         self._look_ahead(measure + 1, time)
         for event in self._motion.calls(measure, time):
             self.beat_scheduler.schedule(line, event)
+        for curve, since in self.score.curves(measure):
+            for part in range(self._beats * CURVE_PARTS):
+                value = curve.value_at(since + part / (self._beats * CURVE_PARTS))
+                if value is not None:
+                    moved = events.CurveMoved(time=time, source="score", name=curve.name, value=value)
+                    self.beat_scheduler.schedule(line + part / CURVE_PARTS, moved)
         for signal in self.score.signals(measure):
             self.beat_scheduler.schedule(
                 line + signal.beat - 1.0, events.Signal(time=time, source="score", name=signal.name)
@@ -127,6 +135,11 @@ class ScoreRunner:
         self.mood.update(event)
         names = self._music_signals.detect(event)
         return [events.Signal(time=event.time, source="music", name=name) for name in names]
+
+    def handle_curve(self, event: events.CurveMoved) -> list[events.Signal]:
+        """Return the signals that a curve gives."""
+        names = self._music_signals.detect_curve(event)
+        return [events.Signal(time=event.time, source="score", name=name) for name in names]
 
     def handle_notes(self, event: events.NotesHeard) -> None:
         """Update the mood by notes played over MIDI."""
