@@ -86,11 +86,11 @@ def assemble(
     motion = GroupMotion(patch, casting, seed=seed, score=score_runner.score)
     variation = Variation.of(patch, casting.group, seed=seed, window=graph.window)
     dancers = _dancers(patch, graph, casting, variation, bank=bank, answers=answers, seed=seed)
-    programmes = build_programs(patch, graph, seed, score_runner.score, score_runner.mood)
-    scheduler = Scheduler(patch, dancers, motion, programmes, casting.group, selector)
+    programmes, subgroups = build_programs(patch, graph, seed, casting.group, score_runner.score, score_runner.mood)
+    scheduler = Scheduler(patch, dancers, motion, programmes, subgroups, casting.group, selector)
     interrupts = Interrupts(patch, dancers, motion, scheduler)
     commands = GroupCommands(patch, motion, dancers, variation, score_runner.score)
-    node = initial_nodes(graph, scheduler, casting.group, motion.partners.mirrored, clock.span.number)
+    node = initial_nodes(graph, scheduler, motion.partners.mirrored, clock.span.number)
     dancers.start(node, motion.state.position.astype(np.float64), motion.starting_heading)
     scheduler.targets.headings.reset(motion.starting_heading)
     mocap = CaptureManager(patch, motion, dancers, scheduler)
@@ -100,7 +100,7 @@ def assemble(
     }  # fmt: skip
     desk = LightDesk(patch, score_runner, motion, variation, editable)
     audience = Audience(patch.audience, motion.elements, VoteNames(patch, dancers, desk.scenes), seed=seed)
-    directions = StepRequests(patch, casting, dancers, variation, scheduler, interrupts)
+    directions = StepRequests(motion, dancers, variation, scheduler, interrupts)
     light = LightStage(breakers)
     view_builder = ViewBuilder(dancers, motion, casting.group, desk, audience, light, clock.follower)
     hot_swap = HotSwap(

@@ -3,7 +3,7 @@
 from typing import Annotated
 
 from live.control.events.event import ControlEvent
-from live.control.registry.command import DANCERS, X2, Z2, Dancers, Group, Next, Points, X, Z, command
+from live.control.registry.command import DANCERS, X2, Z2, Dancers, Next, Points, X, Z, command
 from live.control.registry.control import Argument
 
 Duration = Annotated[float, Argument.number("duration", 0.25, 64, "measures")]
@@ -91,7 +91,7 @@ class SetRipple(ControlEvent):
     begins: Annotated[str, Argument.text("its start: left, right, front, back, centre, or x z [m] as in `0 -2`")] = (
         "left"
     )
-    group: Group = "*"
+    group: Dancers = "*"
 
 
 @command("/dance/enter", "operator")

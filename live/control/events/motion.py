@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from live.control.events.event import ControlEvent
-from live.control.registry.command import Dancers, Group, Measures, StepName, command
+from live.control.registry.command import Dancers, Measures, StepName, command
 from live.control.registry.control import Argument
 
 
@@ -19,7 +19,7 @@ class CallStep(ControlEvent):
 
     name: StepName
     measures: Measures = 4.0
-    group: Group = "*"
+    group: Dancers = "*"
 
 
 @command("/dance/now", "musician")
@@ -29,7 +29,7 @@ class StepNow(ControlEvent):
     name: StepName
     group: Dancers = "*"
     measures: Annotated[
-        float, Argument.number("how long whole groups keep dancing it after the current measure", 0, 1024, "measures")
+        float, Argument.number("how long they keep dancing it after the current measure", 0, 1024, "measures")
     ] = 1.0
 
 
@@ -39,7 +39,7 @@ class SetSequence(ControlEvent):
     connect them."""
 
     steps: Annotated[str, Argument.text('names separated by commas, as "couru, couru left, echappe x2, *"', "step")]
-    group: Group = "*"
+    group: Dancers = "*"
 
 
 @command("/dance/facing", "musician", edits="facings")
@@ -47,7 +47,7 @@ class SetFacing(ControlEvent):
     """The direction that dancers face when their measures end; a turn takes three measures."""
 
     facing: Annotated[str, Argument.text("public, path, centre, attractor, degrees as `30`, `dancer 3`, or a group")]
-    group: Group = "*"
+    group: Dancers = "*"
 
 
 @command("/dance/why", "operator")

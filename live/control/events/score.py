@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated, Final
 
 from live.control.events.event import ControlEvent
-from live.control.registry.command import Group, command
+from live.control.registry.command import Dancers, command
 from live.control.registry.control import Argument
 
 MAX_MEASURES: Final = 100_000
@@ -50,7 +50,7 @@ class Improvise(ControlEvent):
     """Groups improvise from their next free measure on, or return to the score."""
 
     on: Annotated[bool, Argument.switch("1: dancers choose their steps, 0: they dance the score")]
-    group: Group = "*"
+    group: Dancers = "*"
 
 
 @command("/dance/signal", "musician")

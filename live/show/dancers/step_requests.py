@@ -5,20 +5,21 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from live.base.arrays import Bool
 from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.graph.search.live_sequence import HORIZON, LiveSequence
 from live.graph.search.sequence import parse_sequence
 from live.show.dancers.variation import Variation
-from live.show.group.casting import Casting
-from live.show.patch.patch import Patch
 from live.show.score.canon import Canon
 from live.show.score.step_names import UnknownStep, find_step
+from live.show.score.step_program import StepProgram
 from live.show.stages.now import Now
 
 if TYPE_CHECKING:
     from live.show.dancers.dancers import Dancers
+    from live.show.group.group_motion import GroupMotion
     from live.show.partner.partner_response import PartnerResponse
     from live.show.selection.interrupts import Interrupts
     from live.show.selection.scheduler import Scheduler
@@ -29,23 +30,17 @@ class StepRequests:
 
     def __init__(
         self,
-        patch: Patch,
-        casting: Casting,
+        motion: "GroupMotion",
         dancers: "Dancers",
         variation: Variation,
         scheduler: "Scheduler",
         interrupts: "Interrupts",
     ) -> None:
-        self._group = casting.group
-        self._groups = {section.name.casefold(): index for index, section in enumerate(patch.group)}
+        self._motion, self._casting = motion, motion.casting
         self._dancers, self._variation = dancers, variation
         self._scheduler, self._interrupts = scheduler, interrupts
         self.explained_dancer: int | None = None
         """The dancer (index) whose step choice is explained to an operator, None for none."""
-
-    def apply_patch(self, fresh: "StepRequests") -> None:
-        """Update the group names."""
-        self._groups = fresh._groups
 
     def handle(self, event: ControlEvent, now: Now) -> None:
         """Apply an event of `EVENTS`. Raises PersonError for what is unknown or impossible."""
@@ -57,27 +52,39 @@ class StepRequests:
     def _clear(self, event: events.Clear) -> None:
         """Drop all requests."""
         self._interrupts.clear()
+        self._scheduler.subgroups.clear()
         for programme in self._scheduler.programmes:
             programme.release()
 
     def _call_step(self, event: events.CallStep) -> None:
         step = find_step(self._dancers.graph, event.name)
-        for index in self._members(event.group):
+        members = self._casting.groups_of(event.group)
+        if members is None:
+            for program in self._subgroup_programs(event.group):
+                program.call(step, measures=event.measures)
+            return
+        for index in members:
             self._scheduler.programmes[index].call(step, measures=event.measures)
+            self._scheduler.subgroups.call(index, step, measures=event.measures)
 
     def _step_now(self, event: events.StepNow) -> None:
         self._interrupts.cue(event)
 
     def _set_sequence(self, event: events.SetSequence) -> None:
-        """Change a group's sequence if its dancers can reach it within two measures; else nothing changes."""
-        members, graph = self._members(event.group), self._dancers.graph
+        """Change a sequence if its dancers can reach it within two measures; else nothing changes."""
+        members, graph = self._casting.groups_of(event.group), self._dancers.graph
         wanted = parse_sequence(event.steps, graph.library)
         danced = self._dancers.coming if self._dancers.decided else self._dancers.present
-        nodes = danced.node[np.isin(self._group, members)]
+        nodes = danced.node[self._select(event.group) if members is None else np.isin(self._casting.group, members)]
         if LiveSequence(graph, []).feasible_delay(wanted[: HORIZON + 1], nodes) is None:
             raise PersonError(f"{event.steps!r} cannot be joined from here", "`live dance` reports what is missing")
+        if members is None:
+            for program in self._subgroup_programs(event.group):
+                program.set_sequence(wanted)
+            return
         for index in members:
             programme = self._scheduler.programmes[index]
+            self._scheduler.subgroups.drop_requested(index)
             if len(members) == 1 or not isinstance(programme, Canon):  # for all groups, echoes stay echoes
                 programme.set_sequence(wanted)
 
@@ -112,25 +119,30 @@ class StepRequests:
 
     def _set_facing(self, event: events.SetFacing) -> None:
         headings = self._scheduler.targets.headings
-        facing = headings.parse(event.facing)
-        for index in self._members(event.group):
-            headings.set(index, facing)
+        headings.set(self._casting.groups_of(event.group), self._select(event.group), headings.parse(event.facing))
 
     def _improvise(self, event: events.Improvise) -> None:
-        for index in self._members(event.group):
+        members = self._casting.groups_of(event.group)
+        if members is None:
+            for program in self._subgroup_programs(event.group):
+                program.improvise(event.on)
+            return
+        for index in members:
+            self._scheduler.subgroups.drop_requested(index)
             self._scheduler.programmes[index].improvise(event.on)
 
     def _ask_why(self, event: events.AskWhy) -> None:
-        self.explained_dancer = event.dancer - 1 if 1 <= event.dancer <= len(self._group) else None
+        self.explained_dancer = event.dancer - 1 if 1 <= event.dancer <= len(self._casting.group) else None
 
-    def _members(self, name: str) -> list[int]:
-        """Return the indices of the groups with this name; "" and "*" mean all. Raises PersonError for no match."""
-        if name in ("", "*"):
-            return list(range(len(self._groups)))
-        index = self._groups.get(name.casefold())
-        if index is None:
-            raise PersonError(f"no group is called {name!r}", f"one of {', '.join(self._groups)}")
-        return [index]
+    def _select(self, words: str) -> Bool:
+        """Return the dancers that words select, (A,). PersonError if there are none."""
+        who = self._casting.select(words, self._motion.state.position)
+        if not who.any() and self._casting.groups_of(words) is None:
+            raise PersonError(f"{words!r}: nobody is there now", "groups are " + ", ".join(self._casting.names))
+        return who
+
+    def _subgroup_programs(self, words: str) -> list[StepProgram]:
+        return self._scheduler.subgroups.request(words.strip(), self._select(words))
 
     _HANDLERS: ClassVar[dict[type[ControlEvent], Callable[..., None]]] = {
         events.CallStep: _call_step,

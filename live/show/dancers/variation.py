@@ -4,7 +4,7 @@ Draws depend only on the seed and the measure number, so a show is the same live
 """
 
 from collections.abc import Mapping
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -32,6 +32,7 @@ from live.motion.pose.gather_kernels import delay_phases
 from live.show.dancers.measure_state import MeasureState
 from live.show.dancers.rng import Purpose, generator_for
 from live.show.dancers.timing_offsets import MAX_DRIFT_FREQUENCY, Drift, Ripple, parse_ripple
+from live.show.group.group_values import GroupValues
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import parameter_number
 from live.show.patch.section_motion import GroupSection
@@ -119,9 +120,9 @@ class Variation:
         self.measure = 0
         self.has_recordings = False
         """Whether there are recordings for the texture of upper bodies."""
-        self.ripples = list(ripples or [Ripple()] * len(self.values))
-        """Ripple of each group."""
-        self._patch_values, self._patch_ripples = self.values.copy(), tuple(self.ripples)  # as in the patch
+        self.ripples = GroupValues(list(ripples or [Ripple()] * len(self.values)))
+        """Ripples of groups and of selected dancers."""
+        self._patch_values, self._patch_ripples = self.values.copy(), tuple(self.ripples.groups)  # as in the patch
         self.delays: Float64 = self._group_delays[group]
         """Intended delay of each dancer at the end of the present measure (canon and ripple), as a share of a measure,
         shape (A,)."""
@@ -168,14 +169,20 @@ class Variation:
         """Side that each dancer wants: -1 as made, 1 mirrored, 0 either, shape (A,)."""
         return np.sign(self[MIRRORED]).astype(np.int32)
 
-    def edited_values(self, event: ControlEvent) -> dict[int, Ripple]:
-        """Return the ripples by group, see `EditablePart`."""
-        return dict(enumerate(self.ripples))
+    def edited_values(self, event: ControlEvent) -> dict[int, Any]:
+        """Return the ripples by group and of dancers, see `EditablePart`."""
+        return self.ripples.by_key()
 
-    def restore_values(self, values: Mapping[int, Ripple]) -> None:
+    def restore_values(self, values: Mapping[int, Any]) -> None:
         """See `EditablePart`."""
-        for group, ripple in values.items():
-            self.ripples[group] = ripple
+        self.ripples.restore(values, len(self._group))
+
+    def set_ripple(self, groups: list[int] | None, who: npt.NDArray[np.bool_], ripple: Ripple) -> None:
+        """Set the ripple of whole groups, or (None) one of the dancers `who` (A,)."""
+        if groups is None:
+            self.ripples.set_dancers(who, ripple)
+        for group in groups or ():
+            self.ripples.set_group(group, ripple, self._group)
 
     def apply_patch(self, fresh: "Variation") -> None:
         """Apply the fields that differ between the old and the new patch. Values set live stay otherwise.
@@ -186,7 +193,7 @@ class Variation:
         self.values[edited] = fresh._patch_values[edited]
         for index, (ripple, new_ripple) in enumerate(zip(self._patch_ripples, fresh._patch_ripples, strict=True)):
             if ripple != new_ripple:
-                self.ripples[index] = new_ripple
+                self.ripples.set_group(index, new_ripple, self._group)
         self._patch_values, self._patch_ripples, self._group_delays = (
             fresh._patch_values,
             fresh._patch_ripples,
@@ -288,11 +295,11 @@ class Variation:
             self._paired = np.flatnonzero(np.bincount(timing_source, minlength=len(timing_source))[timing_source] > 1)
         self._previous_timing_source, self._timing_source = self._timing_source, timing_source
         self._late_before[:] = self.delays
-        if not (self._group_delays.any() or self.delays.any() or any(ripple.beats for ripple in self.ripples)):
+        if not (self._group_delays.any() or self.delays.any() or self.ripples.any(Ripple())):
             return
         late = self._group_delays[self._group] * self._beats
-        for index, ripple in enumerate(self.ripples):
-            rows = np.flatnonzero((self._group == index) & there) if ripple.beats else ()
+        for members, ripple in self.ripples.parts(self._group):
+            rows = members[there[members]] if ripple.beats else ()
             if len(rows):
                 late[rows] += ripple.delays(np.asarray(place, np.float64)[rows])
         late = np.minimum(late / self._beats, MAX_DELAY)[timing_source]

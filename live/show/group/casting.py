@@ -62,6 +62,13 @@ class Casting:
         folded = name.casefold().strip()
         return self.names.index(folded) if folded in self.names else None
 
+    def groups_of(self, words: str) -> list[int] | None:
+        """Return the indices of the groups that `words` name as a whole, all for "" and "*"; None for a selection."""
+        if words.strip() in EVERYONE:
+            return list(range(len(self.names)))
+        index = self.index_of(words)
+        return None if index is None else [index]
+
     def select(self, words: str, position: npt.NDArray[np.floating]) -> Bool:
         """Return a mask (A,) of the dancers that `words` select, who are at `position` (A, 2) [m].
 
@@ -74,6 +81,13 @@ class Casting:
         if index is not None:
             return np.asarray(self.group == index)
         return select_dancers(words.casefold(), self.roster, position, self.half)
+
+    def possible(self, words: str) -> Bool:
+        """Return the dancers that `words` select at one place or another, (A,). PersonError as from `select`."""
+        corners = [(x, z) for x in (-0.25, 0.25, -0.75, 0.75) for z in (-0.25, 0.25, -0.75, 0.75)]
+        places = (np.multiply(corner, 2.0 * np.array(self.half)) for corner in corners)
+        found = [self.select(words, np.tile(place, (len(self.group), 1))) for place in places]
+        return np.asarray(np.any(found, axis=0))
 
     def depends_on_places(self, words: str) -> bool:
         """Whether the selection depends on where the dancers stand; for words that `select` has accepted."""

@@ -62,9 +62,7 @@ class GroupCommands:
                 self._regroup(self._select(event.dancers), self._group(event.group))
             case events.SetRipple():
                 ripple = parse_ripple(event.begins, event.beats)
-                everybody = event.group.strip() in ("", "*")
-                for index in range(len(self._patch.group)) if everybody else [self._group(event.group)]:
-                    self._variation.ripples[index] = ripple
+                self._variation.set_ripple(motion.casting.groups_of(event.group), self._select(event.group), ripple)
             case events.Enter():
                 self._enter(event)
             case events.Leave():

@@ -143,10 +143,11 @@ Step = Annotated[str, Field(min_length=1, max_length=100)]
 
 
 class SequenceSection(Section):
-    """`[[sequence]]`: steps that a group dances over some measures of the score, before its own steps resume."""
+    """`[[sequence]]`: steps that dancers dance over some measures of the score, before their group's steps resume."""
 
-    group: Name = "*"
-    """The group; * is all."""
+    group: Selection = "*"
+    """The dancers: a group, or groups, attributes, numbers and places as in `ember & left + 12-14`; places count when
+    it begins. What a part of a group is given counts before what the group is given."""
     measure: Measure = 1
     """The measure with which it begins, from 1; of its section, if it belongs to one."""
     section: Name | None = None
@@ -200,10 +201,10 @@ class ImproviseMotion(Section):
 
 
 class ImproviseSection(Section):
-    """`[[improvise]]`: a group chooses its steps itself, by weights, rules and limits, over some measures."""
+    """`[[improvise]]`: dancers choose their steps themselves, by weights, rules and limits, over some measures."""
 
-    group: Name = "*"
-    """The group; * is all, each separately."""
+    group: Selection = "*"
+    """The dancers, as in `[[sequence]]`; * is all groups, each separately."""
     section: Name | None = None
     """The section it belongs to; left out: measures of the whole score."""
     measure: Measure = 1

@@ -90,11 +90,6 @@ def _check_beats(patch: Patch) -> Iterator[InvalidEntry]:
 def _check_groups(patch: Patch) -> Iterator[InvalidEntry]:
     names = {group.name.casefold() for group in patch.group}
     known = ", ".join(group.name for group in patch.group)
-    placed: tuple[tuple[str, Sequence[Any]], ...] = (("sequence", patch.sequence), ("improvise", patch.improvise))
-    for kind, entries in placed:
-        for index, entry in enumerate(entries):
-            if entry.group != "*" and entry.group.casefold() not in names:
-                yield InvalidEntry(f"no group is called {entry.group!r}; there are: {known}", kind, index, "group")
     for index, reaction in enumerate(patch.react):
         if reaction.sets is not None and reaction.group != "*" and reaction.group.casefold() not in names:
             yield InvalidEntry(f"no group is called {reaction.group!r}; there are: {known}", "react", index, "group")

@@ -13,6 +13,7 @@ from live.show.group.casting import EVERYONE, Casting
 from live.show.patch.patch import Patch
 from live.show.patch.section_score import RegroupSection, SegmentSection
 from live.show.patch_checks.score_checks import CallEntry, calls_of
+from live.show.score.improviser import EntrySpan
 from live.show.score.score import Score
 from live.show.score.step_names import UnknownStep, check_connected, find_step
 
@@ -72,6 +73,35 @@ def check_segments(segments: Sequence[SegmentSection], score: Score, claims: Dan
                     ("segment", row[2], "measure"),
                 )
             active.append(row)
+
+
+def check_subgroups(entries: Sequence[tuple[str, EntrySpan]], claims: DancerSelections) -> None:
+    """Raise PersonError for unknown words of a selection with steps, and where two selections give steps to a dancer at
+    the same time and neither is part of the other. Selections by position are skipped: the smaller one counts.
+
+    `entries`: words, and span of each entry.
+    """
+    running: dict[int, list[tuple[float, float, int, str, tuple[str | int, ...]]]] = {}
+    for words, (section, begin, end, where) in entries:
+        with error_context(f"{where[0]} of {words!r}", (*where, "group")):
+            running.setdefault(section, []).append((begin, end, claims.bits(words), words, where))
+    for rows in running.values():
+        rows.sort(key=lambda row: (row[0], row[1], str(row[4])))
+        active: list[tuple[float, float, int, str, tuple[str | int, ...]]] = []
+        for begin, end, bits, words, where in rows:
+            active = [other for other in active if other[1] > begin]
+            for _, other_end, other_bits, other_words, other in active:
+                shared = bits & other_bits
+                part = bits != other_bits and shared in (bits, other_bits)
+                if shared and not part and words != other_words:
+                    raise PersonError(
+                        f"{where[0]} {int(where[1]) + 1} gives {words!r} steps, and {other[0]} {int(other[1]) + 1} "
+                        f"gives {other_words!r} others until the end of measure {other_end:g}; dancer "
+                        f"{(shared & -shared).bit_length()} is in both, and neither is part of the other",
+                        f"{words} - ({other_words})",
+                        (*where, "group"),
+                    )
+            active.append((begin, end, bits, words, where))
 
 
 def place_text(section: str | None, measure: float) -> str:

@@ -30,6 +30,9 @@ class StepSource(Protocol):
     def live_sequence(self) -> tuple[SequenceEntry, ...]: ...
     def set_graph(self, graph: MotionGraph) -> None: ...
     def undo(self, measure: int) -> None: ...
+    @property
+    def is_asked(self) -> bool: ...
+    def attach(self, running: "StepProgram") -> None: ...
     def improvise(self, on: bool) -> None: ...
     def part_kind(self, measure: int) -> Literal["sequence", "improvised", "own"]: ...
 
@@ -58,6 +61,20 @@ class Canon:
         self._delay, self.travel_step = fresh._delay, fresh.travel_step
         self._own.apply_patch(fresh._own)
         self.steps = self._own.steps
+
+    @property
+    def own(self) -> "StepProgram":
+        """The program for steps of its own."""
+        return self._own
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether steps of its own were requested."""
+        return self._own.is_asked
+
+    def attach(self, running: "StepProgram") -> None:
+        """Take part in the show of another program."""
+        self._own.attach(running)
 
     def set_leader(self, leader: "StepProgram") -> None:
         """Repeat this leader from now on."""

@@ -4,6 +4,9 @@ All random choices derive from (seed, section, turn, group, measure), so the sam
 replayed. `ImprovisedMotion` draws motion calls at each phrase.
 """
 
+import math
+from collections.abc import Iterator
+from copy import copy
 from dataclasses import dataclass
 from typing import Final
 
@@ -24,6 +27,8 @@ from live.show.score.step_history import StepHistory
 from live.show.score.step_names import UnknownStep, find_step, is_in_place, step_measures
 
 NO_INDEX: Final = -1
+EntrySpan = tuple[int, float, float, tuple[str | int, ...]]
+"""Section, first measure in it, measure after the last, and place in the patch of an entry."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -40,9 +45,16 @@ class ImproviseTable:
     weights: npt.NDArray[np.float64]
     factors: tuple[npt.NDArray[np.float64], ...]
     """For each rule, the factors that multiply the weights."""
+    where: tuple[str | int, ...]
+    """Its place in the patch: list and index."""
     caller: int
     """Group to answer in call and response, NOBODY for none."""
     listening: int | None
+
+    def covers(self, place: Place) -> bool:
+        """Whether a place is in its measures."""
+        within = place.measure >= self.begin and (self.end is None or place.measure < self.end)
+        return within and place.section == self.section
 
 
 def resolve_table(
@@ -86,7 +98,7 @@ def resolve_table(
     size = score.playhead.sections[place[0]].measures if place[0] != END else None
     end = size if section.measures is None else place[1] + section.measures
     return ImproviseTable(place[0], place[1], end, section, steps, np.array(list(weights.values())), tuple(factors),
-                          caller, listening)  # fmt: skip
+                          where, caller, listening)  # fmt: skip
 
 
 Nodes = npt.NDArray[np.int32]
@@ -123,11 +135,37 @@ class Improviser:
         """Use a graph that contains all nodes and steps of the old one."""
         self._graph = graph
 
+    def attach(self, running: "Improviser") -> None:
+        """Take part in the show of another improviser: its score, history and mood."""
+        self._score, self._history, self._mood = running._score, running._history, running._mood
+
+    def copy(self, number: int) -> "Improviser":
+        """Return an independent copy for the subgroup with this number, with the same past."""
+        other = copy(self)
+        other._group = number
+        self._history.copy_steps(self._group, number)
+        return other
+
+    def forget(self) -> None:
+        """Forget the steps of a subgroup that has ended."""
+        self._history.forget(self._group)
+
+    def spans(self) -> Iterator[EntrySpan]:
+        """Yield section, first measure, measure after the last, and place in the patch of each table."""
+        for one in self._tables:
+            yield one.section, one.begin, math.inf if one.end is None else one.end, one.where
+
+    def entry(self, place: Place) -> tuple[int, int] | None:
+        """Return index and first measure of the table for a place, without one that was requested; None if none."""
+        for index, table in enumerate(self._tables):
+            if table.covers(place):
+                return index, table.begin
+        return None
+
     def _table(self, place: Place) -> int | None:
         """Return the index of the table for this place; the last index is the usual one."""
         for index, table in enumerate(self._tables):
-            within = place.measure >= table.begin and (table.end is None or place.measure < table.end)
-            if within and place.section == table.section:
+            if table.covers(place):
                 return index
         if not self.forced:
             return None

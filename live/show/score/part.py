@@ -1,5 +1,7 @@
-"""Part of one group in the score: for each measure a sequence, an improvisation, or nothing (the group's own steps)."""
+"""Part of a group or subgroup in the score: for each measure a sequence, an improvisation, or nothing."""
 
+from collections.abc import Iterator, Sequence
+from copy import copy
 from typing import Final, Literal
 
 from live.graph.motion_graph import MotionGraph
@@ -8,11 +10,11 @@ from live.graph.search.sequence_spec import SequenceEntry
 from live.show.patch.patch import Patch
 from live.show.patch.section_motion import parse_entry
 from live.show.patch.section_score import ImproviseSection, SequenceSection
-from live.show.score.improviser import DrawState, Improviser, Nodes, resolve_table
+from live.show.score.improviser import DrawState, EntrySpan, Improviser, Nodes, resolve_table
 from live.show.score.music_reactions import Mood
 from live.show.score.score import Score
 from live.show.score.sequence_lookup import SequenceLookup
-from live.show.score.step_history import StepHistory
+from live.show.score.step_history import StepHistory, required_capacity
 
 ANY_STEP: Final = -1
 """Wanted step where a sequence has "*"."""
@@ -21,8 +23,12 @@ StepChoice = tuple[int, tuple[SequenceEntry, ...], int]
 """Step, the steps wanted from there on, and measures already danced of the first of them."""
 
 
+ScoreEntry = tuple[int, int, int, int]
+"""Kind (0: sequence, 1: improvisation), index, first measure in its section, and turn of the section."""
+
+
 class ScorePart:
-    """Part of one group in the score. Ask for measures in order, as with programs."""
+    """Part of one group or subgroup in the score. Ask for measures in order, as with programs."""
 
     def __init__(self, score: Score, sequences: SequenceLookup, improviser: Improviser) -> None:
         self._score = score
@@ -71,6 +77,26 @@ class ScorePart:
         place = self._score.place(measure)
         return self._sequences.at(place.section, place.measure) is not None or self._improviser.is_improvised(measure)
 
+    def entry(self, measure: int) -> ScoreEntry | None:
+        """Return what the score has here in `measure`; None for nothing."""
+        if measure < 0:
+            return None
+        place = self._score.place(measure)
+        sequence = self._sequences.at(place.section, place.measure)
+        if sequence is not None:
+            return 0, sequence.index, sequence.begin, place.turn
+        table = self._improviser.entry(place)
+        return None if table is None else (1, *table, place.turn)
+
+    def spans(self) -> Iterator[EntrySpan]:
+        """Yield section, first measure, measure after the last, and place in the patch of each entry."""
+        yield from self._sequences.spans()
+        yield from self._improviser.spans()
+
+    def begins(self, measure: int, entry: ScoreEntry) -> bool:
+        """Whether an entry, which the score has in `measure`, begins there."""
+        return self._score.place(measure).measure == entry[2] and self._score.playhead.entered(measure)
+
     def _upcoming(self, measure: int, own: tuple[SequenceEntry, ...]) -> tuple[SequenceEntry, ...]:
         """Return the entries of the sequences from `measure` on, then the group's own steps."""
         found: list[SequenceEntry] = []
@@ -104,6 +130,26 @@ class ScorePart:
         """Switch improvisation on regardless of the score; False: follow the score."""
         self._improviser.forced = on
 
+    @property
+    def improvises(self) -> bool:
+        """Whether improvisation was requested."""
+        return self._improviser.forced
+
+    def attach(self, running: "ScorePart") -> None:
+        """Take part in the show of another part."""
+        self._score = running._score
+        self._improviser.attach(running._improviser)
+
+    def copy(self, number: int) -> "ScorePart":
+        """Return an independent copy for the subgroup with this number."""
+        other = copy(self)
+        other._improviser = self._improviser.copy(number)
+        return other
+
+    def forget(self) -> None:
+        """Forget the past of a subgroup that has ended."""
+        self._improviser.forget()
+
     def set_graph(self, graph: MotionGraph) -> None:
         """Use a graph that contains all nodes and steps of the old one."""
         self._improviser.set_graph(graph)
@@ -112,40 +158,68 @@ class ScorePart:
 EVERYONE: Final = "*"
 
 
-def build_part(
-    patch: Patch,
-    graph: MotionGraph,
-    score: Score,
-    history: StepHistory,
-    mood: Mood,
-    steps: list[int],
-    group: int,
-    seed: int,
-) -> ScorePart:
-    """Return the part in the score of group `group`, whose own `steps` are these."""
-    names = [section.name for section in patch.group]
-    for_it = (EVERYONE, names[group].casefold())
-    sequences = [(index, one) for index, one in enumerate(patch.sequence) if one.group.casefold() in for_it]
-    asked: list[tuple[tuple[str | int, ...], ImproviseSection]] = [
-        (("sequence", index), _improvise_section(section)) for index, section in sequences if section.choose == "random"
-    ]
-    # a canon improvises only where a table names its group; otherwise it stays a canon
-    means_it = for_it[1:] if patch.group[group].like else for_it
-    asked += [
-        (("improvise", index), section)
-        for index, section in enumerate(patch.improvise)
-        if section.group.casefold() in means_it
-    ]
-    made = (resolve_table(section, score, graph, steps, names, group, where) for where, section in asked)
-    tables = [table for table in made if table is not None]
-    free = ImproviseSection(most=2 if len(set(steps)) > 1 else 1000)
-    usual = resolve_table(free, score, graph, steps, names, group) if not tables else tables[0]
-    assert usual is not None
-    improviser = Improviser(tables, usual, score, history, mood, group=group, seed=seed, graph=graph)
-    ordered = [(index, section) for index, section in sequences if section.choose == "sequence"]
-    sequences_of = SequenceLookup(ordered, score, graph, score.written.built_sequences)
-    score.written.parts.append((sequences_of, tables, usual))
-    return ScorePart(score, sequences_of, improviser)
+class PartBuilder:
+    """Builds the parts of one score, which share the history of steps."""
+
+    def __init__(self, patch: Patch, graph: MotionGraph, score: Score, mood: Mood, seed: int) -> None:
+        self._patch, self._graph, self._score, self._mood, self._seed = patch, graph, score, mood, seed
+        self._names = [section.name for section in patch.group]
+        self.history = StepHistory(required_capacity(patch.improvise))
+
+    def of_group(self, group: int, steps: list[int]) -> ScorePart:
+        """Return the part of a group, whose own `steps` are these.
+
+        PersonError for an unknown step, and for entries that overlap or exceed their section.
+        """
+        own = self._names[group].casefold()
+        # a canon improvises only where a table names its group; otherwise it stays a canon
+        means_it = (own,) if self._patch.group[group].like else (EVERYONE, own)
+        part, data = self._build((EVERYONE, own), means_it, group, steps, group)
+        self._score.written.parts.append([data])
+        return part
+
+    def of_selection(self, words: str, numbers: Sequence[int], steps: Sequence[list[int]]) -> list[ScorePart]:
+        """Return the part of the subgroup of each group that `words` select, by group; `numbers` and own `steps` of the
+        subgroups.  Empty words: parts without entries, for requests.
+        """
+        built = [
+            self._build((words,), (words,), group, own, number)
+            for group, (number, own) in enumerate(zip(numbers, steps, strict=True))
+        ]
+        self._score.written.parts.append([data for _, data in built])
+        return [part for part, _ in built]
+
+    def _build(
+        self, ordered_for: tuple[str, ...], improvised_for: tuple[str, ...], group: int, steps: list[int], number: int
+    ) -> tuple[ScorePart, tuple[object, ...]]:
+        patch, score, graph, names = self._patch, self._score, self._graph, self._names
+        sequences = [(index, one) for index, one in enumerate(patch.sequence) if folded(one.group) in ordered_for]
+        asked: list[tuple[tuple[str | int, ...], ImproviseSection]] = [
+            (("sequence", index), _improvise_section(section))
+            for index, section in sequences
+            if section.choose == "random"
+        ]
+        asked += [
+            (("improvise", index), section)
+            for index, section in enumerate(patch.improvise)
+            if folded(section.group) in improvised_for
+        ]
+        made = (resolve_table(section, score, graph, steps, names, group, where) for where, section in asked)
+        tables = [table for table in made if table is not None]
+        free = ImproviseSection(most=2 if len(set(steps)) > 1 else 1000)
+        usual = resolve_table(free, score, graph, steps, names, group) if not tables else tables[0]
+        assert usual is not None
+        improviser = Improviser(
+            tables, usual, score, self.history, self._mood, group=number, seed=self._seed, graph=graph
+        )
+        ordered = [(index, section) for index, section in sequences if section.choose == "sequence"]
+        sequences_of = SequenceLookup(ordered, score, graph, score.written.built_sequences)
+        return ScorePart(score, sequences_of, improviser), (sequences_of, tables, usual)
+
+
+def folded(words: str) -> str:
+    """Return words of a selection in the form in which they are compared."""
+    return " ".join(words.split()).casefold()
 
 
 def _improvise_section(section: SequenceSection) -> ImproviseSection:

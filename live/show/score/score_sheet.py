@@ -7,6 +7,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from live.show.patch.section_score import SegmentSection
+from live.show.score.canon import StepSource
 from live.show.score.playhead import END
 from live.show.score.section_span import score_length
 from live.show.show import Show
@@ -70,13 +71,14 @@ def build_sheet(show: Show) -> Sheet:
     """Return the score of a fresh show, which is used up. Random choices are shown as if all steps were reachable."""
     length = min(_length(show), MAX_MEASURES)
     show.playhead.loop((0, length - 1))
-    steps, others = _steps(show, length)
+    steps, subgroups, others = _steps(show, length)
     patch = show.patch
     tracks = [Track("section", _sections(show, length)), Track("signals", tuple(others["signals"]))]
     tracks += [
         Track(section.name, tuple(boxes), index)
         for index, (section, boxes) in enumerate(zip(patch.group, steps, strict=True))
     ]
+    tracks += _subgroup_tracks(show, subgroups)
     tracks += [Track(name, tuple(others[name])) for name in ("motion", "calls")]
     kept = [track for track in tracks if track.boxes]
     return Sheet(patch.name, length, tuple(kept))
@@ -111,24 +113,40 @@ def _sections(show: Show, length: int) -> tuple[Box, ...]:
     return tuple(boxes) or (Box(0, length - 1, show.patch.name, "section"),)
 
 
-def _steps(show: Show, length: int) -> tuple[list[list[Box]], dict[str, list[Box]]]:
-    """Return the steps of each group and all other boxes, measure by measure."""
+def _subgroup_tracks(show: Show, rows: list[list[Box]]) -> Iterable[Track]:
+    """Yield a track for each selection with steps in the score, which are no group."""
+    for written, boxes in zip(show.scheduler.subgroups.written, rows, strict=True):
+        groups = np.unique(show.group[show.casting.possible(written[0].words)])
+        yield Track(written[0].words, tuple(boxes), int(groups[0]) if len(groups) == 1 else -1)
+
+
+def _steps(show: Show, length: int) -> tuple[list[list[Box]], list[list[Box]], dict[str, list[Box]]]:
+    """Return the steps of each group, of each selection with steps, and all other boxes, measure by measure."""
     steps: list[list[Box]] = [[] for _ in show.patch.group]
+    subgroups: list[list[Box]] = [[] for _ in show.scheduler.subgroups.written]
     others: dict[str, list[Box]] = {"signals": [], "motion": [], "calls": []}
     for measure in range(length):
         show.playhead.begin_measure(measure)
         for index in show.scheduler.order:
             programme = show.scheduler.programmes[index]
-            step = programme.step_for(measure, NO_NODES)
-            name = "*" if step < 0 else show.graph.library.steps[step]
-            kind = programme.part_kind(measure)
-            row = steps[index]
-            if row and row[-1].label == name and row[-1].kind == kind and _same_section(show, measure):
-                row[-1] = Box(row[-1].first, measure, name, kind)
-            else:
-                row.append(Box(measure, measure, name, kind))
+            _add_step(show, steps[index], measure, programme)
+        for row, boxes in zip(show.scheduler.subgroups.written, subgroups, strict=True):
+            part = row[0].program.part
+            if part is not None and part.entry(measure) is not None:
+                _add_step(show, boxes, measure, row[0].program)
         _add_boxes(show, measure, length, others)
-    return steps, others
+    return steps, subgroups, others
+
+
+def _add_step(show: Show, row: list[Box], measure: int, programme: StepSource) -> None:
+    step = programme.step_for(measure, NO_NODES)
+    name = "*" if step < 0 else show.graph.library.steps[step]
+    kind = programme.part_kind(measure)
+    last = row[-1] if row and row[-1].last == measure - 1 else None
+    if last is not None and last.label == name and last.kind == kind and _same_section(show, measure):
+        row[-1] = Box(last.first, measure, name, kind)
+    else:
+        row.append(Box(measure, measure, name, kind))
 
 
 def _same_section(show: Show, measure: int) -> bool:

@@ -1,6 +1,7 @@
 """Sequences of the score, indexed by section and measure of a group (T009)."""
 
 from bisect import bisect_right
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import accumulate, pairwise
 from typing import TYPE_CHECKING
@@ -89,6 +90,11 @@ class SequenceLookup:
 
     def __bool__(self) -> bool:
         return bool(self._by_section)
+
+    def spans(self) -> Iterator[tuple[int, float, float, tuple[str | int, ...]]]:
+        """Yield section, first measure, measure after the last, and place in the patch of each sequence."""
+        for section, sequences in self._by_section.items():
+            yield from ((section, one.begin, one.end, ("sequence", one.index)) for one in sequences)
 
     def at(self, section: int, measure: int) -> ScoreSequence | None:
         """Return the sequence at `measure` (from 0) of a section, None if there is none."""

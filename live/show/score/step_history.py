@@ -1,4 +1,5 @@
-"""History of the steps wanted from each group in the last measures, for limits and for call and response."""
+"""History of the steps wanted from each group and subgroup in the last measures, for limits and for call and
+response."""
 
 from collections import OrderedDict
 from collections.abc import Sequence
@@ -18,20 +19,33 @@ def required_capacity(sections: Sequence[ImproviseSection]) -> int:
 
 
 class StepHistory:
-    """Wanted step per group and measure, with the measures of that step already over."""
+    """Wanted step per group and measure, with the measures of that step already over.
 
-    def __init__(self, groups: int, capacity: int = MIN_CAPACITY) -> None:
+    Groups have their index, subgroups a larger number of their own.
+    """
+
+    def __init__(self, capacity: int = MIN_CAPACITY) -> None:
         """`capacity`: the number of measures kept."""
         self.capacity = capacity
-        self._steps: list[OrderedDict[int, tuple[int, int]]] = [OrderedDict() for _ in range(groups)]
+        self._steps: dict[int, OrderedDict[int, tuple[int, int]]] = {}
 
     def record(self, group: int, measure: int, step: int, into: int) -> None:
         """Record the step wanted from `group` in `measure`; a later record of the same measure replaces it."""
-        said = self._steps[group]
+        said = self._steps.setdefault(group, OrderedDict())
         said[measure] = step, into
         while len(said) > self.capacity:
             said.popitem(last=False)
 
     def step_at(self, group: int, measure: int) -> tuple[int, int] | None:
         """Return the step wanted from `group` in `measure`; None if it is not recorded."""
-        return self._steps[group].get(measure)
+        said = self._steps.get(group)
+        return None if said is None else said.get(measure)
+
+    def copy_steps(self, group: int, other: int) -> None:
+        """Give `other` the recorded steps of `group`."""
+        if group in self._steps:
+            self._steps[other] = self._steps[group].copy()
+
+    def forget(self, group: int) -> None:
+        """Forget the steps of a subgroup that has ended."""
+        self._steps.pop(group, None)

@@ -1,5 +1,6 @@
 """Step program of a group: the wanted step for each measure, from a sequence, seeded chance, or calls."""
 
+from copy import copy
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -156,6 +157,26 @@ class StepProgram:
         """Improvise from the next unchosen measure on, or follow the score."""
         if self.part is not None:
             self.part.improvise(on)
+
+    @property
+    def is_asked(self) -> bool:
+        """Whether a step, a sequence or improvisation was requested, and still counts."""
+        return bool(self._live) or self._position.call is not None or (self.part is not None and self.part.improvises)
+
+    def attach(self, running: "StepProgram") -> None:
+        """Take part in the show of another program."""
+        if self.part is not None and running.part is not None:
+            self.part.attach(running.part)
+
+    def copy(self, number: int) -> "StepProgram":
+        """Return an independent copy for the subgroup with this number."""
+        other = copy(self)
+        other._seed = (self._seed[0], number)
+        other._live, other._position = list(self._live), self._position.copy()
+        if self._undo_state is not None:
+            other._undo_state = replace(self._undo_state, position=self._undo_state.position.copy())
+        other.part = None if self.part is None else self.part.copy(number)
+        return other
 
     def part_kind(self, measure: int) -> Literal["sequence", "improvised", "own"]:
         """Return the origin of the steps in `measure`: sequence, improvised, or the group's own."""

@@ -18,14 +18,15 @@ TRAVEL_COST = 0.1
 """Cost of a metre of travel in the first measure, relative to a measure of the sequence that goes wrong."""
 
 
-def initial_nodes(graph: MotionGraph, scheduler: "Scheduler", group: Int32, mirrored: Bools, measure: int) -> Int32:
-    """Return a node of the group's first step for each dancer, without travel if the sequence allows it, (A,).
+def initial_nodes(graph: MotionGraph, scheduler: "Scheduler", mirrored: Bools, measure: int) -> Int32:
+    """Return a node of the group's or subgroup's first step for each dancer, without travel if the sequence allows it,
+    (A,).
 
-    `group` (A,): group of each dancer; `mirrored` (A,): whether a dancer dances the other side of the partner's step.
+    `mirrored` (A,): whether a dancer dances the other side of the partner's step.
     """
-    library, node = graph.library, np.zeros(len(group), np.int32)
-    for index in scheduler.order:
-        programme, members = scheduler.programmes[index], group == index
+    library, targets, node = graph.library, scheduler.targets, np.zeros(len(mirrored), np.int32)
+    for row in targets.assign(measure):
+        programme, members = targets.program(row), targets.rows() == row
         entries = graph.entries(programme.step_for(measure, node[members]))
         ahead = scheduler.step_costs.sequence_cost(programme.upcoming, programme.measures_done)[entries]
         cost = ahead + TRAVEL_COST * np.hypot(*library.node_travel[entries].T)

@@ -41,6 +41,8 @@ class _Cue:
     measures: int
     groups: tuple[int, ...]
     """Groups that are completely selected: their programmes continue with the step."""
+    words: str
+    """The selection."""
 
 
 class Interrupts:
@@ -74,7 +76,7 @@ class Interrupts:
         casting = self._motion.casting
         who = casting.select(event.group, self._motion.state.position)
         groups = tuple(index for index in range(len(casting.names)) if who[casting.group == index].all())
-        self._cues.append(_Cue(step, who, math.ceil(event.measures), groups))
+        self._cues.append(_Cue(step, who, math.ceil(event.measures), groups, event.group.strip()))
 
     def statistics(self) -> dict[str, int]:
         """Return statistics for the status: cues that have acted, dancers cut by them, and dancers cut by collision
@@ -109,9 +111,8 @@ class Interrupts:
         self.cue_count += 1
         planned = self._dancers.decided or span.end - timeline.beat_at(time) <= PLANNING_BEATS
         measures = cue.measures - planned
-        for index in cue.groups:
-            if measures > 0:
-                self._scheduler.programmes[index].call(cue.step, measures=measures)
+        if measures > 0:
+            self._call(cue, measures)
         rows = np.flatnonzero(cue.who & self._on_stage).astype(np.int32)
         if not len(rows):
             return
@@ -119,6 +120,17 @@ class Interrupts:
         nodes = self.clip_cutter.candidates(cue.step)
         best = np.argmin(self.clip_cutter.distances(moment, nodes), axis=1)
         self._cut(moment, nodes[best], span, timeline, step=cue.step if cue.measures else None)
+
+    def _call(self, cue: _Cue, measures: int) -> None:
+        """Let the programs of a cue's groups and subgroups continue with its step."""
+        scheduler, casting = self._scheduler, self._motion.casting
+        for index in cue.groups:
+            scheduler.programmes[index].call(cue.step, measures=measures)
+            scheduler.subgroups.call(index, cue.step, measures=measures)
+        others = cue.who & ~np.isin(casting.group, cue.groups)
+        if others.any() and scheduler.subgroups.has_room(others):
+            for program in scheduler.subgroups.request(cue.words, others):
+                program.call(cue.step, measures=measures)
 
     @property
     def _on_stage(self) -> Bool:

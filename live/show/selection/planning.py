@@ -93,7 +93,7 @@ class MeasurePlan:
             (32 + 0.2 * count, self._set_wishes),
             *[
                 (45 + 0.04 * count, partial(self._targets.set_wanted_step, index, measure, self._choices))
-                for index in self._targets.order
+                for index in self._targets.assign(measure)
             ],
             (32 + 0.15 * count, search.prepare),
             *[(5 + 0.65 * (some.stop - some.start), partial(search.choose, some)) for some in rows],

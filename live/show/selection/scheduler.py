@@ -24,6 +24,7 @@ from live.show.dancers.root_correction_control import RootCorrectionControl
 from live.show.patch.patch import Patch
 from live.show.score.canon import StepSource
 from live.show.score.group_programs import update_programs
+from live.show.score.subgroups import Subgroups
 from live.show.selection.choices import StepChoices, reachability_report
 from live.show.selection.nearest_steps import decide_nearest
 from live.show.selection.planning import MeasurePlan
@@ -38,6 +39,8 @@ LOOK_BEATS: Final = 1.75
 """Beats before the measure line at which the look-ahead begins."""
 DECIDE_BEATS: Final = 1.0
 """Beats before it at which the next steps are decided: never later than the blend begins."""
+SUBGROUPS: Final = -1
+"""Key of the subgroups' sequences among the values that can be edited."""
 MIN_REPLAN_TICKS: Final = 8.0
 """With fewer ticks until the decision, the planning of a measure is not restarted."""
 
@@ -51,6 +54,7 @@ class Scheduler:
         dancers: Dancers,
         motion: "GroupMotion",
         programmes: list[StepSource],
+        subgroups: Subgroups,
         group: Int32,
         choosing: StepSelector | None = None,
     ) -> None:
@@ -60,9 +64,9 @@ class Scheduler:
         self._dancers = dancers
         self._motion = motion
         self._group = group
-        self.programmes = programmes
+        self.programmes, self.subgroups = programmes, subgroups
         self.root_correction = RootCorrectionControl(patch, dancers, motion)
-        self.targets = StepTargets(patch, dancers, motion, programmes, group)
+        self.targets = StepTargets(patch, dancers, motion, programmes, subgroups, group)
         self.order = self.targets.order
         self.speed: Float32 = self.targets.speed
         """Top speed of each agent [m/s], shape (A,)."""
@@ -92,13 +96,16 @@ class Scheduler:
         self.targets.reorder()
 
     def edited_values(self, event: ControlEvent) -> dict[int, Any]:
-        """Return the sequences set live, by group, see `EditablePart`."""
-        return {index: programme.live_sequence or None for index, programme in enumerate(self.programmes)}
+        """Return the sequences set live, by group and of subgroups, see `EditablePart`."""
+        values: dict[int, Any] = {index: one.live_sequence or None for index, one in enumerate(self.programmes)}
+        return {**values, SUBGROUPS: self.subgroups.sequences}
 
     def restore_values(self, values: Mapping[int, Any]) -> None:
         """See `EditablePart`."""
         for index, wanted in values.items():
-            if wanted is None:
+            if index == SUBGROUPS:
+                self.subgroups.restore_sequences(wanted)
+            elif wanted is None:
                 self.programmes[index].release()
             else:
                 self.programmes[index].set_sequence(list(wanted))
@@ -148,6 +155,7 @@ class Scheduler:
         self._planning.cancel()
         for programme in self.programmes:
             programme.undo(span.number + 1)
+        self.subgroups.undo(span.number + 1)
         return True
 
     def drop_plan(self) -> None:

@@ -1,7 +1,7 @@
 """Targets of step selection: the wanted step, position (T067, T068) and heading (T126, T127) of each dancer."""
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -12,10 +12,12 @@ from live.control.events.event import ControlEvent
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import wrap_angle
 from live.graph.select.selector import StepSelector
+from live.show.group.group_values import GroupValues
 from live.show.patch.patch import Patch
 from live.show.patch.section_motion import ATTRACTOR, CENTRE, DANCER, DEGREES, GROUP, PATH, PUBLIC, Facing, parse_facing
 from live.show.score.canon import Canon, StepSource
 from live.show.score.step_program import StepProgram
+from live.show.score.subgroups import MAX_SUBGROUPS, Subgroups
 from live.show.selection.choices import StepChoices
 from live.show.selection.lookahead import StepCosts
 
@@ -42,7 +44,7 @@ class Headings:
         self._patch = patch
         self._motion = motion
         count = len(motion.casting.group)
-        self._facing = [self.parse(section.facing) for section in patch.group]
+        self._facing = GroupValues([self.parse(section.facing) for section in patch.group])
         self._raw = np.zeros((2, count))
         """Wanted headings of the last two measures, unwrapped, the newest first [rad], shape (2, A)."""
         self._before = self._raw.copy()
@@ -56,20 +58,22 @@ class Headings:
         """Apply the facings that differ between the old and the new patch. Others keep their live values."""
         for index, (old, new) in enumerate(zip(self._patch.group, fresh._patch.group, strict=True)):
             if old.facing != new.facing:
-                self._facing[index] = fresh._facing[index]
+                self._facing.set_group(index, fresh._facing.groups[index], self._motion.casting.group)
 
-    def set(self, group: int, facing: Facing) -> None:
-        """Set the facing of a group, from the next decided measure on."""
-        self._facing[group] = facing
+    def set(self, groups: list[int] | None, who: Bool, facing: Facing) -> None:
+        """Set the facing of whole groups, or (None) of the dancers `who` (A,), from the next decided measure on."""
+        if groups is None:
+            self._facing.set_dancers(who, facing)
+        for group in groups or ():
+            self._facing.set_group(group, facing, self._motion.casting.group)
 
-    def edited_values(self, event: ControlEvent) -> dict[int, Facing]:
-        """Return the facings by group, see `EditablePart`."""
-        return dict(enumerate(self._facing))
+    def edited_values(self, event: ControlEvent) -> dict[int, Any]:
+        """Return the facings by group and of dancers, see `EditablePart`."""
+        return self._facing.by_key()
 
-    def restore_values(self, values: Mapping[int, Facing]) -> None:
+    def restore_values(self, values: Mapping[int, Any]) -> None:
         """See `EditablePart`."""
-        for group, facing in values.items():
-            self.set(group, facing)
+        self._facing.restore(values, self._raw.shape[1])
 
     def reset(self, heading: Float64) -> None:
         """Initialize with the dancers' `heading` (A,) [rad]."""
@@ -87,9 +91,10 @@ class Headings:
         """
         self._before[:] = self._raw
         wanted = self._raw[0].copy()
-        for index, facing in enumerate(self._facing):
-            members = np.flatnonzero(self._motion.casting.group == index)
-            if len(members):
+        group = self._motion.casting.group
+        for everybody, facing in self._facing.parts(group):
+            for index in np.unique(group[everybody]).tolist():  # some facings mean something else for each group
+                members = everybody[group[everybody] == index]
                 wanted[members] = self._wanted(facing, members, start, wish, wanted)
         passing = self._motion.entrances.passing  # dancers who enter or leave face the way they go
         wanted[passing] = _towards(wish - start, MIN_DIRECTION_LENGTH, wanted)[passing]
@@ -150,11 +155,17 @@ class StepTargets:
     """Targets of A dancers for one measure, computed piece by piece."""
 
     def __init__(
-        self, patch: Patch, dancers: "Dancers", motion: "GroupMotion", programmes: list[StepSource], group: Int32
+        self,
+        patch: Patch,
+        dancers: "Dancers",
+        motion: "GroupMotion",
+        programmes: list[StepSource],
+        subgroups: Subgroups,
+        group: Int32,
     ) -> None:
         """`group` (A,) is shared with the show, which may change it between measures."""
         self._patch, self._dancers, self._motion = patch, dancers, motion
-        self._programmes, self._group = programmes, group
+        self._programmes, self._subgroups, self._group = programmes, subgroups, group
         self.order = list(range(len(programmes)))
         """The groups in the order of their computation: echoes after the groups that they echo."""
         self.reorder()
@@ -162,9 +173,9 @@ class StepTargets:
         count = len(group)
         self.speed: Float32 = np.zeros(count, np.float32)
         """Top speed of each agent that its dancer's steps can follow [m/s], shape (A,)."""
-        self._wanted_steps: list[tuple[int | None, int]] = [(None, 0)] * len(
-            programmes
-        )  # measure and step of each group
+        self._row_count = len(programmes) + min(count, MAX_SUBGROUPS)
+        # measure and step of each group, then of the subgroups that dance
+        self._wanted_steps: list[tuple[int | None, int]] = [(None, 0)] * self._row_count
         self.step = np.zeros(count, np.int32)
         """The wanted step of each dancer, below 0 for any, shape (A,)."""
         self.row = np.zeros(count, np.int32)
@@ -181,34 +192,54 @@ class StepTargets:
         library = graph.library
         self._choosing = choosing
         self.step_costs = StepCosts(graph)
-        self.ahead = np.zeros((2 * len(self._programmes), library.node_count))
-        """Number of wrong measures for each next node, for each group and its travel step, (2 G, N)."""
+        self.ahead = np.zeros((2 * self._row_count, library.node_count))
+        """Number of wrong measures for each next node, for each group or subgroup R and its travel step, (2 R, N)."""
         reach = [library.max_travel(step) for step in range(len(library.steps))]
         # reach of one measure of each step [m]; last, for ANY_STEP, the largest
         self._reach = np.array([*reach, max(reach)])
         for programme in self._programmes:
             programme.set_graph(graph)
+        self._subgroups.set_graph(graph)
+
+    def assign(self, measure: int) -> list[int]:
+        """Find the subgroups that dance in `measure`; return the rows of all programs in the order of their
+        computation."""
+        casting, position = self._motion.casting, self._motion.state.position
+        self._subgroups.assign(measure, lambda words: casting.select(words, position))
+        groups = len(self._programmes)
+        return [*self.order, *range(groups, groups + len(self._subgroups.active))]
+
+    def program(self, row: int) -> StepSource:
+        """Return the program of a row: of a group, or of a subgroup that dances."""
+        groups = len(self._programmes)
+        return self._programmes[row] if row < groups else self._subgroups.active[row - groups].program
+
+    def rows(self) -> Int32:
+        """Return the row of each dancer's program, (A,)."""
+        return np.where(
+            self._subgroups.of_dancer < 0, self._group, len(self._programmes) + self._subgroups.of_dancer
+        ).astype(np.int32)
 
     def step_reach(self) -> Float64:
         """Return the reach in one measure of the group's farthest step, for each dancer [m], shape (A,)."""
-        most = np.zeros(len(self._group))
-        for index, programme in enumerate(self._programmes):
+        most, rows = np.zeros(len(self._group)), self.rows()
+        for row in np.unique(rows).tolist():
+            programme = self.program(row)
             steps = [*programme.steps, *([] if programme.travel_step is None else [programme.travel_step])]
-            most[self._group == index] = max(float(self._reach[step]) for step in steps)
+            most[rows == row] = max(float(self._reach[step]) for step in steps)
         return most
 
     def set_speed(self, measure: int, timeline: Timeline) -> None:
         """Set the agents' top speeds to what the group's steps and the correction can follow."""
         seconds = timeline.beats_per_measure * 60.0 / timeline.tempo
-        speeds = np.empty(len(self._programmes))
-        for index in self.order:
-            programme, (asked_for, step) = self._programmes[index], self._wanted_steps[index]
+        rows = self.rows()
+        for row in [*self.order, *range(len(self._programmes), int(rows.max(initial=0)) + 1)]:
+            programme, (asked_for, step), members = self.program(row), self._wanted_steps[row], rows == row
             if asked_for != measure:
-                step = programme.step_for(measure, self._dancers.node[self._group == index])
+                step = programme.step_for(measure, self._dancers.node[members])
             steps = [step] if programme.travel_step is None else [step, programme.travel_step]
             reach = max(float(self._reach[s]) for s in steps)
-            speeds[index] = (reach + 0.2 * self._patch.locomotion.correction_m) / seconds
-        self.speed[:] = speeds[self._group]
+            self.speed[members] = (reach + 0.2 * self._patch.locomotion.correction_m) / seconds
 
     def set_wishes(self, choices: StepChoices) -> None:
         """Set the wished positions and headings for the end of the next measure. The look-ahead must be finished."""
@@ -222,23 +253,23 @@ class StepTargets:
                 choices.wish, self.heading, choices.start_position, choices.heading, known
             )
 
-    def set_wanted_step(self, index: int, measure: int, choices: StepChoices) -> None:
-        """Set the wanted step of the dancers of group `index` in `measure`: the group's next one, or its travel step
-        for dancers whose way is too far for that."""
-        programme, members = self._programmes[index], self._group == index
+    def set_wanted_step(self, row: int, measure: int, choices: StepChoices) -> None:
+        """Set the wanted step of the dancers of a row in `measure`: its program's next one, or its travel step for
+        dancers whose way is too far for that."""
+        programme, members = self.program(row), self.rows() == row
         way = np.hypot(*(choices.wish - choices.start_position).T)
         if isinstance(programme, StepProgram):
             programme.standing = not members.any() or bool(np.median(way[members]) < STANDING_DISTANCE)
         step = programme.step_for(measure, self._dancers.node[members])
-        self._wanted_steps[index] = measure, step
+        self._wanted_steps[row] = measure, step
         self.step[members] = step
-        self.row[members] = 2 * index
-        self.ahead[2 * index] = self.step_costs.sequence_cost(programme.upcoming, programme.measures_done)
+        self.row[members] = 2 * row
+        self.ahead[2 * row] = self.step_costs.sequence_cost(programme.upcoming, programme.measures_done)
         if programme.travel_step is not None and self._reach[programme.travel_step] > self._reach[step]:
             far = members & (way > self._reach[step] + 0.5 * self._patch.locomotion.correction_m)
             self.step[far] = programme.travel_step
-            self.row[far] = 2 * index + 1
-            self.ahead[2 * index + 1] = self.step_costs.step_distance(programme.travel_step)
+            self.row[far] = 2 * row + 1
+            self.ahead[2 * row + 1] = self.step_costs.step_distance(programme.travel_step)
 
     def limit_targets(self, choices: StepChoices, bound: Float64) -> None:
         """Limit the targets (predicted agents) to the reach of the steps with `bound` (A,) [m] of correction."""

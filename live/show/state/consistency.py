@@ -24,6 +24,8 @@ from live.motion.partner_live.stage_partner import LeaderReader
 from live.motion.skeleton import JOINT_COUNT
 from live.show.capture.performer import CapturedPerformer
 from live.show.capture.pose_buffer import CANON_CAPACITY, POSE_CAPACITY, PoseBuffer
+from live.show.group.group_values import GroupValues
+from live.show.score.subgroups import MAX_SUBGROUPS, Subgroups
 from live.show.state.constants import attribute_at
 from live.show.state.kind import MAX_MAGNITUDE
 
@@ -143,6 +145,21 @@ def holding(value: LiveHandHolds) -> bool:
     rows = (who, hands, where)
     within = where.min(initial=0) >= 0 and where.max(initial=-1) < looked
     return all(array.shape == (count, 2) for array in rows) and far.shape == (count, 6) and bool(within)
+
+
+def group_values(value: GroupValues[Any]) -> bool:
+    """Whether all masks are of the same dancers, and all values of one kind."""
+    kinds = {type(each) for each in (*value.groups, *(own for _, own in value.own))}
+    return len({mask.shape for mask, _ in value.own}) <= 1 and len(kinds) == 1
+
+
+def subgroups(value: Subgroups) -> bool:
+    """Whether every dancer's subgroup exists, and each has its dancers and a group."""
+    everyone = (*value.active, *value.requested, *(each for row in value.written for each in row))
+    count, groups = len(value.of_dancer), len(attribute_at(value, "_programs"))
+    whole = all(each.chosen.shape == (count,) and 0 <= each.group < groups for each in everyone)
+    rows = len(value.active) <= MAX_SUBGROUPS and value.of_dancer.max(initial=-1) < len(value.active)
+    return whole and bool(rows) and all(len(row) == groups for row in value.written)
 
 
 def read_leader(value: LeaderReader) -> bool:

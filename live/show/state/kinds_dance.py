@@ -22,6 +22,7 @@ from live.show.group.casting import Casting
 from live.show.group.elements import Elements, GroupMasks
 from live.show.group.evolutions import Evolutions
 from live.show.group.group_motion import GroupMotion
+from live.show.group.group_values import GroupValues
 from live.show.partner.leader_input import LeaderReaders
 from live.show.partner.partner_agents import PartnerAgents
 from live.show.partner.partner_response import PartnerResponse
@@ -47,7 +48,8 @@ KINDS: Final = [
     """),
     Kind("aims", StepTargets, """
         _patch:constant-patch _dancers:dancers _motion:group-motion _programmes:list[echo|group-programme]
-        _group:i4(group) order:list[int] headings:headings speed:f4 _wanted_steps:list[tuple[int|none,int]]
+        _subgroups:subgroups _group:i4(group) order:list[int] headings:headings speed:f4 _row_count:int
+        _wanted_steps:list[tuple[int|none,int]]
         step:i4(step) row:i4(aim) heading:f8 _choosing:constant-choosing step_costs:constant-foresight ahead:f8
         _reach:f8
     """),
@@ -141,14 +143,16 @@ KINDS: Final = [
         _spare:agent-state _advance:pair-steering commands:wants _partner_agents:answering-agents _ahead:agents-ahead
         _now:tuple[timeline,measure-span]|none _speed:f4 _leash:f4~
     """),
-    Kind("headings", Headings, "_patch:constant-patch _motion:group-motion _facing:list[facing] _raw:f8 _before:f8"),
+    Kind("headings", Headings, "_patch:constant-patch _motion:group-motion _facing:group-values _raw:f8 _before:f8"),
+    Kind("group-values", GroupValues, "groups:list[facing|ripple] own:list[tuple[b1,facing|ripple]]",
+         is_consistent=whole.group_values),
     Kind("heard-poses", PoseBuffer, "count:int _blend_start:float _blend_s:float _root:f4* _rotation:f4* stamp:f8*~",
          is_consistent=whole.heard_poses),
     Kind("interrupts", Interrupts, """
         _dancers:dancers _motion:group-motion _scheduler:scheduler clip_cutter:cutting _cues:list[interrupts.cue]
         _half:tuple[int,int]|none _decided:bool _step:i4(step) _unplanned:b1 _collision_avoidance:avoiding cue_count:int
     """),
-    Kind("interrupts.cue", _Cue, "step:int who:b1 measures:int groups:row[int]"),
+    Kind("interrupts.cue", _Cue, "step:int who:b1 measures:int groups:row[int] words:str"),
     Kind("mocap", CaptureManager, """
         _patch:constant-patch _motion:group-motion _dancers:dancers _scheduler:scheduler performers:dict[str,captured]
         _driven:b1 _place:f8 _speed:f8 _forces:presence _time:float
@@ -174,9 +178,9 @@ KINDS: Final = [
     Kind("ripple", Ripple, "beats:float side:str point:tuple[float,float]"),
     Kind("scheduler", Scheduler, """
         _patch:constant-patch _dancers:dancers _motion:group-motion _group:i4(group)
-        programmes:list[echo|group-programme] root_correction:carrying targets:aims order:list[int] speed:f4
-        choices:choices _planning:planning choosing:constant-choosing step_costs:constant-foresight last_target:f8|none
-        last_heading:f8 detours:int dead_ends:int
+        programmes:list[echo|group-programme] subgroups:subgroups root_correction:carrying targets:aims order:list[int]
+        speed:f4 choices:choices _planning:planning choosing:constant-choosing step_costs:constant-foresight
+        last_target:f8|none last_heading:f8 detours:int dead_ends:int
     """),
     Kind("searching", StepSearch, """
         _patch:constant-patch _dancers:dancers _motion:group-motion _targets:aims _choices:choices
@@ -194,7 +198,7 @@ KINDS: Final = [
     """),
     Kind("variation", Variation, """
         values:f8 _group:i4(group) _group_delays:f8 _seed:int _beats:int _window:float drift:drift
-        measure:int has_recordings:bool ripples:list[ripple] _patch_values:f8 _patch_ripples:row[ripple] delays:f8
+        measure:int has_recordings:bool ripples:group-values _patch_values:f8 _patch_ripples:row[ripple] delays:f8
         _late_before:f8 _timing_source:i4(dancer) _previous_timing_source:i4(dancer) _paired:i8(dancer)* _even:f8
         _everybody:i8(dancer) _of_dancers:f8 _drifts:bool _farthest:f8
     """),

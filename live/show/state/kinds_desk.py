@@ -35,6 +35,7 @@ from live.show.score.score_requests import ScoreRequests
 from live.show.score.score_runner import ScoreRunner
 from live.show.score.step_history import StepHistory
 from live.show.score.step_program import StepProgram, _Call, _Position, _UndoState
+from live.show.score.subgroups import Subgroup, Subgroups
 from live.show.selection.drawn_paths import DrawnPath
 from live.show.selection.graph_update import GraphUpdates
 from live.show.show import Show
@@ -50,6 +51,7 @@ from live.show.stages.plan_stage import PlanStage
 from live.show.stages.show_clock import ShowClock
 from live.show.stages.step_selection import StepSelection
 from live.show.stages.tripped_stages import TrippedStages
+from live.show.state import consistency as whole
 from live.show.state.kind import Kind, no_value
 from live.show.view.view_builder import ViewBuilder
 
@@ -151,7 +153,7 @@ KINDS: Final = [
         cues:cues undo_history:edits beats:int master:master held:bool
     """),
     Kind("directions", StepRequests, """
-        _group:i4(group) _groups:dict[str,int] _dancers:dancers _variation:variation _scheduler:scheduler
+        _motion:group-motion _casting:casting _dancers:dancers _variation:variation _scheduler:scheduler
         _interrupts:interrupts explained_dancer:int|none
     """),
     Kind("drawn-way", DrawnPath, """
@@ -187,7 +189,7 @@ KINDS: Final = [
         _tables:list[constant-table] _default_table:constant-table _score:score _history:ledger _mood:mood _group:int
         _seed:int _graph:constant-motion-graph draw_state:tuple[int,int,int] forced:bool
     """),
-    Kind("ledger", StepHistory, "capacity:int _steps:list[ordered[int,tuple[int,int]]]"),
+    Kind("ledger", StepHistory, "capacity:int _steps:dict[int,ordered[int,tuple[int,int]]]"),
     Kind("master", Master, """
         level:float frozen:bool flashes:bool goal:float cards:dict[str,str] _from:float _length:float _elapsed:float
     """),
@@ -249,6 +251,14 @@ KINDS: Final = [
         _follower:timeline-follower _frozen_view:stage-view|none
     """),
     Kind("spots", Spots, "_parameters:parameters _followers:row[chase] _levels:list[int]"),
+    Kind("subgroup", Subgroup, """
+        words:str group:int program:group-programme chosen:b1 entry:tuple[int,int,int,int]|none
+    """),
+    Kind("subgroups", Subgroups, """
+        _group:i4(group) _programs:list[echo|group-programme] _idle:list[group-programme] written:list[list[subgroup]]
+        requested:list[subgroup] active:list[subgroup] of_dancer:i4(subgroup) _count:int _assigned:int|none
+        _before:list[tuple[b1,tuple[int,int,int,int]|none]]
+    """, is_consistent=whole.subgroups),
     Kind("turn", Turn, "region:int begins:int ends:int"),
     Kind("vote", Vote, "number:int kind:str choices:row[str] closes:int counts:row[int]"),
 ]  # fmt: skip

@@ -22,6 +22,7 @@ from live.graph.motion_graph import MotionGraph
 from live.motion.skeleton import JOINT_COUNT
 from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
+from live.show.score.subgroups import MAX_SUBGROUPS
 from live.show.selection.graph_update import steps_hash
 from live.show.show import Show
 from live.show.state.byte_format import MAX_STATE_BYTES, StateDecodeError
@@ -33,8 +34,8 @@ from live.show.state.type_check import check_state
 
 Array = npt.NDArray[Any]
 
-FORMAT: Final = 4
-"""Format 1 was a pickle; formats 2 and 3 had other fields. These are refused."""
+FORMAT: Final = 5
+"""Format 1 was a pickle; formats 2 to 4 had other fields. These are refused."""
 CONSTANT_PATHS: Final = {
     "graph": "graph",
     "patch": "patch",
@@ -236,7 +237,8 @@ def index_limits(show: Show) -> dict[str, int]:
         "step": len(graph.library.steps),
         "dancer": len(show.group),
         "group": len(show.patch.group),
-        "aim": 2 * len(show.patch.group),
+        "aim": len(show.scheduler.targets.ahead),
+        "subgroup": MAX_SUBGROUPS,
         "joint": JOINT_COUNT,
         "side": 2,
         "presence": 1 + LEAVING,

@@ -49,7 +49,7 @@ BAD = [
     (SECTIONS + '[[at]]\nmeasure = 2\nbeat = 5.5\nsignal = "x"', 8, "at.1.beat", "less than 5"),
     ("[[sequence]]\nmeasure = 1\nsteps = []", 2, "sequence.1.steps", "at least 1"),
     ('[[sequence]]\nmeasure = 0\nsteps = ["sway"]', 1, "sequence.1.measure", "greater than or equal to 1"),
-    ('[[sequence]]\ngroup = "choir"\nsteps = ["sway"]', 1, "sequence.1.group", "there are: front, back"),
+    ('[[sequence]]\ngroup = "choir"\nsteps = ["sway"]', 1, "sequence.1.group", "there are: all, back"),
     # a score that overlaps itself
     (
         '[[sequence]]\nmeasures = 4\nsteps = ["sway"]\n[[sequence]]\ngroup = "back"\nmeasure = 4\nsteps = ["spin"]',

@@ -28,7 +28,7 @@ class ImproviserPair:
 
         patch = parse_patch(PATCH + extra, "test.toml")
         self.score = Score(patch, Playhead(section_timings(patch)))
-        self.mood, self.ledger = Mood(), StepHistory(2)
+        self.mood, self.ledger = Mood(), StepHistory()
         names = ["front", "back"]
         self.groups = []
         for group, name in enumerate(names):
