@@ -24,8 +24,10 @@ LONGEST_RIBBON: Final = 8.0
 """[beats]"""
 MAX_BACKGROUNDS: Final = 8
 """Maximum number of background images and videos of a patch."""
-GROUP_COUNT: Final = 16
-"""Number of groups with their own colour."""
+PART_COUNT: Final = 64
+"""Number of groups, and of parts of groups, with their own colour and style; the groups come first."""
+MAX_GROUPS: Final = 16
+"""Maximum number of groups in a patch."""
 GROUP_COLOUR_ADDRESS: Final = "/dance/group/colour"
 STYLE_ADDRESS_PREFIX: Final = "/dance/draw/"
 """Prefix of the addresses of all styles."""
@@ -251,7 +253,7 @@ CUSTOM_PASS_SLICE: Final = slice(
 """The numbers of a patch's custom passes (`custom_pass.custom_pass_numbers`)."""
 COLOURS_START: Final = CUSTOM_PASS_SLICE.stop
 """Index of the groups' colours, three numbers for each."""
-STYLES_START: Final = COLOURS_START + 3 * GROUP_COUNT
+STYLES_START: Final = COLOURS_START + 3 * PART_COUNT
 """Index of the groups' styles, `STYLE_SIZE` numbers for each."""
 GROUP_PARAMETERS: Final = {
     row.address: replace(row, per_group=True)
@@ -262,15 +264,16 @@ GROUP_PARAMETERS: Final = {
 }
 """The parameters that every group has, by address, with the positions of the first group."""
 STYLE_SIZE: Final = sum(known.size for known in GROUP_PARAMETERS.values()) - 3
-ROW_SIZE: Final = STYLES_START + STYLE_SIZE * GROUP_COUNT
+ROW_SIZE: Final = STYLES_START + STYLE_SIZE * PART_COUNT
 """Length of the row."""
 
 
-def group_parameter(address: str, group: int) -> Parameter:
-    """Return the parameter of `GROUP_PARAMETERS` at an address, for a group by its index below `GROUP_COUNT`."""
+def group_parameter(address: str, part: int) -> Parameter:
+    """Return the parameter of `GROUP_PARAMETERS` at an address, for a group or part by its index below
+    `PART_COUNT`."""
     known = GROUP_PARAMETERS[address]
     stride = 3 if address == GROUP_COLOUR_ADDRESS else STYLE_SIZE
-    return replace(known, first=known.first + stride * group)
+    return replace(known, first=known.first + stride * part)
 
 
 def _row_indices(*addresses: str) -> npt.NDArray[np.intp]:
@@ -333,8 +336,8 @@ def picture_row(scene: Scene) -> Float64:
         else:
             row[BY_ADDRESS[address].row_slice] = start
     colours = scene.group_colours or ((0.8, 0.8, 0.8),)
-    row[COLOURS_START:STYLES_START] = [value for group in range(GROUP_COUNT) for value in colours[group % len(colours)]]
-    row[STYLES_START:] = [value for group in range(GROUP_COUNT) for value in _style_values(scene, group)]
+    row[COLOURS_START:STYLES_START] = [value for group in range(PART_COUNT) for value in colours[group % len(colours)]]
+    row[STYLES_START:] = [value for group in range(PART_COUNT) for value in _style_values(scene, group)]
     return row
 
 

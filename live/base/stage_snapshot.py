@@ -112,7 +112,7 @@ class StageView:
     joint_rotation: Float32
     """World rotations of the joints from the rest pose, unit quaternions (w, x, y, z), shape (A, J, 4)."""
     group: Int32
-    """Group of each dancer, shape (A,): the index of its colour."""
+    """Group, or part of a group, of each dancer, shape (A,): the index of its colour and style."""
     present: Bool
     """Whether each dancer is on the stage, entering or leaving, shape (A,); the others are not drawn."""
     element_kind: Int32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.int32))

@@ -18,9 +18,9 @@ import moderngl
 from live.base.errors import PersonError
 from live.base.parameter import Parameter
 from live.base.picture_parameters import (
-    GROUP_COUNT,
     GROUP_PARAMETERS,
     PARAMETERS,
+    PART_COUNT,
     STYLE_ADDRESS_PREFIX,
     STYLE_SIZE,
     STYLES_START,
@@ -78,7 +78,7 @@ def _picture_block() -> Iterator[str]:
 
 
 def _styles_block() -> Iterator[str]:
-    yield f"layout(std140) uniform Styles {{ vec4 styles[{GROUP_COUNT * STYLE_VECTORS}]; }};"
+    yield f"layout(std140) uniform Styles {{ vec4 styles[{PART_COUNT * STYLE_VECTORS}]; }};"
     styles = (row for row in GROUP_PARAMETERS.values() if row.address.startswith(STYLE_ADDRESS_PREFIX))
     for address, places in _places(styles, STYLES_START):
         name = "style_" + address.removeprefix(STYLE_ADDRESS_PREFIX).replace("/", "_")

@@ -102,7 +102,7 @@ def assemble(
     audience = Audience(patch.audience, motion.elements, VoteNames(patch, dancers, desk.scenes), seed=seed)
     directions = StepRequests(motion, dancers, variation, scheduler, interrupts)
     light = LightStage(breakers)
-    view_builder = ViewBuilder(dancers, motion, casting.group, desk, audience, light, clock.follower)
+    view_builder = ViewBuilder(dancers, motion, variation.division, desk, audience, light, clock.follower)
     hot_swap = HotSwap(
         patch, graph, dancers, scheduler, motion, refusals, assemble=assemble, seed=seed,
         answers=answers or ExampleBank(()), reserve=reserve,

@@ -20,7 +20,7 @@ def test_parameter_slices_fill_the_row_without_gaps():
     ]
     groups = [
         place
-        for n in range(picture_parameters.GROUP_COUNT)
+        for n in range(picture_parameters.PART_COUNT)
         for place in range(picture_parameters.ROW_SIZE)[
             picture_parameters.group_parameter(picture_parameters.GROUP_COLOUR_ADDRESS, n).row_slice
         ]
@@ -30,7 +30,7 @@ def test_parameter_slices_fill_the_row_without_gaps():
     ]
     styles = [
         place
-        for n in range(picture_parameters.GROUP_COUNT)
+        for n in range(picture_parameters.PART_COUNT)
         for address in own
         for place in range(picture_parameters.ROW_SIZE)[picture_parameters.group_parameter(address, n).row_slice]
     ]
@@ -65,7 +65,7 @@ def test_group_colors_repeat_beyond_the_list():
     colours = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     row = picture_parameters.picture_row(replace(SCENE, group_colours=colours))
     rows = row[picture_parameters.COLOURS_START : picture_parameters.STYLES_START].reshape(-1, 3)
-    assert len(rows) == picture_parameters.GROUP_COUNT
+    assert len(rows) == picture_parameters.PART_COUNT
     assert np.array_equal(rows[0], rows[2])
     assert np.array_equal(rows[1], rows[5])
 

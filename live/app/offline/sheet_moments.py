@@ -97,7 +97,7 @@ class MomentSelector:
 
     def _step(self, group: int) -> str | None:
         """Return the most frequent step of a group, or its response to the leaders."""
-        library, rows = self.show.graph.library, (self._view.group == group) & self._view.present
+        library, rows = self.show.graph.library, (self.show.group == group) & self._view.present
         nodes = self.show.dancers.node[rows]
         if len(nodes) == 0:
             return None

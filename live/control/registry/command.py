@@ -10,7 +10,7 @@ event's form in the journal and its tests. The first paragraph of the docstring 
 
         name: StepName
         measures: Measures = 4.0
-        group: Group = "*"
+        group: Dancers = "*"
 """
 
 import inspect
@@ -105,12 +105,10 @@ def first_paragraph(cls: type) -> str:
     return " ".join(inspect.cleandoc(cls.__doc__ or "").partition("\n\n")[0].split())
 
 
-GROUP: Final = Argument.label("the group's name in the patch; a single * is every group", "group")
 DANCERS: Final = Argument.text(
     "the dancers: a group, or groups, attributes, numbers and places as in `ember & left + 12-14`; * is all", "group"
 )
 
-Group = Annotated[str, GROUP]
 Dancers = Annotated[str, DANCERS]
 StepName = Annotated[str, Argument.label("the step's name in the show's library", "step")]
 X = Annotated[

@@ -9,11 +9,11 @@ from live.base.parameter import Parameter
 from live.base.picture_parameters import GROUP_PARAMETERS, PARAMETERS
 from live.control.events.event import ControlEvent
 from live.control.events.parameters import SetParameter
-from live.control.registry.command import GROUP
+from live.control.registry.command import DANCERS
 from live.control.registry.control import Argument, Control
 
 _MEASURES: Final = Argument("measures", "float", "how long it takes; 0 is at once", "measures", 0, 1024, 0.0)
-_GROUP: Final = replace(GROUP, name="group", default="*")
+_GROUP: Final = replace(DANCERS, name="group", default="*")
 
 
 def value_arguments(row: Parameter) -> tuple[Argument, ...]:

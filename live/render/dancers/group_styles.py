@@ -11,8 +11,8 @@ import numpy.typing as npt
 
 from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.picture_parameters import (
-    GROUP_COUNT,
     GROUP_PARAMETERS,
+    PART_COUNT,
     STYLE_ADDRESS_PREFIX,
     STYLE_SIZE,
     STYLES_START,
@@ -40,31 +40,31 @@ _ON_BODIES: Final = tuple(
 
 
 class GroupStyles:
-    """The block; call `apply_row` if the parameter row has changed. Masks are by group, shape (16,)."""
+    """The block; call `apply_row` if the parameter row has changed. Masks are by group, shape (PART_COUNT,)."""
 
     def __init__(self, ctx: moderngl.Context) -> None:
-        self._data = np.zeros((GROUP_COUNT, STYLE_VECTORS * 4), np.float32)
+        self._data = np.zeros((PART_COUNT, STYLE_VECTORS * 4), np.float32)
         self._buffer = ctx.buffer(reserve=self._data.nbytes, dynamic=True)
         self.has_effects = False
         """Whether any group is not drawn as plain lit bodies."""
-        self.plain: Bool = np.ones(GROUP_COUNT, np.bool_)
+        self.plain: Bool = np.ones(PART_COUNT, np.bool_)
         """Groups whose bodies are drawn plain and lit."""
         self.masks: dict[str, Bool] = {}
         """The groups that need each kind of drawing: bodies, casting (a shadow), ink, particles, ribbons, trails,
         xray."""
-        self.list_bits: Int32 = np.full(GROUP_COUNT, sum(1 << LISTS.index(name) for name in _PLAIN), np.int32)
-        """For each group the bits of the `LISTS` that its dancers are on, shape (16,)."""
-        self.spacing = np.ones(GROUP_COUNT)
+        self.list_bits: Int32 = np.full(PART_COUNT, sum(1 << LISTS.index(name) for name in _PLAIN), np.int32)
+        """For each group the bits of the `LISTS` that its dancers are on, shape (PART_COUNT,)."""
+        self.spacing = np.ones(PART_COUNT)
         """Beats between ghosts."""
         self.share = 1.0
         """Largest share of a dancer's points that any group shows, 0 to 1."""
-        self.variety: Float32 = np.full(GROUP_COUNT, 0.2, np.float32)
-        self.sheen: Float32 = np.ones(GROUP_COUNT, np.float32)
+        self.variety: Float32 = np.full(PART_COUNT, 0.2, np.float32)
+        self.sheen: Float32 = np.ones(PART_COUNT, np.float32)
         """Variation and sheen of the clothes by group."""
 
     def apply_row(self, row: Float64) -> None:
         """Apply a parameter row, shape (live.base.picture_parameters.ROW_SIZE,)."""
-        own = row[STYLES_START:].reshape(GROUP_COUNT, STYLE_SIZE)
+        own = row[STYLES_START:].reshape(PART_COUNT, STYLE_SIZE)
         self._data[:, :STYLE_SIZE] = own
         self._buffer.write(self._data)
 
@@ -86,7 +86,7 @@ class GroupStyles:
         self.variety, self.sheen = of("variety").astype(np.float32), of("sheen").astype(np.float32)
 
     def _lists(self) -> Int32:
-        masks, bits = self.masks, np.zeros(GROUP_COUNT, np.int32)
+        masks, bits = self.masks, np.zeros(PART_COUNT, np.int32)
         of = {"all": masks["casting"], "mirrored": masks["casting"]}
         of |= {name: masks[name] for name in ("particles", "ribbons", "trails", "xray")}
         for where in ("near", "far"):
@@ -150,7 +150,7 @@ def dancer_colours(
     out[:, :MATERIALS, :3] = np.sqrt(np.clip(out[:, :MATERIALS, :3], 0.0, 1.0))
     out[:, :MATERIALS, 3] = np.array(_SHEEN)
     out[:, CLOTH : TIGHTS + 1, 3] *= np.minimum(shine, 1.0 / max(_SHEEN))
-    out[:, IDENTITY, 0], out[:, IDENTITY, 1:] = (group % GROUP_COUNT) / 255.0, draw[:, [1, 2, 3]]
+    out[:, IDENTITY, 0], out[:, IDENTITY, 1:] = (group % PART_COUNT) / 255.0, draw[:, [1, 2, 3]]
     return np.ascontiguousarray(np.rint(out * 255.0), np.uint8)
 
 

@@ -7,7 +7,7 @@ import moderngl
 import numpy as np
 
 from live.base.arrays import Float32
-from live.base.picture_parameters import GROUP_COUNT, LONGEST_RIBBON, MAX_GHOSTS
+from live.base.picture_parameters import LONGEST_RIBBON, MAX_GHOSTS, PART_COUNT
 from live.base.stage_snapshot import StageView
 from live.motion.skeleton import SKELETON
 from live.render.dancers.dancer_batch import DancerBatch, pose_texture
@@ -111,8 +111,8 @@ class PoseHistory:
 
     def clear(self) -> None:
         """Remove all ghosts."""
-        self._ghost_beat = np.full((MAX_GHOSTS, GROUP_COUNT), np.nan)  # beat of each ghost
-        self._next = np.zeros(GROUP_COUNT, np.int64)
+        self._ghost_beat = np.full((MAX_GHOSTS, PART_COUNT), np.nan)  # beat of each ghost
+        self._next = np.zeros(PART_COUNT, np.int64)
         self._beat = math.nan
 
     def update(self, view: StageView, batch: DancerBatch) -> None:
@@ -139,14 +139,14 @@ class PoseHistory:
         rows, width = batch.texels.shape[:2]
         blocks = -(-self._capacity // rows)
         mine = np.zeros(blocks * rows, np.bool_)
-        mine[: len(view.group)] = view.group % GROUP_COUNT == group
+        mine[: len(view.group)] = view.group % PART_COUNT == group
         shape = (rows, blocks, width // blocks, 4)
         where = mine.reshape(blocks, rows).T[:, :, None, None]
         np.copyto(self._texels[slot].reshape(shape), batch.texels.reshape(shape), where=where)
         self.textures[slot].write(self._texels[slot])
 
     def ages(self, slot: int) -> Float32:
-        """Return the age of each group's ghosts in a slot [beats], -1 if there are none, shape (16,)."""
+        """Return the age of each group's ghosts in a slot [beats], -1 if there are none, shape (PART_COUNT,)."""
         return np.asarray(np.nan_to_num(self._beat - self._ghost_beat[slot], nan=-1.0), np.float32)
 
     def release(self) -> None:

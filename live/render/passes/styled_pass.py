@@ -9,7 +9,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from live.base.picture_parameters import MAX_GHOSTS
+from live.base.picture_parameters import MAX_GHOSTS, PART_COUNT
 from live.base.stage_snapshot import StageView
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.dancers.motion_trails import PoseHistory
@@ -95,7 +95,9 @@ class GhostPass:
 
     def __init__(self, making: PassSetup) -> None:
         ctx = self._ctx = making.ctx
-        self._program = compile_program(ctx, "ghost_vertex.glsl", "ghost_fragment.glsl", (("SOFT", 0),))
+        self._program = compile_program(
+            ctx, "ghost_vertex.glsl", "ghost_fragment.glsl", (("SOFT", 0), ("PART_COUNT", PART_COUNT))
+        )
         self.history = PoseHistory(ctx, max(making.scene.dancer_count, 1))
 
     def record(self, crowd: DancerBatch, view: StageView) -> None:
@@ -108,7 +110,7 @@ class GhostPass:
         ages = [self.history.ages(slot) for slot in range(MAX_GHOSTS)]
         for slot in sorted(range(MAX_GHOSTS), key=lambda slot: -float(ages[slot].max())):
             if ages[slot].max() >= 0.0:
-                set_uniform(self._program, "ages", [tuple(four) for four in np.reshape(ages[slot], (4, 4)).tolist()])
+                set_uniform(self._program, "ages", [tuple(four) for four in np.reshape(ages[slot], (-1, 4)).tolist()])
                 crowd.draw(self._program, crowd.quality.ghost_level, "trails", poses=self.history.textures[slot])
         self._ctx.disable(moderngl.CULL_FACE)
 

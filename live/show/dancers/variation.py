@@ -25,6 +25,7 @@ from live.base.motion_parameters import (
     WARP_SEQUENCE,
 )
 from live.base.parameter import Parameter
+from live.base.picture_parameters import PART_COUNT
 from live.control.events.event import ControlEvent
 from live.graph.takes import NO_TAKE
 from live.motion.editing.time_warp import F_MAX, draw_measure_warps
@@ -32,6 +33,7 @@ from live.motion.pose.gather_kernels import delay_phases
 from live.show.dancers.measure_state import MeasureState
 from live.show.dancers.rng import Purpose, generator_for
 from live.show.dancers.timing_offsets import MAX_DRIFT_FREQUENCY, Drift, Ripple, parse_ripple
+from live.show.group.division import FREE, Division
 from live.show.group.group_values import GroupValues
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import parameter_number
@@ -102,15 +104,18 @@ class Variation:
         ripples: tuple[Ripple, ...] = (),
     ) -> None:
         """`values` (G, MOTION_SIZE): the parameters of each group. `group` (A,) is shared with the show, which calls
-        `update_groups` when it has changed.
+        `update_groups` when it or the division has changed.
 
         `late`: delay of each group [beats] (canon, T147), less than a measure; `ripples`: additional delays within
         each group.
         """
-        self.values = np.array(values, np.float64)
-        """Parameters of each group, shape (G, MOTION_SIZE)."""
+        self.values = np.zeros((PART_COUNT, values.shape[1]))
+        """Parameters of each part, of which the groups are the first, shape (PART_COUNT, MOTION_SIZE)."""
+        self.values[: len(values)] = values
+        self.division = Division(group, len(values))
+        """The parts of the groups, with values of their own."""
         self._group = group
-        self._group_delays = np.array(late or [0.0] * len(self.values)) / beats_per_measure
+        self._group_delays = np.array(late or [0.0] * len(values)) / beats_per_measure
         self._seed = seed
         self._beats = beats_per_measure
         self._window = window
@@ -120,9 +125,9 @@ class Variation:
         self.measure = 0
         self.has_recordings = False
         """Whether there are recordings for the texture of upper bodies."""
-        self.ripples = GroupValues(list(ripples or [Ripple()] * len(self.values)))
+        self.ripples = GroupValues(list(ripples or [Ripple()] * len(values)))
         """Ripples of groups and of selected dancers."""
-        self._patch_values, self._patch_ripples = self.values.copy(), tuple(self.ripples.groups)  # as in the patch
+        self._patch_values, self._patch_ripples = values.copy(), tuple(self.ripples.groups)  # as in the patch
         self.delays: Float64 = self._group_delays[group]
         """Intended delay of each dancer at the end of the present measure (canon and ripple), as a share of a measure,
         shape (A,)."""
@@ -148,8 +153,9 @@ class Variation:
         )
 
     def update_groups(self) -> None:
-        """Update the values of each dancer from the groups' parameters and members."""
-        self._of_dancers: Float64 = np.ascontiguousarray(self.values[self._group].T)
+        """Update the values of each dancer from the parts' parameters and members."""
+        self.division.follow_groups()
+        self._of_dancers: Float64 = np.ascontiguousarray(self.values[self.division.part].T)
         warp_sequence = self[WARP_SEQUENCE]
         self._drifts = bool(warp_sequence.any())
         # largest drift of each dancer [share of a measure], (A,)
@@ -190,7 +196,9 @@ class Variation:
         `fresh` is the variation of a show with the new patch that has not run.
         """
         edited = fresh._patch_values != self._patch_values
-        self.values[edited] = fresh._patch_values[edited]
+        for part, group in enumerate(self.division.group_of.tolist()):
+            if group != FREE:
+                self.values[part, edited[group]] = fresh._patch_values[group, edited[group]]
         for index, (ripple, new_ripple) in enumerate(zip(self._patch_ripples, fresh._patch_ripples, strict=True)):
             if ripple != new_ripple:
                 self.ripples.set_group(index, new_ripple, self._group)
@@ -207,13 +215,13 @@ class Variation:
         if parameter is TEXTURE and number > 0.0 and not self.has_recordings:
             raise PersonError("there are no recordings for the texture", "name them under [texture] in the patch")
 
-    def set(self, parameter: Parameter, group: int, number: float) -> None:
-        """Set a parameter of one group, by its index, for all later draws."""
-        self.values[group, parameter.first] = number
+    def set(self, parameter: Parameter, part: int, number: float) -> None:
+        """Set a parameter of one group or part, by its index, for all later draws."""
+        self.values[part, parameter.first] = number
         self.update_groups()
 
     def set_values(self, values: Float64) -> None:
-        """Set the parameters of all groups, shape (G, MOTION_SIZE), for all later draws."""
+        """Set the parameters of all parts, shape (PART_COUNT, MOTION_SIZE), for all later draws."""
         self.values[:] = values
         self.update_groups()
 

@@ -138,7 +138,7 @@ class LightDesk:
         Raises PersonError for a scene that names unknown parts.
         """
         table = ParameterTable([section.name for section in patch.group])
-        self.parameters = Parameters(table, start_row(patch), variation)
+        self.parameters = Parameters(table, start_row(patch), variation, motion)
         beats = patch.clock.beats_per_measure
         self.camera_rig = CameraRig(self.parameters, motion, patch.camera.follow, beats=beats)
         """The moving camera."""

@@ -1,12 +1,16 @@
 """Table of all parameters of a show, by the address of the control that sets them.
 
 There are two families of rows: the picture's (`live.base.picture_parameters`), and the motion of each group's dancers
-(`live.base.motion_parameters`). All values form one row of numbers: the picture's, then those of each group.
+(`live.base.motion_parameters`). All values form one row of numbers: the picture's, then the motion of each part
+(`live.show.group.division`), of which the groups are the first.
 """
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
+
+import numpy as np
+import numpy.typing as npt
 
 from live.base import picture_parameters
 from live.base.errors import PersonError
@@ -22,10 +26,10 @@ LOOK: Final = "/dance/look"
 
 @dataclass(frozen=True, slots=True)
 class Slot:
-    """The places of a parameter in the row, for the whole stage (group -1) or a group."""
+    """The places of a parameter in the row, for the whole stage (part -1), a group or a part of one."""
 
     parameter: Parameter
-    group: int
+    part: int
     first: int
 
     @property
@@ -79,26 +83,46 @@ class ParameterTable:
     def __init__(self, groups: Sequence[str]) -> None:
         self._groups = tuple(name.casefold() for name in groups)
         self._by_address: dict[str, list[Slot]] = {}
-        everywhere = range(len(groups))
         for row in picture_parameters.PARAMETERS:
             self._by_address[row.address] = [Slot(row, -1, row.first)]
-        for address, row in picture_parameters.GROUP_PARAMETERS.items():
-            self._by_address[address] = [
-                Slot(row, group, picture_parameters.group_parameter(address, group).first) for group in everywhere
-            ]
-        for row in MOTION_PARAMETERS:
-            first = picture_parameters.ROW_SIZE + row.first
-            self._by_address[row.address] = [Slot(row, group, first + group * MOTION_SIZE) for group in everywhere]
-        self.size = picture_parameters.ROW_SIZE + len(groups) * MOTION_SIZE
+        for address in (*picture_parameters.GROUP_PARAMETERS, *(row.address for row in MOTION_PARAMETERS)):
+            self._by_address[address] = [self.slot(address, group) for group in range(len(groups))]
+        self.size = picture_parameters.ROW_SIZE + picture_parameters.PART_COUNT * MOTION_SIZE
         """Numbers in the row."""
         self.switches = frozenset(
-            slot.first for slots in self._by_address.values() for slot in slots if not slot.parameter.fades
+            one
+            for address in self._by_address
+            for part in range(picture_parameters.PART_COUNT if ROWS[address].per_group else 1)
+            for one in self.slot(address, part).numbers[:1]
+            if not ROWS[address].fades
         )
         """Places of numbers that cannot fade."""
+        self.part_of = np.full(self.size, -1, np.int32)
+        """Part of each number, -1 for those of the whole stage, shape (P,)."""
+        for part in range(picture_parameters.PART_COUNT):
+            self.part_of[self.part_places(part)] = part
 
     def apply_patch(self, fresh: "ParameterTable") -> None:
         """Adopt the group names of an edited patch."""
         self._groups = fresh._groups
+
+    @staticmethod
+    def slot(address: str, part: int) -> Slot:
+        """Return the parameter of one part at an address; for one of the whole stage `part` does not count."""
+        row = ROWS[address]
+        if not row.per_group:
+            return Slot(row, -1, row.first)
+        if address in picture_parameters.GROUP_PARAMETERS:
+            return Slot(row, part, picture_parameters.group_parameter(address, part).first)
+        return Slot(row, part, picture_parameters.ROW_SIZE + row.first + part * MOTION_SIZE)
+
+    @staticmethod
+    def part_places(part: int) -> npt.NDArray[np.intp]:
+        """Return the places of all numbers of a part, in the same order for every part."""
+        colours, styles = picture_parameters.COLOURS_START, picture_parameters.STYLES_START
+        size, first = picture_parameters.STYLE_SIZE, picture_parameters.ROW_SIZE
+        starts = (colours + 3 * part, 3), (styles + size * part, size), (first + MOTION_SIZE * part, MOTION_SIZE)
+        return np.concatenate([np.arange(start, start + length) for start, length in starts])
 
     def find(self, address: str, group: str = "*") -> list[Slot]:
         """Return the parameters at an address, of one group or (`*`) of all; raises PersonError for an unknown
@@ -107,19 +131,11 @@ class ParameterTable:
         if group.strip() in ("", "*"):
             return found
         index = self.group_index(group)
-        return [one for one in found if one.group == index]
+        return [one for one in found if one.part == index]
 
     def slots(self) -> Iterator[tuple[str, list[Slot]]]:
         """Yield every address with its parameters: one for the stage, or one for each group."""
         yield from self._by_address.items()
-
-    def places(self, address: str, group: str = "*") -> list[int]:
-        """Return the places of these parameters in the row; empty for an unknown parameter or group."""
-        found = self._by_address.get(address, ())
-        if group.strip() not in ("", "*"):
-            index = self.group_index(group) if self.has_group(group) else -2
-            found = [one for one in found if one.group == index]
-        return [place for one in found for place in one.numbers]
 
     @property
     def group_names(self) -> tuple[str, ...]:

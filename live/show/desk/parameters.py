@@ -5,18 +5,23 @@ of dancers `Variation` is the master copy, and fades write to it.
 """
 
 import math
-from collections.abc import Iterable, Mapping
-from typing import Final
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from live.base import picture_parameters
-from live.base.arrays import Float64
+from live.base.arrays import Bool, Float64
+from live.base.errors import PersonError
 from live.control.events.event import ControlEvent
 from live.control.events.parameters import SetParameter
 from live.show.dancers.variation import Variation
-from live.show.desk.parameter_table import ParameterTable, Slot
+from live.show.desk.parameter_table import ROWS, ParameterTable, Slot
+from live.show.group.division import FREE, dancer_words
+
+if TYPE_CHECKING:
+    from live.show.group.group_motion import GroupMotion
 
 MIN_LIGHT_FADE_BEATS: Final = 0.125
 """Fade time of light that is set at once [beats]: quick, but no flash; cameras cut."""
@@ -29,10 +34,10 @@ VARIATION_UPDATE_TICKS: Final = 4
 class Parameters:
     """The values of one show. Thread: the show's."""
 
-    def __init__(self, table: ParameterTable, start: Float64, variation: Variation) -> None:
+    def __init__(self, table: ParameterTable, start: Float64, variation: Variation, motion: "GroupMotion") -> None:
         """`start`: the picture's row from the patch, shape (picture.SIZE,)."""
         self.table = table
-        self._variation = variation
+        self._variation, self._motion, self._division = variation, motion, variation.division
         self.value: Float64 = np.zeros(table.size)
         """All present values, shape (P,)."""
         self.value[: picture_parameters.ROW_SIZE] = start
@@ -62,6 +67,74 @@ class Parameters:
 
     # -- changes -----------------------------------------------------------------------------------------------
 
+    def check_words(self, words: str) -> None:
+        """Raise PersonError for a selection with unknown words."""
+        self._motion.casting.select(words, self._motion.state.position)
+
+    def slots(self, address: str, words: str = "*") -> list[Slot]:
+        """Return the parameters at an address that the dancers selected by `words` have, after dividing groups where
+        necessary; the one of the stage if it is no parameter of groups.
+
+        PersonError for an unknown selection, if nobody is selected, and if there would be too many parts.
+        """
+        slots = self.table.find(address)
+        if not slots[0].parameter.per_group:
+            return slots
+        casting = self._motion.casting
+        groups = casting.groups_of(words)
+        if groups is None:
+            who = casting.select(words, self._motion.state.position)
+            if not who.any():
+                raise PersonError(f"{words!r}: nobody is there now", f"groups are {', '.join(casting.names)}")
+            parts = self._divide(who)
+        else:
+            parts = self._division.parts_of(groups)
+        return [self.table.slot(address, part) for part in parts]
+
+    def _divide(self, who: Bool) -> list[int]:
+        """Return the parts that are exactly the dancers `who` (A,); PersonError if there would be too many."""
+        parts = self._division.divide(who, self._copy_part, self._is_like)
+        self._variation.update_groups()
+        return parts
+
+    def _copy_part(self, old: int, new: int) -> None:
+        """Give a new part the values and fades of the one that it is taken from."""
+        self._variation.values[new] = self._variation.values[old]
+        self._read_variation()
+        there, here = self.table.part_places(old), self.table.part_places(new)
+        for row in (self.value, self.start, self._from, self._goal, self._start_beat, self._length, self._fading):
+            row[here] = row[there]
+        self._running = int(np.count_nonzero(self._fading))
+
+    def _is_like(self, part: int, other: int) -> bool:
+        """Whether two parts have the same values, and none of them fades."""
+        self._read_variation()
+        here, there = self.table.part_places(part), self.table.part_places(other)
+        still = not self._fading[here].any() and not self._fading[there].any()
+        return still and np.array_equal(self.value[here], self.value[there])
+
+    def parts(self) -> Iterator[tuple[int, int, str]]:
+        """Yield the parts of groups that have dancers: row, group, and the dancers as a selection."""
+        division = self._division
+        for part in range(division.group_count, picture_parameters.PART_COUNT if division.is_divided else 0):
+            dancers = np.flatnonzero(division.part == part) + 1
+            if len(dancers) and division.group_of[part] != FREE:
+                yield part, int(division.group_of[part]), dancer_words(dancers.tolist())
+
+    def with_parts(self, goals: Mapping[int, float]) -> dict[int, float]:
+        """Return numbers of groups and the stage, by place, with the same numbers of the groups' parts."""
+        found, division = dict(goals), self._division
+        for part in range(division.group_count, picture_parameters.PART_COUNT if division.is_divided else 0):
+            if division.group_of[part] == FREE:
+                continue
+            there, here = self.table.part_places(int(division.group_of[part])), self.table.part_places(part)
+            found |= {
+                int(place): goals[like]
+                for like, place in zip(there.tolist(), here.tolist(), strict=True)
+                if like in goals
+            }
+        return found
+
     def set(self, slot: Slot, numbers: Iterable[float], *, beats: float) -> None:
         """Fade one parameter to new numbers within `beats`; PersonError if it cannot have this value."""
         numbers = tuple(numbers)
@@ -69,7 +142,7 @@ class Parameters:
         if slot.first >= picture_parameters.ROW_SIZE and beats <= 0.0:  # `Variation` has the master copy
             self._fading[slot.first] = False
             self._running = int(np.count_nonzero(self._fading))
-            self._variation.set(slot.parameter, slot.group, numbers[0])
+            self._variation.set(slot.parameter, slot.part, numbers[0])
             return
         self.fade(dict(zip(slot.numbers, numbers, strict=True)), beats=beats)
 
@@ -105,12 +178,15 @@ class Parameters:
 
         `Variation` adopts its own changes.
         """
-        changed = np.flatnonzero(
-            fresh.start[: picture_parameters.ROW_SIZE] != self.start[: picture_parameters.ROW_SIZE]
-        )
-        self.start = fresh.start
+        whole = self.table.part_of < self._division.group_count
+        changed = np.flatnonzero(whole & (fresh.start != self.start))
+        changed = changed[changed < picture_parameters.ROW_SIZE]
+        self.start = fresh.start.copy()
+        for place, number in self.with_parts(dict(enumerate(fresh.start.tolist()))).items():
+            self.start[place] = number
         if len(changed):
-            self.fade({int(place): float(self.start[place]) for place in changed}, beats=PATCH_FADE_BEATS)
+            goals = {int(place): float(self.start[place]) for place in changed}
+            self.fade(self.with_parts(goals), beats=PATCH_FADE_BEATS)
 
     def snapshot(self) -> Float64:
         """Return all present values, shape (P,): a copy; the state does not change."""
@@ -124,21 +200,74 @@ class Parameters:
         return np.where(self._fading, self._goal, self.value)
 
     def goals_at(self, places: Iterable[int]) -> dict[int, float]:
-        """Return the value or fade target of these numbers of the picture, by place."""
+        """Return the value or fade target of these numbers, by place."""
+        self._read_variation()
         return {at: float(self._goal[at] if self._fading[at] else self.value[at]) for at in places}
 
     def edited_values(self, event: ControlEvent) -> Float64 | dict[int, float]:
-        """Return values or fade targets by place in the row, see `EditablePart`. Values of the picture are
-        frequent: only their own numbers are compared."""
-        if type(event) is SetParameter:
-            places = self.table.places(event.address, event.group)
-            if places and max(places) < picture_parameters.ROW_SIZE:
-                return self.goals_at(places)
-        return self.goals()
+        """Return values or fade targets by key, see `EditablePart`. Single parameters are frequent: only their own
+        numbers are compared.
 
-    def restore_values(self, values: Mapping[int, float]) -> None:
-        """See `EditablePart`."""
-        self.fade(values, beats=0.0)
+        A key is the place in the row. Dancers of parts have a key for each of their numbers, because their part may
+        have been divided, or have ended, when it is restored.
+        """
+        divided = self._division.is_divided
+        if type(event) is SetParameter and event.address in ROWS:
+            places = [place for slot in self.table.find(event.address) for place in slot.numbers]
+            if divided or max(places) < picture_parameters.ROW_SIZE:
+                return self.goals_at(places) | self._own_goals(self._indices(event.address))
+        goals = self.goals()
+        if not divided:
+            return goals
+        whole = np.flatnonzero(self.table.part_of < self._division.group_count)
+        base = dict(zip(whole.tolist(), goals[whole].tolist(), strict=True))
+        return base | self._own_goals(range(len(self.table.part_places(0))))
+
+    def _indices(self, address: str) -> list[int]:
+        """Return the indices of a parameter's numbers among those of a part."""
+        places = self.table.part_places(0).tolist()
+        slot = self.table.slot(address, 0)
+        return [places.index(place) for place in slot.numbers] if slot.part >= 0 else []
+
+    def _own_goals(self, indices: Sequence[int]) -> dict[int, float]:
+        """Return these numbers of the dancers of parts, by key."""
+        if not self._division.is_divided or not indices:
+            return {}
+        goals, part = self.goals(), self._division.part
+        count = len(self.table.part_places(0))
+        found: dict[int, float] = {}
+        for dancer in np.flatnonzero(part >= self._division.group_count).tolist():
+            numbers = goals[self.table.part_places(int(part[dancer]))]
+            found |= {self.table.size + dancer * count + index: float(numbers[index]) for index in indices}
+        return found
+
+    def restore_values(self, values: Mapping[int, float | None]) -> None:
+        """See `EditablePart`. A number that a dancer did not have before becomes that of the group."""
+        goals: dict[int, float] = {}
+        wanted: dict[tuple[int, float | None], list[int]] = {}
+        count, now, division = len(self.table.part_places(0)), self.goals(), self._division
+        for key, value in values.items():
+            if key < self.table.size:
+                if value is not None and self.table.part_of[key] < division.group_count:
+                    goals[key] = value
+                continue
+            dancer, index = divmod(key - self.table.size, count)
+            wanted.setdefault((index, value), []).append(dancer)
+        found: list[tuple[Bool, int, float | None]] = []
+        for (index, value), dancers in wanted.items():
+            who = np.zeros(len(division.part), np.bool_)
+            who[dancers] = True
+            found.append((who, index, value))
+            self._divide(who)
+        goals = self.with_parts(goals)  # also for dancers who have left their group's row since
+        for who, index, value in found:
+            for part in np.unique(division.part[who]).tolist():
+                group = int(division.group_of[part])
+                there = int(self.table.part_places(group)[index])
+                goals[int(self.table.part_places(part)[index])] = (
+                    goals.get(there, float(now[there])) if value is None else value
+                )
+        self.fade(goals, beats=0.0)
 
     # -- time --------------------------------------------------------------------------------------------------
 

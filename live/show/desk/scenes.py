@@ -20,7 +20,7 @@ from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.show.desk.camera_rig import NO_FOLLOW_WORDS, CameraRig
 from live.show.desk.look_settings import look_settings
-from live.show.desk.parameter_table import LOOK, VIEW, ParameterTable, parse_value, split_key
+from live.show.desk.parameter_table import LOOK, VIEW, ParameterTable, Slot, parse_value, split_key
 from live.show.desk.parameters import Parameters
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import Setting, parameter_rows, parameter_values
@@ -94,9 +94,13 @@ MAX_STORED: Final = 1000
 START: Final = "start"
 
 
+Selected = tuple[str, str, tuple[float, ...]]
+"""Selection, address and numbers."""
+
+
 @dataclass(frozen=True, slots=True)
 class Scene:
-    """Target values of a scene, by place in the parameter row."""
+    """Target values of a scene, by place in the parameter row, without those of parts of groups."""
 
     name: str
     goals: Mapping[int, float]
@@ -104,6 +108,8 @@ class Scene:
     """Length of the cross-fade [measures]."""
     follow: str | None = None
     """Dancers that its camera follows."""
+    selected: tuple[Selected, ...] = ()
+    """Values of selected dancers."""
 
 
 class Scenes:
@@ -116,20 +122,31 @@ class Scenes:
         self.stored: dict[str, Scene] = {}
         """Scenes stored live, by case-folded name."""
         table, start = parameters.table, parameters.start
-        light = [place for row in parameter_rows("look").values() for place in table.places(row.address)]
+        light = [
+            place
+            for row in parameter_rows("look").values()
+            for slot in table.find(row.address)
+            for place in slot.numbers
+        ]
         camera = range(picture_parameters.CAMERA.start, picture_parameters.CAMERA.stop)
         self._views = {START: Scene(START, {place: float(start[place]) for place in camera}, 0.0)}
         self._looks = {START: Scene(START, {place: float(start[place]) for place in light}, 1.0)}
         self._backgrounds = [section.name for section in patch.background]
         self._views[START] = replace(self._views[START], follow=patch.camera.follow)
         for name, (settings, whom) in view_settings(patch).items():
-            self._views[_folded(name)] = Scene(name, self._goals(table, settings), 0.0, whom)
+            self._views[_folded(name)] = self._scene(table, name, settings, 0.0, whom)
         for look in patch.looks:
-            self._looks[_folded(look.name)] = Scene(look.name, self._goals(table, look_settings(look)), look.measures)
-        self._scenes = {START: Scene(START, dict(enumerate(start.tolist())), 2.0)}
+            self._looks[_folded(look.name)] = self._scene(table, look.name, look_settings(look), look.measures)
+        self._scenes = {START: Scene(START, self._whole(start), 2.0)}
         for scene in patch.scene:
             whom = self._follow_of(scene.set)
-            self._scenes[_folded(scene.name)] = Scene(scene.name, self._goals(table, scene.set), scene.measures, whom)
+            self._scenes[_folded(scene.name)] = self._scene(table, scene.name, scene.set, scene.measures, whom)
+
+    def _whole(self, row: Float64) -> dict[int, float]:
+        """Return the numbers of a row by place, without those of parts of groups."""
+        table = self._parameters.table
+        whole = np.flatnonzero(table.part_of < len(table.group_names))
+        return dict(zip(whole.tolist(), row[whole].tolist(), strict=True))
 
     def _follow_of(self, settings: Mapping[str, Setting]) -> str | None:
         view = settings.get(VIEW)
@@ -140,18 +157,32 @@ class Scenes:
         self._views, self._looks, self._scenes = fresh._views, fresh._looks, fresh._scenes
         self._custom_passes = fresh._custom_passes
 
-    def _goals(self, table: ParameterTable, settings: Mapping[str, Setting]) -> dict[int, float]:
+    def _scene(
+        self,
+        table: ParameterTable,
+        name: str,
+        settings: Mapping[str, Setting],
+        measures: float,
+        follow: str | None = None,
+    ) -> Scene:
         goals: dict[int, float] = {}
+        selected: list[Selected] = []
         for key, value in settings.items():
             address, group = split_key(key)
             if address in (VIEW, LOOK):
                 kept = self._views if address == VIEW else self._looks
-                goals |= _find_scene(kept, str(value), "view" if address == VIEW else "look").goals
+                found = _find_scene(kept, str(value), "view" if address == VIEW else "look")
+                goals |= found.goals
+                selected += found.selected
                 continue
             numbers = parse_value(address, value)
+            if group.strip() not in ("", "*") and not table.has_group(group):
+                self._parameters.check_words(group)
+                selected.append((group, address, numbers))
+                continue
             for one in table.find(address, group):
                 goals |= dict(zip(one.numbers, numbers, strict=True))
-        return goals
+        return Scene(name, goals, measures, follow, tuple(selected))
 
     @property
     def names(self) -> list[str]:
@@ -163,19 +194,31 @@ class Scenes:
 
         Those that the show starts with are left out. Raises PersonError for an unknown scene.
         """
-        if name is None:
-            goals: Mapping[int, float] = dict(enumerate(np.asarray(self._parameters.goals()).tolist()))
-        else:
-            goals = _find_scene(self.stored, name, "scene stored live").goals
+        scene = self._present(START) if name is None else _find_scene(self.stored, name, "scene stored live")
         start, settings = self._parameters.start, dict[str, Setting]()
-        for address, slots in self._parameters.table.slots():
+        table = self._parameters.table
+        for address, slots in table.slots():
             for slot in slots:
-                numbers = [goals.get(place, float(start[place])) for place in slot.numbers]
-                if slot.parameter.size in (1, 3) and numbers != [float(start[place]) for place in slot.numbers]:
-                    group = "" if slot.group < 0 else f" {self._parameters.table.group_names[slot.group]}"
-                    one = bool(numbers[0]) if slot.parameter.kind == "switch" else numbers[0]
-                    settings[address + group] = one if len(numbers) == 1 else (numbers[0], numbers[1], numbers[2])
+                numbers = tuple(scene.goals.get(place, float(start[place])) for place in slot.numbers)
+                if slot.parameter.size in (1, 3) and numbers != tuple(float(start[place]) for place in slot.numbers):
+                    group = "" if slot.part < 0 else f" {table.group_names[slot.part]}"
+                    settings[address + group] = _setting(slot, numbers)
+        for words, address, numbers in scene.selected:
+            settings[f"{address} {words}"] = _setting(table.slot(address, 0), numbers)
         return settings
+
+    def _present(self, name: str) -> Scene:
+        """Return the present values as a scene."""
+        goals, table = np.asarray(self._parameters.goals()), self._parameters.table
+        selected: list[Selected] = []
+        for part, group, words in self._parameters.parts():
+            for address in (address for address, slots in table.slots() if slots[0].part >= 0):
+                numbers, usual = (
+                    tuple(goals[list(table.slot(address, one).numbers)].tolist()) for one in (part, group)
+                )
+                if numbers != usual:
+                    selected.append((words, address, numbers))
+        return Scene(name, self._whole(goals), 2.0, self._rig.follower.selection, tuple(selected))
 
     def edited_values(self, event: ControlEvent) -> dict[str, Scene]:
         """Return the scenes stored live, by name, see `EditablePart`."""
@@ -202,11 +245,25 @@ class Scenes:
         lasts = scene.measures if measures < 0.0 else measures
         if scene.follow is not None:
             self._rig.follower.follow(scene.follow, cut=lasts <= 0.0)
-        self._parameters.fade(scene.goals, beats=lasts * size)
+        slots = self._selected_slots(scene)  # divides groups; only then every part is known
+        goals = self._parameters.with_parts(scene.goals)
+        for some, (_, _, numbers) in zip(self._selected_slots(scene) if slots else (), scene.selected, strict=False):
+            goals |= {place: number for one in some for place, number in zip(one.numbers, numbers, strict=True)}
+        self._parameters.fade(goals, beats=lasts * size)
+
+    def _selected_slots(self, scene: Scene) -> list[list[Slot]]:
+        """Return the slots of the selected dancers; empty where nobody is, or where there are too many parts."""
+        found: list[list[Slot]] = []
+        for words, address, _ in scene.selected:
+            try:
+                found.append(self._parameters.slots(address, words))
+            except PersonError:  # the rest of the scene counts
+                found.append([])
+        return found
 
     def _set_parameter(self, event: events.SetParameter, size: float) -> None:
         numbers = parse_value(event.address, event.value)
-        for slot in self._parameters.table.find(event.address, event.group):
+        for slot in self._parameters.slots(event.address, event.group):
             self._parameters.set(slot, numbers, beats=event.measures * size)
 
     def _set_pass(self, event: events.SetPass, size: float) -> None:
@@ -267,10 +324,13 @@ class Scenes:
         if folded not in self.stored and len(self.stored) >= MAX_STORED:
             raise PersonError(f"{MAX_STORED} scenes are stored already", "replace one of them")
         old = (self._scenes | self.stored).get(folded)
-        goals = self._parameters.goals()
         measures = 2.0 if old is None else old.measures
-        values = dict(enumerate(np.asarray(goals).tolist()))
-        self.stored[folded] = Scene(event.name, values, measures, self._rig.follower.selection)
+        self.stored[folded] = replace(self._present(event.name), measures=measures)
+
+
+def _setting(slot: Slot, numbers: tuple[float, ...]) -> Setting:
+    one = bool(numbers[0]) if slot.parameter.kind == "switch" else numbers[0]
+    return one if len(numbers) == 1 else (numbers[0], numbers[1], numbers[2])
 
 
 def _folded(name: str) -> str:

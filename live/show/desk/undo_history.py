@@ -82,6 +82,10 @@ def _differences(before: PartValues, after: PartValues) -> tuple[Values, Values]
             return {}, {}
         keys: Any = [key for key in before.keys() | after.keys() if before.get(key) != after.get(key)]
         return {key: before.get(key) for key in keys}, {key: after.get(key) for key in keys}
+    if isinstance(before, dict) or isinstance(after, dict):  # places have become keys in between, or the other way
+        return _differences(
+            *(one if isinstance(one, dict) else dict(enumerate(one.tolist())) for one in (before, after))
+        )
     was, now = np.asarray(before), np.asarray(after)
     keys = (was != now).nonzero()[0].tolist()
     return dict(zip(keys, was[keys].tolist(), strict=True)), dict(zip(keys, now[keys].tolist(), strict=True))

@@ -62,7 +62,10 @@ class GroupCommands:
                 self._regroup(self._select(event.dancers), self._group(event.group))
             case events.SetRipple():
                 ripple = parse_ripple(event.begins, event.beats)
-                self._variation.set_ripple(motion.casting.groups_of(event.group), self._select(event.group), ripple)
+                groups, who = motion.casting.groups_of(event.group), self._select(event.group)
+                if groups is None and not who.any():
+                    raise PersonError(f"{event.group!r}: nobody is there now")
+                self._variation.set_ripple(groups, who, ripple)
             case events.Enter():
                 self._enter(event)
             case events.Leave():

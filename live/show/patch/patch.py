@@ -8,6 +8,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field, ValidationInfo, model_validator
 
+from live.base.picture_parameters import MAX_GROUPS
 from live.show.patch.section_base import Name, WholeFile, run_check
 from live.show.patch.section_cues import CueSection, SceneSection
 from live.show.patch.section_elements import ElementSection
@@ -90,7 +91,7 @@ class Patch(WholeFile):
     texture: TextureSection = TextureSection()
     partner: Annotated[tuple[PartnerSection, ...], Field(max_length=16)] = ()
     react: Annotated[tuple[ReactSection, ...], Field(max_length=64)] = ()
-    group: Annotated[tuple[GroupSection, ...], Field(min_length=1, max_length=16)]
+    group: Annotated[tuple[GroupSection, ...], Field(min_length=1, max_length=MAX_GROUPS)]
     psn: PsnSection = PsnSection()
     mocap: Annotated[tuple[MocapSection, ...], Field(max_length=16)] = ()
     formation: Annotated[tuple[FormationTable, ...], Field(max_length=1000)] = ()

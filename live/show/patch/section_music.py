@@ -152,8 +152,8 @@ class ReactSection(Section):
     """The value for a feature of 1; it may be less than `low`."""
     beats: Annotated[float, Field(ge=0, le=64)] = 4.0
     """Beats over which it is smoothed."""
-    group: Annotated[str, Field(min_length=1, max_length=64)] = "*"
-    """The group whose motion is changed; * is all."""
+    group: Annotated[str, Field(min_length=1, max_length=400)] = "*"
+    """The dancers whose motion is changed: a group, or groups, attributes, numbers and places; * is all."""
     on: Annotated[str, Field(min_length=1, max_length=64)] | None = None
     """The event: `drop`, the bass returns after a build-up or a break; `build`, a build-up begins; a signal, by the
     name of its `[[signal]]`; or `unit:turn`, a partner dances a unit of that step or recording (`unit:turn/2`: the

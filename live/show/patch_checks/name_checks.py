@@ -3,12 +3,15 @@
 from collections.abc import Callable, Iterator, Sequence
 from typing import Final, get_args
 
+import numpy as np
+
 from live.base.errors import PersonError
 from live.control.events import events
 from live.control.registry.command import controls_of
 from live.control.registry.registry import FIRST_NAMES, REGISTRY
 from live.show.dancers.timing_offsets import parse_ripple
 from live.show.desk.parameter_table import LOOK, VIEW, split_key
+from live.show.group.casting import EVERYONE, Casting
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import InvalidEntry
 from live.show.patch.section_io import MocapSection, PsnSection
@@ -112,20 +115,40 @@ def _check_named_cues(patch: Patch) -> Iterator[InvalidEntry]:
 
 
 def _check_scenes(patch: Patch) -> Iterator[InvalidEntry]:
-    groups = {_folded(group.name) for group in patch.group}
-    known = ", ".join(group.name for group in patch.group)
+    selections = _SelectionTable(patch)
+    for index, reaction in enumerate(patch.react):
+        if reaction.sets is not None and (fault := selections.fault(reaction.group)) is not None:
+            yield InvalidEntry(fault, "react", index, "group")
     named = {VIEW: {_folded(view.name) for view in patch.view} | set(built_in_views(patch))}
     named |= {LOOK: {_folded(look.name) for look in patch.looks} | {START_NAME}}
     for number, scene in enumerate(patch.scene):
         for key, value in scene.set.items():
             address, group = split_key(key)
-            if group != "*" and _folded(group) not in groups:
-                words = f"scene {scene.name!r}: {key!r}: no group is called {group!r}; there are: {known}"
-                yield InvalidEntry(words, "scene", number, "set", key)
+            if (fault := selections.fault(group)) is not None:
+                yield InvalidEntry(f"scene {scene.name!r}: {key!r}: {fault}", "scene", number, "set", key)
             if address in named and _folded(str(value)) not in named[address]:
                 there = ", ".join(sorted(named[address]))
                 words = f"scene {scene.name!r}: {key!r}: nothing is called {value!r}; there are: {there}"
                 yield InvalidEntry(words, "scene", number, "set", key)
+
+
+class _SelectionTable:
+    """The selections that are possible with the dancers of a patch."""
+
+    def __init__(self, patch: Patch) -> None:
+        self._patch = patch
+        self._casting: Casting | None = None
+
+    def fault(self, words: str) -> str | None:
+        """Return what is wrong with the words of a selection; None if they are valid."""
+        if words.strip() in EVERYONE:
+            return None
+        self._casting = self._casting or Casting(self._patch)
+        try:
+            self._casting.select(words, np.zeros((len(self._casting.group), 2)))
+        except PersonError as error:
+            return str(error)
+        return None
 
 
 def _folded(name: str) -> str:

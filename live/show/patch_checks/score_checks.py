@@ -90,9 +90,6 @@ def _check_beats(patch: Patch) -> Iterator[InvalidEntry]:
 def _check_groups(patch: Patch) -> Iterator[InvalidEntry]:
     names = {group.name.casefold() for group in patch.group}
     known = ", ".join(group.name for group in patch.group)
-    for index, reaction in enumerate(patch.react):
-        if reaction.sets is not None and reaction.group != "*" and reaction.group.casefold() not in names:
-            yield InvalidEntry(f"no group is called {reaction.group!r}; there are: {known}", "react", index, "group")
     for index, entry in enumerate(patch.improvise):
         if entry.answers is not None and entry.answers.casefold() not in names:
             yield InvalidEntry(

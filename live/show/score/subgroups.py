@@ -8,17 +8,21 @@ ones count before written ones, and smaller ones before larger ones.
 import zlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
 from live.base.arrays import Bool, Int32
 from live.base.errors import PersonError
-from live.graph.motion_graph import MotionGraph
-from live.graph.search.sequence_spec import SequenceEntry
-from live.show.score.canon import StepSource
-from live.show.score.part import ScoreEntry
-from live.show.score.step_program import StepProgram
+
+if TYPE_CHECKING:
+    from live.graph.motion_graph import MotionGraph
+    from live.graph.search.sequence_spec import SequenceEntry
+    from live.show.score.canon import StepSource
+    from live.show.score.part import ScoreEntry
+    from live.show.score.step_program import StepProgram
+
+    RequestedSequence = tuple[str, int, tuple[int, ...], tuple[SequenceEntry, ...]]
 
 MAX_SUBGROUPS: Final = 64
 """Maximum number of subgroups that dance at a time."""
@@ -41,10 +45,10 @@ class Subgroup:
     """Selection, as written or requested."""
     group: int
     """Index of their group."""
-    program: StepProgram
+    program: "StepProgram"
     chosen: Bool
     """The dancers selected when the entry began, or when it was requested; those of other groups do not count, (A,)."""
-    entry: ScoreEntry | None = None
+    entry: "ScoreEntry | None" = None
     """Entry of the score for which they were selected."""
 
 
@@ -61,7 +65,7 @@ class Subgroups:
     """The subgroups of one show's groups."""
 
     def __init__(
-        self, group: Int32, programs: list[StepSource], written: list[list[Subgroup]], idle: list[StepProgram]
+        self, group: Int32, programs: "list[StepSource]", written: list[list[Subgroup]], idle: "list[StepProgram]"
     ) -> None:
         """`group` (A,) is shared with the show, `programs` are those of the groups.
 
@@ -117,7 +121,7 @@ class Subgroups:
             self.of_dancer[which == index] = place
 
     @staticmethod
-    def _begin(row: list[Subgroup], entry: ScoreEntry, measure: int, select: Select) -> None:
+    def _begin(row: list[Subgroup], entry: "ScoreEntry", measure: int, select: Select) -> None:
         """Select the dancers of an entry that begins; places count then."""
         part = row[0].program.part
         if row[0].entry == entry and (part is None or not part.begins(measure, entry)):
@@ -144,7 +148,7 @@ class Subgroups:
 
     # -- requests ----------------------------------------------------------------------------------------------
 
-    def request(self, words: str, who: Bool) -> list[StepProgram]:
+    def request(self, words: str, who: Bool) -> "list[StepProgram]":
         """Return the programs of the dancers `who` (A,), which no other dancer shares; new ones where necessary.
 
         PersonError if there would be too many.
@@ -175,7 +179,7 @@ class Subgroups:
                 parts.append((None, rest, group))
         return parts
 
-    def _part(self, words: str, old: Subgroup | None, who: Bool, group: int) -> StepProgram:
+    def _part(self, words: str, old: Subgroup | None, who: Bool, group: int) -> "StepProgram":
         if old is not None and not (old.chosen & (self._group == group) & ~who).any():
             return old.program
         like = self._idle[group] if old is None else old.program
@@ -204,7 +208,7 @@ class Subgroups:
             self.drop_requested(group)
 
     @property
-    def sequences(self) -> tuple[tuple[str, int, tuple[int, ...], tuple[SequenceEntry, ...]], ...]:
+    def sequences(self) -> "tuple[RequestedSequence, ...]":
         """Requested sequences: words, group, dancers (from 0), and steps."""
         return tuple(
             (each.words, each.group, tuple(np.flatnonzero(each.chosen).tolist()), each.program.live_sequence)
@@ -212,7 +216,7 @@ class Subgroups:
             if each.program.live_sequence
         )
 
-    def restore_sequences(self, wanted: Iterable[tuple[str, int, tuple[int, ...], tuple[SequenceEntry, ...]]]) -> None:
+    def restore_sequences(self, wanted: "Iterable[RequestedSequence]") -> None:
         """Replace the requested sequences; see `sequences`."""
         for each in self.requested:
             if each.program.live_sequence:
@@ -226,7 +230,7 @@ class Subgroups:
 
     # -- exchange of graph and patch -----------------------------------------------------------------------------
 
-    def set_graph(self, graph: MotionGraph) -> None:
+    def set_graph(self, graph: "MotionGraph") -> None:
         """Use a graph that contains all nodes and steps of the old one."""
         for program in (*(each.program for each in self._all()), *self._idle):
             program.set_graph(graph)

@@ -24,6 +24,7 @@ from live.motion.partner_live.stage_partner import LeaderReader
 from live.motion.skeleton import JOINT_COUNT
 from live.show.capture.performer import CapturedPerformer
 from live.show.capture.pose_buffer import CANON_CAPACITY, POSE_CAPACITY, PoseBuffer
+from live.show.group.division import FREE, Division
 from live.show.group.group_values import GroupValues
 from live.show.score.subgroups import MAX_SUBGROUPS, Subgroups
 from live.show.state.constants import attribute_at
@@ -145,6 +146,12 @@ def holding(value: LiveHandHolds) -> bool:
     rows = (who, hands, where)
     within = where.min(initial=0) >= 0 and where.max(initial=-1) < looked
     return all(array.shape == (count, 2) for array in rows) and far.shape == (count, 6) and bool(within)
+
+
+def division(value: Division) -> bool:
+    """Whether the groups are parts, and every dancer's part exists."""
+    groups = value.group_of[: value.group_count].tolist() == list(range(value.group_count))
+    return groups and value.part.min(initial=0) >= 0 and bool((value.group_of[value.part] != FREE).all())
 
 
 def group_values(value: GroupValues[Any]) -> bool:

@@ -19,6 +19,7 @@ from live.show.dancers.root_correction_control import RootCorrectionControl
 from live.show.dancers.timing_offsets import Drift, Ripple
 from live.show.dancers.variation import Variation
 from live.show.group.casting import Casting
+from live.show.group.division import Division
 from live.show.group.elements import Elements, GroupMasks
 from live.show.group.evolutions import Evolutions
 from live.show.group.group_motion import GroupMotion
@@ -119,6 +120,9 @@ KINDS: Final = [
         captured:dict[str,captured] beats:int partner_response:answering|none _settled:f4 _bare_legs:tuple[f4,f4]
         drawn_hips:f4
     """),
+    Kind("division", Division, """
+        _group:i4(group) group_count:int part:i4(part) group_of:i4(group)
+    """, is_consistent=whole.division),
     Kind("drafting", MeasureDraft, """
         _dancers:dancers _choices:choices _aims:aims draft:danced _choosing:constant-choosing
     """),
@@ -197,7 +201,7 @@ KINDS: Final = [
         _since:f8~ _danced_before:f8 _offsets:f4 _parents:i4(joint)
     """),
     Kind("variation", Variation, """
-        values:f8 _group:i4(group) _group_delays:f8 _seed:int _beats:int _window:float drift:drift
+        values:f8 division:division _group:i4(group) _group_delays:f8 _seed:int _beats:int _window:float drift:drift
         measure:int has_recordings:bool ripples:group-values _patch_values:f8 _patch_ripples:row[ripple] delays:f8
         _late_before:f8 _timing_source:i4(dancer) _previous_timing_source:i4(dancer) _paired:i8(dancer)* _even:f8
         _everybody:i8(dancer) _of_dancers:f8 _drifts:bool _farthest:f8

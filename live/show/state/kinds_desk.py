@@ -200,8 +200,8 @@ KINDS: Final = [
     """, factories={"_offered": dict, "_reserve": dict, "_next": no_value}),
     Kind("occasions", MusicSignals, "_signals:list[constant-signal-section] _active:list[bool]"),
     Kind("parameters", Parameters, """
-        table:constant-parameter-table _variation:variation value:f8 start:f8 _from:f8 _goal:f8
-        _start_beat:f8 _length:f8 _fading:b1 _running:int _ticks:int
+        table:constant-parameter-table _variation:variation _motion:group-motion _division:division value:f8 start:f8
+        _from:f8 _goal:f8 _start_beat:f8 _length:f8 _fading:b1 _running:int _ticks:int
         beat:float held:bool touched:bool
     """),
     Kind("part", ScorePart, "_score:score _sequences:constant-sequences _improviser:improviser"),
@@ -239,7 +239,9 @@ KINDS: Final = [
     Kind("reloading", PatchUpdates, """
         _refusals:refusals _tried_measure:int|none version:str applied_count:int last_changed:row[str]
     """, factories={"_prepared": dict, "replaced": list, "waiting": no_value}),
-    Kind("scene", Scene, "name:str goals:dict[int,float] measures:float follow:str|none"),
+    Kind("scene", Scene, """
+        name:str goals:dict[int,float] measures:float follow:str|none selected:row[tuple[str,str,row[float]]]
+    """),
     Kind("scenes", Scenes, """
         _parameters:parameters _rig:camera-rig _custom_passes:dict[str,constant-own-number] stored:dict[str,scene]
         _views:dict[str,scene] _looks:dict[str,scene] _backgrounds:list[str] _scenes:dict[str,scene]
@@ -247,7 +249,7 @@ KINDS: Final = [
     Kind("score", Score, "playhead:playhead _sections:dict[str,int] written:constant-written"),
     Kind("facing", Facing, "kind:str degrees:float dancer:int name:str"),
     Kind("seen", ViewBuilder, """
-        _dancers:dancers _motion:group-motion _group:i4(group) _desk:desk _audience:audience _light:light
+        _dancers:dancers _motion:group-motion _division:division _desk:desk _audience:audience _light:light
         _follower:timeline-follower _frozen_view:stage-view|none
     """),
     Kind("spots", Spots, "_parameters:parameters _followers:row[chase] _levels:list[int]"),

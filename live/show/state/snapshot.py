@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from live import __version__
 from live.agents.entrances.entrances import LEAVING
+from live.base.picture_parameters import PART_COUNT
 from live.clock.ticks import TICK
 from live.graph.motion_graph import MotionGraph
 from live.motion.skeleton import JOINT_COUNT
@@ -239,6 +240,7 @@ def index_limits(show: Show) -> dict[str, int]:
         "group": len(show.patch.group),
         "aim": len(show.scheduler.targets.ahead),
         "subgroup": MAX_SUBGROUPS,
+        "part": PART_COUNT,
         "joint": JOINT_COUNT,
         "side": 2,
         "presence": 1 + LEAVING,

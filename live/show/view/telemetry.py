@@ -176,7 +176,7 @@ class CurrentValues:
         values = [tuple(as_said(self._row[place]) for place in one.numbers) for one in those]
         if all(value == values[0] for value in values):
             return (("", values[0]),)
-        return tuple((self._names[one.group], value) for one, value in zip(those, values, strict=True))
+        return tuple((self._names[one.part], value) for one, value in zip(those, values, strict=True))
 
     def _partners(self) -> dict[str, Rows]:
         """Return the settings of partner responses; defaults if there are none."""

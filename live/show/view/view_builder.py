@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from live.base.arrays import Int32
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.control.events.events import FreezePicture
 from live.motion.skeleton import JOINT_COUNT
+from live.show.group.division import Division
 from live.show.journal.state_hash import hash_of
 from live.show.stages.now import Now
 
@@ -37,20 +37,19 @@ class ViewBuilder:
         self,
         dancers: "Dancers",
         motion: "GroupMotion",
-        group: Int32,
+        division: Division,
         desk: "LightDesk",
         audience: "Audience",
         light: "LightStage",
         follower: "TimelineFollower",
     ) -> None:
-        """`group` (A,) is shared with the show."""
-        self._dancers, self._motion, self._group, self._desk = dancers, motion, group, desk
+        self._dancers, self._motion, self._division, self._desk = dancers, motion, division, desk
         self._audience, self._light, self._follower = audience, light, follower
         self._frozen_view: StageView | None = None
 
     def view(self) -> StageView:
         """Return an empty drawing snapshot of the right size, to be filled each frame."""
-        view = StageView.allocate(len(self._group), JOINT_COUNT)
+        view = StageView.allocate(len(self._division.part), JOINT_COUNT)
         view.picture = self._desk.parameters.picture.copy()
         return view
 
@@ -81,7 +80,7 @@ class ViewBuilder:
         self._dancers.pose(fraction + on, time, out=(view.joint_position, view.joint_rotation))
         self._motion.show(view)
         self._audience.show(view)
-        view.group[:] = self._group
+        view.group[:] = self._division.part
         view.time, view.beat, view.tempo = time, beat, self._follower.tempo
         view.measure, view.beats_per_measure = span.number, timeline.beats_per_measure
         view.phase = fraction * timeline.beats_per_measure
@@ -112,7 +111,8 @@ class ViewBuilder:
         dancers, danced, motion = self._dancers, self._dancers.present, self._motion
         beat = now.beat
         return hash_of(
-            motion.state.flat, motion.entrances.state, self._group, danced.node, danced.placement, danced.correction,
+            motion.state.flat, motion.entrances.state, motion.casting.group, danced.node, danced.placement,
+            danced.correction,
             danced.aim_origin, danced.take, danced.warp, dancers.lock.state, dancers.variation.drift.phase,
             *dancers.pose(now.span.fraction(beat), now.time),
             motion.stage_area.half, motion.stage_area.border,

@@ -99,7 +99,7 @@ def test_switches_change_at_fade_start():
     )
     session = DeskSession(scene).run(1)
     session.say("/dance/scene", "x")
-    assert session.show.variation.values[:, [FOOT_LOCK.first, MIRRORED.first]].tolist() == [[0.0, 1.0]] * 2
+    assert session.show.variation.values[:2, [FOOT_LOCK.first, MIRRORED.first]].tolist() == [[0.0, 1.0]] * 2
 
 
 def test_each_refusal_is_counted_and_named(session):
@@ -137,7 +137,7 @@ def test_each_address_reports_expected_values():
         ('set = {"/dance/light/level" = [1, 1, 1]}', "expected 0 to 2"),
         ('set = {"/dance/light/floor" = 1}', "3 numbers, each 0 to 1"),
         ('set = {"/dance/light/level front" = 1}', "belong to no group"),
-        ('set = {"/dance/motion/larger nobody" = 0.1}', "no group is called 'nobody'; there are: "),
+        ('set = {"/dance/motion/larger nobody" = 0.1}', "no dancer is called 'nobody'"),
         ('set = {"/dance/motion/larger" = 2}', "expected -0.7 to 0.5"),
         ('set = {"/dance/camera" = "nowhere"}', "nothing is called 'nowhere'; there are: around, front"),
         ('set = {"/dance/look" = 1}', "the name of a look expected"),

@@ -137,7 +137,7 @@ BAD = [
         "midi.map.1.values",
         "no step is called 'moonwalk'",
     ),
-    ('[[react]]\nto = "low"\nsets = "larger"\ngroup = "choir"', 3, "react.1.group", "there are: front, back"),
+    ('[[react]]\nto = "low"\nsets = "larger"\ngroup = "choir"', 3, "react.1.group", "there are: all, back"),
     (CUE + 'calls = [["/dance/scene", "mine"]]', 2, "cue.1.calls.1", "no scene is called 'mine' (there are: start)"),
     (CUE + 'calls = [["/dance/scene/store", "mine"], ["/dance/scene", "Mine"], ["/dance/look", "start"]]', 0, "", None),
     (CUE + 'calls = [["/dance/look", "dusk"]]', 2, "cue.1.calls.1", "no look is called 'dusk'"),

@@ -4,7 +4,7 @@
 #include "surface.glsl"
 #include "styles.glsl"
 
-uniform vec4 ages[4];      // beats since each group's ghosts were left, 16 groups; below 0: there are none
+uniform vec4 ages[PART_COUNT / 4];   // beats since the ghosts of each part of a group were left; below 0: none
 
 out vec3 place;
 out vec3 normal;
