@@ -13,6 +13,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from live.base.arrays import Bool
 from live.base.element_kinds import FLOW_NAMES
 from live.control.events import events, groups, motion, parameters, partners, scenes
 from live.control.events.event import ControlEvent
@@ -20,6 +21,7 @@ from live.control.registry.command import controls_of
 from live.control.registry.control import Control
 from live.control.registry.registry import REGISTRY
 from live.document.edit import Edit
+from live.show.group.division import dancer_words
 from live.show.patch.patch import Patch
 from live.show.patch.section_elements import ElementSection
 from live.show.patch.section_score import RegroupSection, SegmentSection
@@ -57,11 +59,18 @@ class DancedMeasure:
     beats: int
     steps: dict[int, tuple[str, int, int]] = field(default_factory=dict)
     """Of each group: the step most of it danced, the measure of that step from 0, and its length in measures."""
+    parts: dict[tuple[int, ...], tuple[str, int, int]] = field(default_factory=dict)
+    """Likewise of dancers (from 1) with steps of their own."""
     heard: list[Heard] = field(default_factory=list)
     segments: Sequence[SegmentSection] = ()
     """Entries of the score that began with it."""
     elements: Sequence[ElementSection] = ()
     regroups: Sequence[RegroupSection] = ()
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether its steps are known."""
+        return bool(self.steps or self.parts)
 
 
 class TakeRecorder:
@@ -112,24 +121,33 @@ class TakeRecorder:
             made.regroups = score.regroups(number)
             self._measures.append(made)
         measure = self._measures[-1]
-        if not measure.steps and show.span.fraction(show.timeline.beat_at(show.time)) > 0.5:
-            measure.steps = self._steps()
+        if not measure.is_whole and show.span.fraction(show.timeline.beat_at(show.time)) > 0.5:
+            self._add_steps(measure)
 
-    def _steps(self) -> dict[int, tuple[str, int, int]]:
-        show, library = self._show, self._show.graph.library
-        node, group, there = show.dancers.node, show.casting.group, show.motion.present
-        found = {}
+    def _add_steps(self, measure: DancedMeasure) -> None:
+        show, subgroup = self._show, self._show.scheduler.subgroups.of_dancer
+        group, there = show.casting.group, show.motion.present[: len(subgroup)]
         for index in range(len(show.patch.group)):
-            own = node[(group == index) & there[: len(group)]]
-            if own.size:
-                step = int(np.bincount(library.node_step[own]).argmax())
-                one = int(own[library.node_step[own] == step][0])
-                found[index] = library.steps[step], int(library.node_measure[one]), int(library.node_measures[one])
-        return found
+            own = self._danced((group == index) & (subgroup < 0) & there)
+            if own is not None:
+                measure.steps[index] = own
+        for place in range(len(show.scheduler.subgroups.active)):
+            step = self._danced((subgroup == place) & there)
+            if step is not None:
+                measure.parts[tuple((np.flatnonzero(subgroup == place) + 1).tolist())] = step
+
+    def _danced(self, who: Bool) -> tuple[str, int, int] | None:
+        """Return what most of the dancers `who` (A,) dance; None if there are none."""
+        library, node = self._show.graph.library, self._show.dancers.node[who]
+        if not node.size:
+            return None
+        step = int(np.bincount(library.node_step[node]).argmax())
+        one = int(node[library.node_step[node] == step][0])
+        return library.steps[step], int(library.node_measure[one]), int(library.node_measures[one])
 
     def last(self, count: int) -> list[DancedMeasure]:
         """Return the last whole measures, at most `count`, the oldest first."""
-        whole = [measure for measure in self._measures if measure.number < self._show.span.number and measure.steps]
+        whole = [measure for measure in self._measures if measure.number < self._show.span.number and measure.is_whole]
         kept: list[DancedMeasure] = []
         for measure in reversed(whole):
             if len(kept) == count or (kept and kept[-1].number != measure.number + 1):
@@ -153,6 +171,7 @@ def keep_edits(take: Sequence[DancedMeasure], patch: Patch, name: str) -> list[E
         steps = list(_sequence([measure.steps.get(index) for measure in take]))
         if any(step != "*" for step in steps):
             tables.append(("sequence", {"group": group.name, "measure": 1, "steps": _repeated(steps)}))
+    tables += _part_sequences(take)
     names = {group.name.casefold() for group in patch.group}
     segments: list[dict[str, Any]] = []
     for row, measure in enumerate(take):
@@ -171,6 +190,22 @@ def keep_edits(take: Sequence[DancedMeasure], patch: Patch, name: str) -> list[E
         if table["measure"] < len(take) + 1:
             edits.append(Edit("insert", (kind,), {"section": name, **table}))
     return edits
+
+
+def _part_sequences(take: Sequence[DancedMeasure]) -> Iterator[tuple[str, dict[str, Any]]]:
+    """Yield the sequences of dancers with steps of their own, one for each row of measures."""
+    for dancers in sorted({dancers for measure in take for dancers in measure.parts}):
+        danced = [measure.parts.get(dancers) for measure in take]
+        row = 0
+        while row < len(danced):
+            first = row
+            while row < len(danced) and danced[row] is not None:
+                row += 1
+            steps = list(_sequence(danced[first:row]))
+            if any(step != "*" for step in steps):
+                words = dancer_words(list(dancers))
+                yield "sequence", {"group": words, "measure": first + 1, "steps": _repeated(steps)}
+            row += 1
 
 
 def _whole_score_as_section(patch: Patch) -> Iterator[Edit]:

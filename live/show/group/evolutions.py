@@ -1,7 +1,7 @@
 """Evolutions of a show: segments from the score or from live controls, run by a plan (T085-T089, T095-T103)."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Final
 
@@ -315,6 +315,16 @@ class Evolutions:
     def running(self) -> bool:
         """Whether a segment that may hold dancers has begun or is being computed."""
         return self._plan.running
+
+    def moved(self) -> Iterator[tuple[str, Bool]]:
+        """Yield the selection of each segment that lasts now, and the dancers that it controls, (A,)."""
+        for motion in self._plan.motions:
+            if self._measure * self._beats >= motion.segment.end_beat(self._beats):
+                continue
+            who = np.zeros(len(self._casting.group), np.bool_)
+            who[motion.dancers[motion.controlled != 0]] = True
+            if who.any():
+                yield motion.segment.group, who
 
     @property
     def at_rest(self) -> bool:

@@ -250,11 +250,29 @@ def test_what_was_danced_becomes_a_section_and_is_danced_again(night: EditedShow
     assert night.replay_differences() == ()
 
 
+def test_steps_of_parts_are_kept_and_danced_again(night: EditedShow) -> None:
+    night.run(4.5)
+    for values in (["side step x2, groove", "1 + 5"], ["walk", "3"]):
+        night.inbox.put(REGISTRY.call("/dance/sequence", values, night.clock.now(), "osc"))  # type: ignore[arg-type]
+    night.run(9.0)
+    assert "revision" in keep(night, 3, "take")
+    own = [one for one in read_patch(night.path).sequence if one.section == "take"]
+    steps = {one.group: one.steps for one in own}
+    assert set(steps) == {"ember", "tide", "1", "5", "3"}
+    assert steps["1"] == steps["5"]
+    assert steps["3"] == ("walk x3",)
+    assert steps["ember"] == ("groove x3",)
+    assert steps["tide"] == ("side step x3",)
+    night.run(3.0)
+    assert night.replay_differences() == ()
+
+
 def test_scenes_cues_and_formations_made_live_are_kept(night: EditedShow) -> None:
     night.run(1.0)
     for address, values in (
         ("/dance/light/level", [0.5]),
         ("/dance/motion/larger", [0.25, "tide"]),
+        ("/dance/group/colour", [1.0, 0.0, 0.5, "2-3"]),
         ("/dance/formation/define", ["wedge", "polygon:5"]),
     ):
         night.inbox.put(REGISTRY.call(address, values, night.clock.now(), "osc"))  # type: ignore[arg-type]
@@ -267,6 +285,7 @@ def test_scenes_cues_and_formations_made_live_are_kept(night: EditedShow) -> Non
     night.serve(KeepCue(**now, name="now"))
     patch = read_patch(night.path)
     wanted = {"/dance/light/level": 0.5, "/dance/motion/larger tide": 0.25}
+    wanted["/dance/group/colour 2-3"] = (1.0, 0.0, 0.5)
     assert [(scene.name, scene.set) for scene in patch.scene] == [("dusk", wanted), ("now", wanted)]
     assert [(cue.name, cue.scene) for cue in patch.cue] == [("now", "now")]
     assert spec_from_table(patch.formation[0]) == replace(parse_formation("polygon:5"), name="wedge")
