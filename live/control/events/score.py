@@ -47,7 +47,7 @@ class Practice(ControlEvent):
 
 @command("/dance/improvise", "musician")
 class Improvise(ControlEvent):
-    """Groups improvise from their next free measure on, or return to the score."""
+    """Dancers improvise from their next free measure on, or return to the score."""
 
     on: Annotated[bool, Argument.switch("1: dancers choose their steps, 0: they dance the score")]
     group: Dancers = "*"
