@@ -41,8 +41,10 @@ FIELDS: Final[dict[str, tuple[tuple[str, str], ...]]] = {
         ("improvise", "answers"), ("group", "like"), ("group", "facing"), ("regroup", "dancers"),
         ("element", "whom"), ("partner", "leader"), ("partner", "follower"),
     ),
-    "selections": (("segment", "group"), ("element", "group"), ("regroup", "dancers"), ("partner", "leader"),
-        ("partner", "follower")),
+    "selections": (
+        *((kind, "group") for kind in ("sequence", "segment", "element", "improvise", "react")),
+        ("regroup", "dancers"), ("partner", "leader"), ("partner", "follower"),
+    ),
 }  # fmt: skip
 """Keys that hold the name of a thing, by the thing's list."""
 _WORD: Final = re.compile(r"[^\W\d]\w*(?:-\w+)*")
@@ -74,7 +76,7 @@ def references(document: Document, kind: str, old: str, new: str) -> Iterator[Re
             call = [address, *found] if place.names == ("cue",) else found
             yield Reference(place, call)
     yield from _mappings(document, argument, renamed)
-    yield from _scene_keys(document, kind, was, new, renamed)
+    yield from _scene_keys(document, kind, renamed)
 
 
 def _fields(document: Document, kind: str, was: str, new: str, renamed: Rename) -> Iterator[Reference]:
@@ -140,13 +142,19 @@ def _mappings(document: Document, argument: str, renamed: Rename) -> Iterator[Re
                     yield Reference(_below(place, "values", one.name), renamed(value))
 
 
-def _scene_keys(document: Document, kind: str, was: str, new: str, renamed: Rename) -> Iterator[Reference]:
-    """Yield the scenes that set a group's value, or recall a view or look."""
+def _scene_keys(document: Document, kind: str, renamed: Rename) -> Iterator[Reference]:
+    """Yield the scenes and looks that set a group's value, and the scenes that recall a view or look."""
+    by_word = kind in ("group", "selections")
+    for place, values in _tables(document, "looks") if by_word else ():
+        for key, value in values.get("draw", {}).items():
+            name, _, group = key.partition(" ")
+            if renamed(group) != group:
+                yield Reference(_below(place, "draw", key), value, f"{name} {renamed(group)}")
     for place, values in _tables(document, "scene"):
         table = values.get("set", {})
         for key, value in table.items():
             address, _, group = key.partition(" ")
-            if kind == "group" and folded(group) == was:
-                yield Reference(_below(place, "set", key), value, f"{address} {new}")
+            if by_word and renamed(group) != group:
+                yield Reference(_below(place, "set", key), value, f"{address} {renamed(group)}")
             if address == {"view": VIEW, "looks": LOOK}.get(kind) and renamed(value) != value:
                 yield Reference(_below(place, "set", key), renamed(value))

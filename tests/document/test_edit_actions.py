@@ -48,10 +48,17 @@ formation = "line"
 
 [[scene]]
 name = "dusk"
-set = { "/dance/motion/larger ember" = 0.5, "/dance/look" = "warm" }
+set = { "/dance/motion/larger ember" = 0.5, "/dance/draw/ink ember & pair" = 1.0, "/dance/look" = "warm" }
 
 [[looks]]
 name = "warm"
+draw = { "ink ember - 1" = 1.0, "solid pair" = 0.5 }
+
+[[sequence]]
+section = "verse"
+group = "pair - ember + 2"
+measure = 9
+steps = ["jump"]
 
 [[at]]
 section = "verse"

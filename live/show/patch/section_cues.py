@@ -16,8 +16,9 @@ class SceneSection(Section):
     measures: Measures = 2.0
     """Length of the cross-fade in measures, unless the call gives one; 0: at once."""
     set: Annotated[dict[str, Setting], Field(max_length=400)] = Field(default={})
-    """Values by the control's address, as in `"/dance/light/level" = 0.2`; for one group with its name after the
-    address, as in `"/dance/motion/larger ember" = 0.3`; `"/dance/camera" = "a view"` and `"/dance/look" = "a look"`."""
+    """Values by the control's address, as in `"/dance/light/level" = 0.2`; for some dancers with their selection after
+    the address, as in `"/dance/motion/larger ember & left" = 0.3`; `"/dance/camera" = "a view"` and
+    `"/dance/look" = "a look"`."""
 
     @model_validator(mode="after")
     def _settings_are_valid(self, info: ValidationInfo) -> "SceneSection":

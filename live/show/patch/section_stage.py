@@ -199,8 +199,8 @@ class NamedLookSection(LookSection):
     measures: Measures = 1.0
     """Length of the cross-fade in measures, unless the call gives one."""
     draw: Draw = Field(default={})
-    """How dancers are drawn, as in `[group.draw]`, for all groups or with a group's name behind the key:
-    `{ ink = 1, "solid ember" = 0 }`."""
+    """How dancers are drawn, as in `[group.draw]`, for all groups or with a selection of dancers behind the key:
+    `{ ink = 1, "solid ember & left" = 0 }`."""
 
     @model_validator(mode="after")
     def _draw_is_valid(self, info: ValidationInfo) -> "NamedLookSection":
