@@ -89,18 +89,10 @@ class ParameterTable:
             self._by_address[address] = [self.slot(address, group) for group in range(len(groups))]
         self.size = picture_parameters.ROW_SIZE + picture_parameters.PART_COUNT * MOTION_SIZE
         """Numbers in the row."""
-        self.switches = frozenset(
-            one
-            for address in self._by_address
-            for part in range(picture_parameters.PART_COUNT if ROWS[address].per_group else 1)
-            for one in self.slot(address, part).numbers[:1]
-            if not ROWS[address].fades
-        )
+        self.switches = _SWITCHES
         """Places of numbers that cannot fade."""
-        self.part_of = np.full(self.size, -1, np.int32)
+        self.part_of = _PART_OF
         """Part of each number, -1 for those of the whole stage, shape (P,)."""
-        for part in range(picture_parameters.PART_COUNT):
-            self.part_of[self.part_places(part)] = part
 
     def apply_patch(self, fresh: "ParameterTable") -> None:
         """Adopt the group names of an edited patch."""
@@ -157,3 +149,19 @@ class ParameterTable:
         if folded not in self._groups:
             raise PersonError(f"no group is called {name!r}", f"there are: {', '.join(self._groups)}")
         return self._groups.index(folded)
+
+
+def _row_of_parts() -> npt.NDArray[np.int32]:
+    row = np.full(picture_parameters.ROW_SIZE + picture_parameters.PART_COUNT * MOTION_SIZE, -1, np.int32)
+    for part in range(picture_parameters.PART_COUNT):
+        row[ParameterTable.part_places(part)] = part
+    return row
+
+
+_PART_OF: Final = _row_of_parts()
+_SWITCHES: Final = frozenset(
+    ParameterTable.slot(address, part).first
+    for address, row in ROWS.items()
+    if not row.fades
+    for part in range(picture_parameters.PART_COUNT if row.per_group else 1)
+)

@@ -12,7 +12,7 @@ from live.show.patch.patch import Patch
 from live.show.patch_checks.score_conflicts import DancerSelections, check_step_calls, check_subgroups
 from live.show.score.canon import Canon, StepSource
 from live.show.score.music_reactions import Mood
-from live.show.score.part import EVERYONE, PartBuilder, folded
+from live.show.score.part import PartBuilder
 from live.show.score.score import Score
 from live.show.score.step_program import StepProgram
 from live.show.score.subgroups import MAX_SELECTIONS, Subgroup, Subgroups, subgroup_number
@@ -54,7 +54,8 @@ def build_programs(
         for index, section in enumerate(patch.group)
     ]
     written, idle = [], programs(range(len(sections)))
-    for words in ("", *_written_selections(patch)):
+    _check_count(parts.selections)
+    for words in ("", *parts.selections):
         numbers = [subgroup_number(words, name) for name in names]
         row = programs(numbers) if words else idle
         for program, part in zip(row, parts.of_selection(words, numbers, steps), strict=True):
@@ -67,17 +68,12 @@ def build_programs(
     return groups, Subgroups(group, groups, written, idle)
 
 
-def _written_selections(patch: Patch) -> list[str]:
-    """Return the selections with steps in the score that are no groups, in their order."""
-    groups = {EVERYONE, *(folded(section.name) for section in patch.group)}
-    words = [folded(one.group) for one in patch.sequence] + [folded(one.group) for one in patch.improvise]
-    found = [one for one in dict.fromkeys(words) if one not in groups]
-    if len(found) > MAX_SELECTIONS:
+def _check_count(selections: list[str]) -> None:
+    if len(selections) > MAX_SELECTIONS:
         raise PersonError(
-            f"{len(found)} different selections have steps of their own, at most {MAX_SELECTIONS} can",
+            f"{len(selections)} different selections have steps of their own, at most {MAX_SELECTIONS} can",
             "give the steps to groups, or name selections under [selections]",
         )
-    return found
 
 
 def update_programs(running: list[StepSource], fresh: list[StepSource], patch: Patch) -> None:

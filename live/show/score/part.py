@@ -164,7 +164,19 @@ class PartBuilder:
     def __init__(self, patch: Patch, graph: MotionGraph, score: Score, mood: Mood, seed: int) -> None:
         self._patch, self._graph, self._score, self._mood, self._seed = patch, graph, score, mood, seed
         self._names = [section.name for section in patch.group]
+        self._sequences: dict[str, list[tuple[int, SequenceSection]]] = {}
+        for index, sequence in enumerate(patch.sequence):
+            self._sequences.setdefault(folded(sequence.group), []).append((index, sequence))
+        self._improvised: dict[str, list[tuple[int, ImproviseSection]]] = {}
+        for index, improvised in enumerate(patch.improvise):
+            self._improvised.setdefault(folded(improvised.group), []).append((index, improvised))
         self.history = StepHistory(required_capacity(patch.improvise))
+
+    @property
+    def selections(self) -> list[str]:
+        """The selections with steps that are no groups, in their order."""
+        groups = {EVERYONE, *(folded(name) for name in self._names)}
+        return [words for words in dict.fromkeys((*self._sequences, *self._improvised)) if words not in groups]
 
     def of_group(self, group: int, steps: list[int]) -> ScorePart:
         """Return the part of a group, whose own `steps` are these.
@@ -192,18 +204,16 @@ class PartBuilder:
     def _build(
         self, ordered_for: tuple[str, ...], improvised_for: tuple[str, ...], group: int, steps: list[int], number: int
     ) -> tuple[ScorePart, tuple[object, ...]]:
-        patch, score, graph, names = self._patch, self._score, self._graph, self._names
-        sequences = [(index, one) for index, one in enumerate(patch.sequence) if folded(one.group) in ordered_for]
+        score, graph, names = self._score, self._graph, self._names
+        sequences = [one for words in ordered_for for one in self._sequences.get(words, ())]
+        sequences.sort(key=lambda one: one[0])
         asked: list[tuple[tuple[str | int, ...], ImproviseSection]] = [
             (("sequence", index), _improvise_section(section))
             for index, section in sequences
             if section.choose == "random"
         ]
-        asked += [
-            (("improvise", index), section)
-            for index, section in enumerate(patch.improvise)
-            if folded(section.group) in improvised_for
-        ]
+        improvised = [one for words in improvised_for for one in self._improvised.get(words, ())]
+        asked += [(("improvise", index), section) for index, section in sorted(improvised, key=lambda one: one[0])]
         made = (resolve_table(section, score, graph, steps, names, group, where) for where, section in asked)
         tables = [table for table in made if table is not None]
         free = ImproviseSection(most=2 if len(set(steps)) > 1 else 1000)
