@@ -12,6 +12,12 @@ WIDTH: Final = 64
 HEIGHT: Final = 20
 LEFT: Final = 110
 GAP: Final = 26
+INDENT: Final = 12
+"""Indent of a part below its group [pixels]."""
+MAX_LETTERS: Final = 18
+"""Maximum length of a name; of a part less."""
+NO_GROUP: Final = "#cfcfcf"
+"""Colour of what belongs to several groups."""
 FILLS: Final = {
     "section": "#d9d4c7", "signal": "#f2d36b", "sequence": "", "improvised": "", "own": "#f2f2f0",
     "segment": "#b8cfe0", "element": "#d7e3c4", "regroup": "#e3c9dc", "call": "#f0dcc8",
@@ -39,7 +45,8 @@ def _system(sheet: "Sheet", first: int, end: int, top: float, colours: list[str]
         if not boxes:
             continue
         lanes = _lanes(boxes)
-        parts.append(svg.text(LEFT - 8, y + 14, track.name[:16], text_anchor="end"))
+        name = svg.text(INDENT * track.depth + 4, y + 14, track.name[: MAX_LETTERS - 2 * track.depth])
+        parts.append(name)
         for lane, box in lanes:
             parts += _box(box, track, first, end, y + lane * HEIGHT, colours)
         y += HEIGHT * (max(lane for lane, _ in lanes) + 1) + 4
@@ -67,7 +74,7 @@ def _lanes(boxes: "list[Box]") -> "list[tuple[int, Box]]":
 
 def _box(box: "Box", track: "Track", first: int, end: int, y: float, colours: list[str]) -> list[str]:
     left, right = _x(max(box.first, first), first), _x(min(box.last + 1, end), first)
-    fill = FILLS[box.kind] or colours[track.group]
+    fill = FILLS[box.kind] or (colours[track.group] if track.group >= 0 else NO_GROUP)
     improvised = box.kind == "improvised"
     most = max(1, int((right - left - 6) / 5.6))
     words = box.label if len(box.label) <= most else box.label[: max(1, most - 1)] + "…"

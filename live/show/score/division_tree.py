@@ -74,6 +74,15 @@ def present_parts(show: "Show") -> list[Part]:
     ]
 
 
+def part_facts(show: "Show") -> list[dict[str, Any]]:
+    """Return which dancers have something of their own now, for the status."""
+    names = [group.name for group in show.patch.group]
+    return [
+        {"kind": one.kind, "group": names[one.group], "words": one.words, "dancers": sorted(one.dancers)}
+        for one in present_parts(show)
+    ]
+
+
 class DivisionTree:
     """The parts of one show's groups in its last measures."""
 

@@ -1,11 +1,12 @@
 """Score sheet of a patch: boxes over measures for sections, signals, steps, motion and calls (T015)."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final, Literal
 
 import numpy as np
 
+from live.base.arrays import Bool
 from live.show.patch.section_score import SegmentSection
 from live.show.score.canon import StepSource
 from live.show.score.playhead import END
@@ -39,6 +40,8 @@ class Track:
     boxes: tuple[Box, ...]
     group: int = -1
     """Group of the row; -1 for none."""
+    depth: int = 0
+    """How far it is within others: 1 for a part of a group, 2 for a part of that one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +60,7 @@ class Sheet:
             "tracks": [
                 {
                     "name": track.name,
+                    "depth": track.depth,
                     "boxes": [
                         {"first": box.first + 1, "last": box.last + 1, "kind": box.kind, "words": box.label}
                         for box in track.boxes
@@ -74,11 +78,10 @@ def build_sheet(show: Show) -> Sheet:
     steps, subgroups, others = _steps(show, length)
     patch = show.patch
     tracks = [Track("section", _sections(show, length)), Track("signals", tuple(others["signals"]))]
-    tracks += [
-        Track(section.name, tuple(boxes), index)
-        for index, (section, boxes) in enumerate(zip(patch.group, steps, strict=True))
-    ]
-    tracks += _subgroup_tracks(show, subgroups)
+    below = _subgroup_tracks(show, subgroups)
+    for index, (section, boxes) in enumerate(zip(patch.group, steps, strict=True)):
+        tracks += [Track(section.name, tuple(boxes), index), *(track for track in below if track.group == index)]
+    tracks += [track for track in below if track.group < 0]
     tracks += [Track(name, tuple(others[name])) for name in ("motion", "calls")]
     kept = [track for track in tracks if track.boxes]
     return Sheet(patch.name, length, tuple(kept))
@@ -113,11 +116,30 @@ def _sections(show: Show, length: int) -> tuple[Box, ...]:
     return tuple(boxes) or (Box(0, length - 1, show.patch.name, "section"),)
 
 
-def _subgroup_tracks(show: Show, rows: list[list[Box]]) -> Iterable[Track]:
-    """Yield a track for each selection with steps in the score, which are no group."""
+def _subgroup_tracks(show: Show, rows: list[list[Box]]) -> list[Track]:
+    """Return a track for each selection with steps in the score that is no group, each below what it is a part of."""
+    found = []
     for written, boxes in zip(show.scheduler.subgroups.written, rows, strict=True):
-        groups = np.unique(show.group[show.casting.possible(written[0].words)])
-        yield Track(written[0].words, tuple(boxes), int(groups[0]) if len(groups) == 1 else -1)
+        who = show.casting.possible(written[0].words)
+        groups = np.unique(show.group[who])
+        found.append((who, Track(written[0].words, tuple(boxes), int(groups[0]) if len(groups) == 1 else -1)))
+    found.sort(key=lambda one: -int(one[0].sum()))  # larger ones first: what holds a part comes before it
+    tracks: list[tuple[Bool, Track]] = []
+    for who, track in found:
+        holds = [
+            place
+            for place, (other, above) in enumerate(tracks)
+            if above.group == track.group and not (who & ~other).any() and other.sum() > who.sum()
+        ]
+        if not holds:
+            tracks.append((who, replace(track, depth=int(track.group >= 0))))
+            continue
+        depth = tracks[holds[-1]][1].depth + 1
+        place = holds[-1] + 1
+        while place < len(tracks) and tracks[place][1].depth >= depth:
+            place += 1
+        tracks.insert(place, (who, replace(track, depth=depth)))
+    return [track for _, track in tracks]
 
 
 def _steps(show: Show, length: int) -> tuple[list[list[Box]], list[list[Box]], dict[str, list[Box]]]:

@@ -8,7 +8,7 @@ ones count before written ones, and smaller ones before larger ones.
 import zlib
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -254,14 +254,16 @@ class Subgroups:
             program.apply_patch(other_program)
         for each in self.requested:
             each.program.apply_patch(fresh._idle[each.group])
+        self._drop_removed()
 
-    def facts(self, groups: tuple[str, ...]) -> list[dict[str, Any]]:
-        """Return the subgroups that dance now, for the status: group, words, dancers (from 1)."""
-        return [
-            {
-                "group": groups[each.group],
-                "dancers": (np.flatnonzero(self.of_dancer == place) + 1).tolist(),
-                "words": each.words,
-            }
-            for place, each in enumerate(self.active)
-        ]
+    def _drop_removed(self) -> None:
+        """End the subgroups that dance and that the edited score no longer has."""
+        kept = {id(each) for each in self._all()}
+        places = [place for place, each in enumerate(self.active) if id(each) in kept]
+        if len(places) == len(self.active):
+            return
+        before = self.of_dancer.copy()
+        self.of_dancer[:] = GROUP_ONLY
+        for new, place in enumerate(places):
+            self.of_dancer[before == place] = new
+        self.active = [self.active[place] for place in places]

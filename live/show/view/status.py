@@ -12,6 +12,7 @@ import numpy as np
 from live.base.fault_isolation import Bulkhead, callback_name
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.show.journal.line_writer import LineWriter
+from live.show.score.division_tree import part_facts
 from live.show.selection.choices import explanation_lines
 from live.show.show import Show
 
@@ -144,6 +145,7 @@ class Status:
                 else {"hands": show.dancers.partner_response.hand_holds.statistics()}
             ),
             "why": show.explain_choice(),
+            "parts": part_facts(show),
             **show.score_runner.facts(),
             "agenda": show.score_runner.beat_scheduler.counters(),
             **show.desk.facts(show.danced_beats),

@@ -11,6 +11,7 @@ from live.control.events import events
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_update import patch_version
+from live.show.score.division_tree import part_facts
 from live.show.score.score_sheet import build_sheet
 from live.show.score.subgroups import MAX_REQUESTED, MAX_SELECTIONS
 from live.show.state.snapshot import restore
@@ -232,6 +233,39 @@ def test_edit_adds_and_removes_steps_of_parts():
     assert steps[1][:6] == ["spin"] * 6
     assert steps[2][:8] == ["spin"] * 4 + ["glide"] * 4
     assert "spin" not in steps[1][6:8] or steps[1][6:8] == steps[3][6:8]
+
+
+def test_subgroups_that_an_edit_removes_end_with_it():
+    first, second = sequence("1-2", 1, "spin x16"), sequence("7", 1, "glide x16")
+    show = made_show(first + second)
+    edit = patch_edit(second)
+    removed = None
+    for tick in range(1, 64 * 9):
+        if tick == 64 * 5:
+            show.apply(edit(tick * TICK))
+        show.tick(tick * TICK)
+        subgroups = show.scheduler.subgroups
+        danced = {each.words for each in subgroups.active}
+        if tick > 64 * 3 and removed is None and danced == {"7"}:
+            removed = tick
+        if tick > 64 * 3:
+            assert {each.words for each in subgroups.active} <= {row[0].words for row in subgroups.written}
+            assert np.flatnonzero(subgroups.of_dancer >= 0).tolist() == ([0, 1, 6] if removed is None else [6])
+    assert removed is not None
+
+
+def test_status_tells_which_dancers_have_something_of_their_own():
+    show = made_show(sequence("front & 1-2", 1, "spin x16"))
+    for tick in range(1, 64 * 3):
+        show.tick(tick * TICK)
+    assert part_facts(show) == [{"kind": "steps", "group": "front", "words": "front & 1-2", "dancers": [1, 2]}]
+
+
+def test_sheet_shows_parts_below_what_they_are_parts_of():
+    score = sequence("1", 3, "spin") + sequence("6-9 & left", 2, "sway") + sequence("1-3", 1, "sway x4")
+    show = made_show(score + sequence("1 + 6", 6, "glide"))
+    tracks = [(track.name, track.depth) for track in build_sheet(show).tracks]
+    assert tracks[1:] == [("front", 0), ("1-3", 1), ("1", 2), ("back", 0), ("6-9 & left", 1), ("1 + 6", 0)]
 
 
 def test_group_that_becomes_a_canon_follows_the_score_of_the_running_show():
