@@ -52,14 +52,14 @@ def midpoint_on_line(half: Any, line: SymmetryLine) -> Float64:
     low_x, low_z, high_x, high_z = half.bounds
     far = math.hypot(high_x - low_x, high_z - low_z)
     centre = np.array([(low_x + high_x) / 2, (low_z + high_z) / 2])
-    foot = centre - line.signed_distance(centre[None])[0] * line.normal
+    foot = line.project(centre[None])[0]
     cut = shapely.LineString([foot - far * line.direction, foot + far * line.direction]).intersection(half.buffer(1e-6))
     parts = [part for part in shapely.get_parts(cut) if part.length > 1e-5]
     if not parts:
         return np.asarray(foot)
     longest = max(parts, key=lambda part: part.length)
     point = shapely.get_coordinates(longest.interpolate(0.5, normalized=True))[0]
-    return np.asarray(point - line.signed_distance(point[None])[0] * line.normal)
+    return np.asarray(line.project(point[None])[0])
 
 
 def hexagonal_spacing(area: float, count: int) -> float:

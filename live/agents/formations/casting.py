@@ -18,22 +18,38 @@ from live.agents.formations.symmetry import SymmetryLine
 from live.base.arrays import Float64, Int64
 
 
-def soloist_places(spec: FormationSpec, drawing: Drawing, others: Float64) -> Float64:
-    """Return the soloists' places, shape (K, 2): side by side in front of all `others` (S, 2), or around the middle."""
-    gap, number = spec.soloist_gap, spec.soloists
+def soloist_places(
+    spec: FormationSpec, drawing: Drawing, others: Float64, number: int, line: SymmetryLine | None
+) -> Float64:
+    """Return the places of `number` soloists, shape (number, 2): side by side before all `others` (S, 2), or around
+    the middle.
+
+    With a symmetry line they stand at its end, or around the middle of its part in the shape: the one without a partner
+    exactly on it, the others in pairs beside it.
+    """
+    gap = spec.soloist_gap
     if spec.soloist_place == "centre":
-        return _ring_places(drawing.middle, number, gap)
-    front = float(others[:, 1].max()) if len(others) else drawing.middle[1] - gap
-    x = drawing.middle[0] + gap * (np.arange(number) - (number - 1) / 2)
-    return np.stack([x, np.full(number, front + gap)], axis=1)
+        return _ring_places(drawing, number, gap, line)
+    aside = gap * (np.arange(number) - (number - 1) / 2)[:, None]
+    middle, ahead = _axis(drawing, line)
+    front = float(((others - middle) @ ahead).max()) if len(others) else -gap
+    return np.asarray(middle + (front + gap) * ahead + aside * np.array([ahead[1], -ahead[0]]))
 
 
-def _ring_places(middle: tuple[float, float], number: int, gap: float) -> Float64:
+def _axis(drawing: Drawing, line: SymmetryLine | None) -> tuple[Float64, Float64]:
+    """Return the middle of the soloists (2,) [m] and the direction to their front (2,): along a symmetry line."""
+    middle = np.array(drawing.middle)
+    return (middle, np.array([0.0, 1.0])) if line is None else (line.project(middle[None])[0], line.direction)
+
+
+def _ring_places(drawing: Drawing, number: int, gap: float, line: SymmetryLine | None) -> Float64:
+    middle, ahead = _axis(drawing, line)
     if number == 1:
-        return np.array([middle])
-    angle = 2.0 * math.pi * np.arange(number) / number
+        return middle[None]
+    angle = 2.0 * math.pi * np.arange(number)[:, None] / number
+    aside = np.array([ahead[1], -ahead[0]])
     radius = gap / (2.0 * math.sin(math.pi / number))
-    return np.array(middle) + radius * np.stack([np.sin(angle), np.cos(angle)], axis=1)
+    return np.asarray(middle + radius * (np.cos(angle) * ahead + np.sin(angle) * aside))
 
 
 def clear_soloist_area(spec: FormationSpec, drawing: Drawing, line: SymmetryLine | None) -> Drawing:
@@ -43,11 +59,8 @@ def clear_soloist_area(spec: FormationSpec, drawing: Drawing, line: SymmetryLine
     """
     if spec.soloists == 0 or spec.soloist_place != "centre":
         return drawing
-    taken: Any = shapely.MultiPoint(_ring_places(drawing.middle, spec.soloists, spec.soloist_gap)).buffer(
-        spec.soloist_gap
-    )
-    if line is not None:
-        taken = taken.union(line.reflect_shape(taken))
+    soloists = _ring_places(drawing, spec.soloists, spec.soloist_gap, line)
+    taken: Any = shapely.MultiPoint(soloists).buffer(spec.soloist_gap)
     curves = []
     for curve in drawing.curves:
         drawn = shapely.LineString(curve.points)

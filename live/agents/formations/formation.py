@@ -22,7 +22,7 @@ from live.agents.formations.formation_spec import MAX_DANCERS, FormationSpec
 from live.agents.formations.line_placement import place_on_lines
 from live.agents.formations.region_placement import PlacementRegion, count_by_spacing, place_inside, placement_region
 from live.agents.formations.shapes import staggered_rows
-from live.agents.formations.symmetry import SymmetryLine, clip_drawing, symmetry_line
+from live.agents.formations.symmetry import LINE_TOLERANCE, SymmetryLine, clip_drawing, symmetry_line
 from live.base.arrays import Float64, Int64
 
 TOUCH_DISTANCE: Final = 0.5
@@ -87,11 +87,14 @@ def formation_of(spec: FormationSpec, count: int, seed: int = 0) -> Formation:
     others, ways = _other_places(spec, room, ground, places_wanted - soloists, seed, line)
     order, section = _sections(spec, others)
     others = others[order]
-    alone = soloist_places(spec, drawing, others)[:soloists]
+    alone = soloist_places(spec, drawing, others, soloists, line)
     middle = np.array(drawing.middle)
     heading = place_headings(spec, others, None if ways is None else ways[order], middle, drawing.curves)
     facing = 0.0 if spec.heading != "angle" else math.radians(spec.heading_deg)
     slots = np.ascontiguousarray(np.concatenate([alone, others]))
+    if line is not None:
+        on_axis = np.abs(line.signed_distance(slots)) < LINE_TOLERANCE
+        slots[on_axis] = line.project(slots[on_axis])
     names = spec.section_names
     closest = _min_distance(slots)
     waiting, empty = max(0, count - places_wanted), max(0, places_wanted - count)
@@ -104,7 +107,7 @@ def formation_of(spec: FormationSpec, count: int, seed: int = 0) -> Formation:
         min_distance=closest,
         unplaced_dancers=waiting,
         empty_places=empty,
-        warnings=_warnings(spec, drawing, closest, waiting, empty, line, others),
+        warnings=_warnings(spec, drawing, closest, waiting, empty, others),
         lines=_lines(spec),
         symmetry=line,
         marks=(*[SOLOIST] * soloists, *(names[each] if names else "" for each in section)),
@@ -172,7 +175,7 @@ def _prepare(spec: FormationSpec) -> tuple[Drawing, SymmetryLine | None, Drawing
     ground.
     """
     drawing = drawing_of(spec)
-    line = symmetry_line(spec, drawing.middle)
+    line = symmetry_line(spec, drawing)
     room = clear_soloist_area(spec, drawing, line)
     inside = spec.inside and spec.shape != "grid"
     return drawing, line, room, placement_region(spec, room, line) if inside else None
@@ -203,7 +206,6 @@ def _warnings(
     closest: float,
     waiting: int,
     empty: int,
-    line: SymmetryLine | None,
     others: Float64,
 ) -> tuple[str, ...]:
     found = []
@@ -217,6 +219,4 @@ def _warnings(
         found.append(f"two dancers are only {closest:.2f} m apart, {what}: {size}, or take fewer dancers")
     if 0 < len(others) < len(drawing.curves) and not spec.inside:
         found.append(f"{len(drawing.curves)} lines and only {len(others)} dancers for them: some lines stay empty")
-    if line is not None and len(others) % 2 and not (np.abs(line.signed_distance(others)) < 1e-3).any():
-        found.append("an odd number of dancers: one has no partner on the other side of the symmetry line")
     return tuple(found)

@@ -177,10 +177,21 @@ def _check_mirror(spec: Any) -> None:
         spec.refuse(
             "mirror", "a grid is staggered rows, which have no symmetry", "shape = 'rectangle', pattern = 'grid'"
         )
+    if spec.mirror_at is not None:
+        if mirror is None or isinstance(mirror, tuple):
+            spec.refuse(
+                "mirror_at", "is the point of a line whose direction is given by mirror", "mirror = 'left-right'"
+            )
+        _check_point(spec, "mirror_at", spec.mirror_at, MAX_DISTANCE)
     if mirror is None or mirror in ("left-right", "front-back"):
         return
+    if _is_number(mirror):
+        if abs(mirror) > 360:
+            spec.refuse("mirror", f"{mirror:g}: a direction from -360 to 360 degrees expected")
+        return
     if not isinstance(mirror, tuple) or len(mirror) != 2:
-        spec.refuse("mirror", "'left-right', 'front-back' or two points expected", "mirror = [[0, -4], [0, 4]]")
+        what = "'left-right', 'front-back', a direction in degrees or two points expected"
+        spec.refuse("mirror", what, "mirror = [[0, -4], [0, 4]]")
     for point in mirror:
         _check_point(spec, "mirror", point, MAX_DISTANCE)
     if math.dist(mirror[0], mirror[1]) < 1e-3:
@@ -263,10 +274,14 @@ class FormationSpec:
     """Dancers per square metre inside; determines the count."""
     spacing: float | None = None
     """Distance between neighbours [m]; determines the count."""
-    mirror: Literal["left-right", "front-back"] | tuple[Point, Point] | None = None
-    """Symmetry line: from back to front or from side to side through the centre, or through two points."""
+    mirror: Literal["left-right", "front-back"] | float | tuple[Point, Point] | None = None
+    """Symmetry line: from back to front, from side to side, in a direction [degrees; 0: to the public, positive towards
+    +x], or through two points."""
+    mirror_at: Point | None = None
+    """A point (x, z) [m] of the symmetry line; default: the middle of the stage."""
     mirror_keep: Literal["left", "right", "front", "back"] | None = None
-    """Side of the symmetry line that is kept and reflected, as the audience sees it; default: left, else back."""
+    """Side of the symmetry line that is kept and reflected, as the audience sees it; default: left, else back; if
+    nothing of the shape lies there, the other one."""
     soloists: int = 0
     """Number of soloists."""
     soloist_place: Literal["front", "centre"] = "front"

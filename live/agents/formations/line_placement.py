@@ -178,7 +178,7 @@ def place_mirrored(
         middle_places = places_on_line(kept, line, count, corners=corners)
         if (count - len(middle_places)) % 2:
             centre = np.mean([curve.points.mean(axis=0) for curve in kept], axis=0)
-            middle_places = np.array([centre - line.signed_distance(centre[None])[0] * line.normal])
+            middle_places = line.project(centre[None])
         middle_ways = np.tile(line.direction, (len(middle_places), 1))
     pairs = (count - len(middle_places)) // 2
     halves = [with_shared_ends(curve, middle_places, SHARED_END) for curve in kept]

@@ -204,14 +204,13 @@ def _place_on_lattice(spec: FormationSpec, region: Any, count: int, line: Symmet
         return place_on_lattice(region, count, origin, yaw, diagonal=diagonal)
     low_x, low_z, high_x, high_z = region.bounds
     centre = np.array([(low_x + high_x) / 2, (low_z + high_z) / 2])
-    origin = centre - line.signed_distance(centre[None])[0] * line.normal
+    origin = line.project(centre[None])[0]
     yaw = math.atan2(line.direction[0], line.direction[1])
     found = place_on_lattice(region, count, origin, yaw, diagonal=diagonal, symmetrical=True)
     if found is None:
         return None
     kept = found[line.signed_distance(found) > 1e-4]
-    on_line = found[np.abs(line.signed_distance(found)) <= 1e-4]
-    on_line = on_line - line.signed_distance(on_line)[:, None] * line.normal
+    on_line = line.project(found[np.abs(line.signed_distance(found)) <= 1e-4])
     if 2 * len(kept) + len(on_line) != count:  # a reflection near the border fell outside
         return None
     return np.concatenate([kept, on_line, line.reflect(kept)])
@@ -223,7 +222,7 @@ def _place_on_rings(spec: FormationSpec, core: RingCore, line: SymmetryLine | No
     corners = spec.mark_corners is not False
     if line is None:
         return np.concatenate([place_on_curves(curves, count - len(middle), corners=corners)[0], middle])
-    on_line = middle - line.signed_distance(middle)[:, None] * line.normal
+    on_line = line.project(middle)
     rings = Drawing(tuple(curves), None, (0.0, 0.0))
     kept, straight, _ = clip_drawing(spec, rings, line)
     places = place_mirrored(kept, straight, line, count - len(middle), corners=corners)[0]

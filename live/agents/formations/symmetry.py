@@ -14,6 +14,8 @@ from live.base.arrays import Float64
 LINE_TOLERANCE: Final = 1e-6
 """Largest distance of a point on the symmetry line [m]."""
 _SIDES: Final = {"left": (-1.0, 0.0), "right": (1.0, 0.0), "front": (0.0, 1.0), "back": (0.0, -1.0)}
+_DIRECTIONS: Final = {"left-right": 0.0, "front-back": 90.0}
+"""Directions of the lines with a name [degrees]."""
 _CORNER_SINE: Final = math.sin(math.radians(14.0))
 """Sine of the angle above which a line forms a corner with its reflection at the symmetry line."""
 
@@ -27,9 +29,9 @@ class SymmetryLine:
 
     @property
     def direction(self) -> Float64:
-        """Unit vector along the line, pointing towards the public if possible."""
+        """Unit vector along the line, pointing towards the public; from left to right if that is no direction of it."""
         way = np.array([-self.normal[1], self.normal[0]])
-        return -way if way[1] < -1e-12 else way
+        return -way if (way[1] if abs(way[1]) > 1e-12 else way[0]) < 0.0 else way
 
     def signed_distance(self, points: Float64) -> Float64:
         """Return the signed distance from the line [m], shape (K,), positive on the kept side."""
@@ -38,6 +40,10 @@ class SymmetryLine:
     def reflect(self, points: Float64) -> Float64:
         """Return the points (K, 2) reflected."""
         return np.asarray(points - 2.0 * self.signed_distance(points)[:, None] * self.normal)
+
+    def project(self, points: Float64) -> Float64:
+        """Return the nearest points of the line to the points (K, 2)."""
+        return np.asarray(points - self.signed_distance(points)[:, None] * self.normal)
 
     def reflect_directions(self, ways: Float64) -> Float64:
         """Return the directions (K, 2) reflected."""
@@ -54,24 +60,32 @@ class SymmetryLine:
         return shapely.Polygon([a, b, b + self.normal * far, a + self.normal * far])
 
 
-def symmetry_line(spec: FormationSpec, middle: tuple[float, float]) -> SymmetryLine | None:
-    """Return the symmetry line of a spec; PersonError if the side to keep does not fit the line."""
+def symmetry_line(spec: FormationSpec, drawing: Drawing) -> SymmetryLine | None:
+    """Return the symmetry line of a spec, through the middle of the stage unless the spec names another line.
+
+    The kept side is the left one, else that at the back; if nothing of the drawing lies there, the other one.
+    PersonError if the side that the spec keeps does not fit the line.
+    """
     if spec.mirror is None:
         return None
-    if spec.mirror == "left-right":
-        a, b = np.array(middle), np.array([middle[0], middle[1] + 1.0])
-    elif spec.mirror == "front-back":
-        a, b = np.array(middle), np.array([middle[0] + 1.0, middle[1]])
+    if isinstance(spec.mirror, tuple):
+        point, way = np.array(spec.mirror[0], np.float64), np.subtract(spec.mirror[1], spec.mirror[0])
+        way = way / np.hypot(*way)
     else:
-        a, b = np.array(spec.mirror[0], np.float64), np.array(spec.mirror[1], np.float64)
-    way = (b - a) / np.hypot(*(b - a))
+        angle = math.radians(_DIRECTIONS[spec.mirror] if isinstance(spec.mirror, str) else spec.mirror)
+        way = np.round([math.sin(angle), math.cos(angle)], 15)  # a quarter turn leads exactly from side to side
+        point = np.array(spec.mirror_at or (0.0, 0.0), np.float64)
     normal = np.array([way[1], -way[0]])
     keep = spec.mirror_keep or ("left" if abs(normal[0]) > 1e-9 else "back")
     towards = float(normal @ np.array(_SIDES[keep]))
     if abs(towards) < 1e-9:
         other = "front or back" if keep in ("left", "right") else "left or right"
         spec.refuse("mirror_keep", f"the symmetry line has no {keep} side", f"keep {other}")
-    return SymmetryLine(a, normal if towards > 0 else -normal)
+    line = SymmetryLine(point, normal if towards > 0 else -normal)
+    reach = max((float(line.signed_distance(curve.points).max()) for curve in drawing.curves), default=0.0)
+    if spec.mirror_keep is None and reach < LINE_TOLERANCE:
+        return SymmetryLine(point, -line.normal)
+    return line
 
 
 def clip_drawing(spec: FormationSpec, drawing: Drawing, line: SymmetryLine) -> tuple[list[Curve], list[Curve], Any]:

@@ -45,7 +45,7 @@ WORDS: Final[dict[type, str]] = {
     KeepMeasures: "keep", KeepFormation: "keep", KeepScene: "keep", KeepCue: "keep",
 }  # fmt: skip
 MAX_ANSWERS_LENGTH: Final = 6000
-"""Maximum length of the published answers [characters]; an OSC packet has 8,192 bytes."""
+"""Maximum length of the published answers [characters]; it has to fit into one OSC packet."""
 MAX_WAITING: Final = 1000
 """Maximum number of edits that wait; more are refused."""
 SHOWN_FAULTS: Final = 4

@@ -16,12 +16,12 @@ from pythonosc.osc_message_builder import OscMessageBuilder
 
 from live.control.registry.rejections import Reason
 
-MAX_PACKET_BYTES: Final = 8192
+MAX_PACKET_BYTES: Final = 16_384
 MAX_BUNDLE_DEPTH: Final = 4
 MAX_MESSAGES: Final = 64
 MAX_ARGUMENTS: Final = 64
 MAX_ADDRESS_BYTES: Final = 256
-MAX_STRING_BYTES: Final = 8000
+MAX_STRING_BYTES: Final = 16_000
 """Maximum length of a text argument; controls allow less, see `Argument.length`."""
 MAX_BLOB_BYTES: Final = 1024
 IMMEDIATELY: Final = 1

@@ -124,8 +124,8 @@ OwnFadeMeasures = Annotated[
     float, Argument.number("how long it takes; 0 is at once, -1: its own duration", -1, 1024, "measures")
 ]
 Next = Annotated[bool, Argument.switch("1: from the next measure line on, 0: now")]
-MAX_POINTS_LENGTH: Final = 9000
-"""Maximum length of a drawn line [characters]: 512 points with centimetres fit, anywhere within 100 m."""
+MAX_POINTS_LENGTH: Final = 15_000
+"""Maximum length of a drawn line [characters], within one OSC packet: 512 points with micrometres fit."""
 Points = Annotated[
     tuple[tuple[float, float], ...],
     replace(

@@ -127,9 +127,9 @@ KINDS: Final = [
         rotation_deg:float corners:int inner:float turns:float arc_deg:float text:str path:row[str]
         points:row[row[tuple[float,float]]] closed:bool|none dancers:str|none pattern:str|none mark_corners:bool|none
         weights:row[float] focus:tuple[float,float]|none focus_reach:float focus_strength:float count:int|none
-        density:float|none spacing:float|none mirror:str|tuple[tuple[float,float],tuple[float,float]]|none
-        mirror_keep:str|none soloists:int soloist_place:str soloist_gap:float sections:row[int] section_names:row[str]
-        heading:str heading_deg:float
+        density:float|none spacing:float|none mirror:str|float|tuple[tuple[float,float],tuple[float,float]]|none
+        mirror_at:tuple[float,float]|none mirror_keep:str|none soloists:int soloist_place:str soloist_gap:float
+        sections:row[int] section_names:row[str] heading:str heading_deg:float
     """),
     Kind("relations.line", Line, "x:float z:float heading:float"),
     Kind("roster", Roster, "attributes:row[frozenset[str]] groups:dict[str,str] known:frozenset[str]"),

@@ -54,31 +54,93 @@ def test_places_of_area_formations_lie_inside(area, pattern, count):
     assert shapely.distance(region, shapely.points(formation.slots)).max() < 1e-6
 
 
-MIRRORS = ["left-right", "front-back", [[-2, -3], [2, 3]]]
+MIRRORS = [
+    {"mirror": "left-right"},
+    {"mirror": "front-back"},
+    {"mirror": [[-2, -3], [2, 3]]},
+    {"mirror": 30, "mirror_at": [1, -0.5]},
+]
+CENTRES = [[0, 0], [1.25, -0.5], [20, 30]]  # in the middle of the stage, beside it, wholly on one side of every line
+MIRRORED = st.sampled_from([*LINES, *({**area, **pattern} for area in AREAS for pattern in PATTERNS)])
+
+
+def axis_distance(points, table):
+    """Distance of points (K, 2) from the symmetry line of a table [m], from its definition."""
+    mirror, at = table["mirror"], np.array(table.get("mirror_at", (0.0, 0.0)), float)
+    angle = {"left-right": 0.0, "front-back": 0.5 * math.pi}.get(mirror) if isinstance(mirror, str) else None
+    if isinstance(mirror, list):
+        at = np.array(mirror[0], float)
+        angle = math.atan2(mirror[1][0] - mirror[0][0], mirror[1][1] - mirror[0][1])
+    angle = math.radians(mirror) if angle is None else angle
+    return (points - at) @ np.array([math.cos(angle), -math.sin(angle)])
 
 
 @few
 @given(
-    table=st.sampled_from([*LINES, *({**area, **pattern} for area in AREAS for pattern in PATTERNS)]),
+    table=MIRRORED,
     mirror=st.sampled_from(MIRRORS),
+    centre=st.sampled_from(CENTRES),
     count=st.integers(0, 90),
     heading=st.sampled_from(["along", "outwards", "public"]),
+    soloists=st.sampled_from([{}, {"soloists": 1}, {"soloists": 2, "soloist_place": "centre", "soloist_gap": 0.5}]),
 )
-def test_mirrored_formation_equals_its_reflection(table, mirror, count, heading):
+def test_mirrored_formation_equals_its_reflection(table, mirror, centre, count, heading, soloists):
     """T092; places and headings, except the heading to the audience, which is the same for all dancers."""
-    formation = build_formation({**table, "mirror": mirror, "heading": heading}, count)
+    table = {**table, **mirror, **soloists, "centre": centre, "heading": heading}
+    formation = build_formation(table, count)
     assert len(formation.slots) == count
     if count == 0:
         return
     line = formation.symmetry
+    assert abs(line.signed_distance(formation.slots)) == pytest.approx(abs(axis_distance(formation.slots, table)))
     reflected = line.reflect(formation.slots)
     distance = np.hypot(*(reflected[:, None] - formation.slots[None]).transpose(2, 0, 1))
     partner = distance.argmin(axis=1)
     assert distance.min(axis=1).max() < 2e-4
     assert sorted(partner) == list(range(count))
+    alone = partner == np.arange(count)  # who is their own partner stands exactly on the axis
+    assert alone.any() or count % 2 == 0
+    assert abs(axis_distance(formation.slots[alone], table)).max(initial=0.0) < 1e-12
     if heading == "along" and not table.get("pattern") and abs(line.signed_distance(formation.slots)).min() > 1e-3:
         way = np.stack([np.sin(formation.heading), np.cos(formation.heading)], axis=1)
         assert way[partner] == pytest.approx(line.reflect_directions(way), abs=1e-6)
+
+
+def test_symmetry_line_leads_through_the_middle_of_the_stage_and_not_of_the_shape():
+    beside = {"shape": "circle", "size": [2, 2], "centre": [3, 1]}
+    slots = build_formation(
+        {**beside, "mirror": "left-right"}, 8
+    ).slots  # nothing stands on the left: the right is kept
+    assert np.sort(np.sign(slots[:, 0])).tolist() == [-1.0] * 4 + [1.0] * 4
+    assert np.hypot(abs(slots[:, 0]) - 3, slots[:, 1] - 1) == pytest.approx(np.ones(8), abs=1e-3)
+    through = build_formation({**beside, "mirror": "left-right", "mirror_at": [3, 0]}, 8).slots
+    assert np.hypot(*(through - (3, 1)).T) == pytest.approx(np.ones(8), abs=1e-3)
+    points = build_formation({**beside, "mirror": [[3, -1], [3, 4]]}, 8).slots
+    assert points.tobytes() == through.tobytes()
+
+
+@pytest.mark.parametrize("keep", ["left", "right"])
+def test_either_side_is_reflected(keep):
+    """Two corners on the left and three on the right: the kept ones are there twice."""
+    drawn = {"shape": "polyline", "points": [[[-4, 0], [-2, 0]], [[1, -2], [3, 2]]], "mirror": "left-right"}
+    slots = build_formation({**drawn, "mirror_keep": keep}, 6).slots
+    kept = shapely.LineString(drawn["points"][0 if keep == "left" else 1])
+    own = np.stack([abs(slots[:, 0]) * (-1 if keep == "left" else 1), slots[:, 1]], axis=1)
+    assert shapely.distance(kept, shapely.points(own)).max() < 1e-9
+
+
+@pytest.mark.parametrize(
+    ("soloists", "count", "across", "along"),
+    [(1, 9, [0.0], [4.0]), (2, 10, [-0.5, 0.5], [4.0, 4.0]), (3, 9, [-1.0, 0.0, 1.0], [4.0] * 3), (3, 1, [0.0], [1.0])],
+)
+def test_soloists_stand_at_the_end_of_the_axis(soloists, count, across, along):
+    """Around the axis x = 0, though the circle lies beside it; in front of the others by their gap."""
+    circle = {"shape": "circle", "size": [4, 4], "centre": [3, 1], "mirror": "left-right", "soloist_gap": 1.0}
+    slots = build_formation({**circle, "soloists": soloists}, count).slots[: len(across)]
+    assert slots[:, 0].tolist() == across
+    assert slots[:, 1] == pytest.approx(along, abs=1e-3)
+    turned = {**circle, "centre": [1, 3], "mirror": "front-back", "soloists": 1}
+    assert build_formation(turned, 9).slots[0] == pytest.approx([4.0, 0.0], abs=1e-3)
 
 
 @pytest.mark.parametrize("table", EVERYTHING, ids=str)

@@ -1,6 +1,7 @@
 """A running show's files are edited: saved, danced from the next free measure line, replayed bit by bit."""
 
 import json
+import math
 import random
 from dataclasses import replace
 from pathlib import Path
@@ -22,6 +23,7 @@ from live.control.events.document import (
     UndoDocument,
 )
 from live.control.events.event import ControlEvent
+from live.control.osc.osc_codec import decode, encode
 from live.control.registry.registry import REGISTRY
 from live.document.document_store import DocumentStore
 from live.show.journal.journal import read_journal
@@ -188,6 +190,21 @@ def test_answers_stay_short_enough_for_a_packet(night: EditedShow) -> None:
         night.send({"id": f"{number}", "do": "set", "at": ["name"], "value": "x" * 60 + str(number)})
         assert len(night.service.published) <= MAX_ANSWERS_LENGTH
     assert json.loads(night.service.published)[-1]["id"] == "69"
+
+
+def test_a_stroke_of_512_points_becomes_a_path_by_one_packet(night: EditedShow) -> None:
+    """With millimetres, from one corner of a large stage to the other."""
+    stroke = [[round(-90.0 + 0.35 * k, 3), round(-80.0 * math.cos(k / 40), 3)] for k in range(512)]
+    night.run(1.0)
+    table = {"measure": 20, "measures": 4, "group": "ember", "path": stroke}
+    text = json.dumps({"do": "insert", "at": ["segment"], "value": table})
+    (message,) = decode(encode("/dance/document/edit", (text,)))
+    event = REGISTRY.call(message.address, message.arguments, night.clock.now(), "osc")
+    assert isinstance(event, EditDocument)
+    night.serve(event)
+    night.run(4.0)
+    assert night.show.patch.segment[2].path == tuple(map(tuple, stroke))
+    assert read_patch(night.path) == night.show.patch
 
 
 @pytest.mark.parametrize("seed", range(2))

@@ -52,7 +52,7 @@ def mutate(packet, chance):
                 size = len(data) if chance.random() < 0.7 else int(chance.integers(2**31))
                 tag = chance.bytes(8) if chance.random() < 0.5 else bytes(7) + b"\1"
                 data = bytearray(b"#bundle\0" + tag + size.to_bytes(4, "big")) + data
-    return bytes(data[:9000])
+    return bytes(data[:18_000])
 
 
 @pytest.fixture

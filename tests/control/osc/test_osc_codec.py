@@ -121,7 +121,7 @@ NAN, INF = struct.pack(">f", float("nan")), struct.pack(">f", float("inf"))
     ("packet", "expected"),
     [
         (b"", Reason.PACKET_SIZE),
-        (b"/a\0\0,\0\0\0" * 2000, Reason.PACKET_SIZE),
+        (b"/a\0\0,\0\0\0" * 3000, Reason.PACKET_SIZE),
         (b"/a\0\0,\0\0", Reason.ALIGNMENT),
         (b"GET / HTTP/1.1\r\n\r\n\0\0", Reason.ADDRESS),
         (b"dance\0\0\0,\0\0\0", Reason.ADDRESS),

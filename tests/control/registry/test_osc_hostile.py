@@ -31,7 +31,7 @@ HOSTILE = [
     b"\0",
     b"\xff" * 36,
     bytes(range(256)),
-    b"x" * 9000,
+    b"x" * 20_000,
     b"/" + b"\0" * 60_000,
     b"/dance/attract\0\0,ff\0" + struct.pack(">ff", float("nan"), 0.0),
     b"/dance/attract\0\0,ff\0" + struct.pack(">ff", 0.0, float("inf")),
