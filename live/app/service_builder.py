@@ -12,7 +12,7 @@ from live.app.launch_options import LaunchOptions
 from live.app.services.audience_service import make_audience
 from live.app.services.click_service import make_click, make_link
 from live.app.services.document_service import DocumentService, edit_date
-from live.app.services.http_services import WebService
+from live.app.services.http_services import WebService, preview_files
 from live.app.services.midi_service import MidiFileService, MidiService, make_midi
 from live.app.services.osc_services import MusicianOscPort, make_osc_out
 from live.app.services.service import Service
@@ -137,14 +137,15 @@ class ServiceBuilder:
         """Host names of this machine besides its addresses."""
         return self.options.web_hosts + (() if self.venue is None else self.venue.web.hosts)
 
-    def add_web(self) -> None:
-        """Add the operator's web page and the audience's phones."""
+    def add_web(self, loaded: LoadedShow) -> None:
+        """Add the operator's web page, with a preview of these files, and the audience's phones."""
         options, show = self.options, self.engine.show
         if options.web is not None:
             stage = StageStream(show, lambda: self.engine.view, lambda: self.document_revision())
             page = WebService(
-                options.web, options.web_key, options.osc, show, self.clock, hosts=self._host_names, stage=stage
-            )
+                options.web, options.web_key, options.osc, show, self.clock, hosts=self._host_names, stage=stage,
+                files=preview_files(loaded, options.seed),
+            )  # fmt: skip
             page.resumes = self.resumes
             self.add("web", page)
         audience = make_audience(options, show, self.venue, self.inbox.add_queue(), self.clock)

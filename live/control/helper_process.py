@@ -27,6 +27,26 @@ HELLO: Final = {"hello": True}
 """First message of a process that the show did not start: it asks for the plan."""
 
 
+def spawn_helper(module: str, *inherit: int) -> tuple[socket.socket, "subprocess.Popen[bytes]"]:
+    """Start a child that runs `module`; return the non-blocking end of its channel, and the child. OSError if there are
+    no resources for it.
+
+    `inherit`: file descriptors that the child gets under the same numbers.
+    """
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    ours.setblocking(False)
+    try:
+        with theirs:
+            return ours, subprocess.Popen(
+                [sys.executable, "-m", module, str(theirs.fileno())],
+                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, pass_fds=[theirs.fileno(), *inherit],
+                start_new_session=True,  # Ctrl-C ends the show, which then ends the child
+            )  # fmt: skip
+    except BaseException:
+        ours.close()
+        raise
+
+
 class HelperProcess:
     """The show's end. Thread: the show's; a restart runs in a thread of its own."""
 
@@ -67,16 +87,8 @@ class HelperProcess:
             self._socket.setblocking(False)
             self._send_plan()
             return
-        ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-        ours.setblocking(False)
-        with theirs:
-            command = [sys.executable, "-m", self._module, str(theirs.fileno())]
-            self._process = subprocess.Popen(
-                command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-                pass_fds=[theirs.fileno(), *self._inherit],
-                start_new_session=True,  # Ctrl-C ends the show, which then ends the child
-            )  # fmt: skip
-        self._socket, old = ours, self._socket
+        old = self._socket
+        self._socket, self._process = spawn_helper(self._module, *self._inherit)
         if old is not None:
             old.close()
         self._started_at = self._clock.now()

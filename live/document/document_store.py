@@ -233,6 +233,42 @@ class DocumentStore:
         self._take_in()
         return self._commit(edits, "keep", by=by)
 
+    def attempt(self, edits: Sequence[Edit]) -> tuple[Patch, list[dict[str, Any]]]:
+        """Return the patch that edits would give, one after the other, and their answers as values for JSON; those that
+        are refused are left out. Document, files and history stay as they are."""
+        dry, former, count = self._dry, self.document.patch, len(self.revisions)
+        self._dry, answers = True, list[dict[str, Any]]()
+        try:
+            for edit in edits:
+                try:
+                    rebased_edit = rebased(edit, self._since(edit.base))
+                    answers.append(self._commit([rebased_edit], "edit", by=edit.by).to_json_values(edit.id))
+                except EditRefused as error:
+                    answers.append(refused_json_values(edit.id, error))
+            return self.document.patch, answers
+        finally:
+            tried = [splice for one in self.revisions[count:] for splice in one.splices]
+            del self.revisions[count:]
+            self._take_back(tried, former)
+            self._dry = dry
+
+    def patch_at(self, number: int) -> Patch:
+        """Return the patch of an earlier revision; EditRefused if it is not known or not valid."""
+        if number == self.revision:
+            return self.document.patch
+        texts = list(self._texts_at(number).items())
+        try:
+            return Document(texts, path=self.path, tables=self._tables).patch
+        except PersonError as error:
+            raise EditRefused(Fault(error.message, remedy=error.remedy or "")) from None
+
+    def _texts_at(self, number: int) -> dict[str, str]:
+        try:
+            return texts_at(self.document, self.revisions, number)
+        except LookupError:
+            known = f"the history reaches from {self.revisions[0].number} to {self.revision}"
+            raise refuse((), f"there is no revision {number}", known) from None
+
     def _take_in(self) -> None:
         self.refresh()
         if self.problem:
@@ -360,11 +396,7 @@ class DocumentStore:
     def restore(self, number: int, by: str = "") -> Accepted:
         """Return to the texts of an earlier revision, as a new revision; EditRefused if they are not known or valid."""
         self._take_in()
-        try:
-            texts = texts_at(self.document, self.revisions, number)
-        except LookupError:
-            known = f"the history reaches from {self.revisions[0].number} to {self.revision}"
-            raise refuse((), f"there is no revision {number}", known) from None
+        texts = self._texts_at(number)
         blocks = {name: DocumentFile(name, text, self.path).texts for name, text in texts.items()}
         return self._commit_texts(differences(_block_texts(self.document), blocks), "restore", by, number)
 

@@ -5,7 +5,9 @@ a measure it goes on from the nearest one. An edited patch is taken as a running
 before the first measure that changed.
 """
 
+import copy
 from bisect import bisect_right
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Final, NamedTuple
 
@@ -21,6 +23,8 @@ from live.rehearse.lint import lint_show
 from live.show.group.dry_run import REACH_TOLERANCE
 from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
+from live.show.score.playhead import Playhead
+from live.show.score.score import section_timings
 from live.show.show import Show
 from live.show.state.snapshot import Snapshotter, restore
 
@@ -28,6 +32,10 @@ TICKS_PER_SAMPLE: Final = 4
 """Ticks between two kept positions: 16 a second."""
 AFTER_LINE: Final = 6
 """Ticks after a measure line from which on its snapshot is taken."""
+MAX_SNAPSHOT_BYTES: Final = 200_000_000
+"""Where snapshots take more memory, every second one is dropped; measures between are simulated again."""
+MAX_MEASURE: Final = 10_000
+"""Last measure that can be asked for."""
 MAX_FOUND: Final = 200
 """Maximum number of meetings, and of ways that are too long, that are told."""
 SCORE_KINDS: Final = ("segment", "sequence", "element", "at", "signal", "regroup", "improvise", "curve")
@@ -66,6 +74,8 @@ class PreviewEngine:
     def __init__(self, loaded: LoadedShow, *, seed: int | None = None) -> None:
         """`loaded` is the show as it is written; PersonError if it does not start."""
         self._loaded, self._seed = loaded, seed
+        self.on_tick: Callable[[], None] = lambda: None
+        """Called after each simulated tick; what it raises ends the question, and the next one goes on from there."""
         self._begin(loaded.start(seed=seed))
 
     def _begin(self, show: Show) -> None:
@@ -84,6 +94,13 @@ class PreviewEngine:
     def measures(self) -> int:
         """Number of whole measures that are simulated."""
         return max(int(self._samples[-1].measure), 0) if self._samples else 0
+
+    def branch(self, patch: Patch) -> "PreviewEngine":
+        """Return the preview of another patch beside this one, which stays as it is and shares the measures before the
+        first change. PersonError if it does not start."""
+        beside = copy.copy(self)  # `set_patch` replaces what the two share
+        beside.set_patch(patch)
+        return beside
 
     def set_patch(self, patch: Patch) -> None:
         """Preview another patch: measures before its first change stay. PersonError if it does not start."""
@@ -125,6 +142,8 @@ class PreviewEngine:
             if taken is not None:
                 self._snapshots.append(_Snapshot(show.span.number, self._tick, taken.seal(), self._loaded))
                 self._snapshot_due = None
+                if len(self._snapshots) * len(self._snapshots[-1].data) > MAX_SNAPSHOT_BYTES:
+                    del self._snapshots[1::2]
         if self._tick % TICKS_PER_SAMPLE == 0 and show.span.number >= 0:
             measure, dancers = show.danced_beats / show.desk.beats, show.dancers
             heading = heading_of(dancers.leg_rotation[:, 0]).astype(np.float32)
@@ -138,6 +157,28 @@ class PreviewEngine:
                     show.motion.present[: len(heading)].copy(),
                 )
             )
+        self.on_tick()
+
+    def samples(self, first: float, last: float) -> list[Positions]:
+        """Return where everybody stands between `first` and `last` danced measures, 16 times a second."""
+        self.run_to(last + 0.1)
+        measures = [one.measure for one in self._samples]
+        return self._samples[bisect_right(measures, first - 1e-6) : bisect_right(measures, last + 1e-6)]
+
+    def measures_of(self, segment: int) -> tuple[int, int]:
+        """Return the measures (from 1) in which a segment of the patch (from 0) is danced first; PersonError if it is
+        not danced unless somebody leads there."""
+        entries = self.patch.segment
+        if not 0 <= segment < len(entries):
+            raise PersonError(f"there is no segment {segment + 1}", f"there are {len(entries)}")
+        entry, playhead = entries[segment], Playhead(section_timings(self.patch))
+        wanted = self._show.score_runner.score.place_of(entry.section, entry.measure)
+        for measure in range(0 if wanted is None else MAX_MEASURE):
+            playhead.begin_measure(measure)
+            place = playhead.place(measure)
+            if (place.section, place.measure) == wanted:
+                return measure + 1, measure + entry.measures
+        raise PersonError(f"segment {segment + 1} is never danced", "see its section and measure")
 
     def at(self, measure: float) -> Positions:
         """Return where everybody stands after so many danced measures."""
@@ -156,6 +197,7 @@ class PreviewEngine:
         while show.danced_beats < measure * show.desk.beats:
             tick += 1
             show.tick(tick * TICK)
+            self.on_tick()
         view = show.view()
         show.fill(view, tick * TICK)
         return view
@@ -232,13 +274,26 @@ def preview_values(engine: PreviewEngine, first: int, last: int) -> dict[str, An
         ]
         measures.append({"measure": measure, "time_s": round(there.tick * TICK, 3), "dancers": dancers})
     plan = engine.plan(first, last)
-    nearest = sorted(plan.too_near, key=lambda one: one.distance)[:MAX_FOUND]
-    far = plan.too_far(engine.reach() + REACH_TOLERANCE)[:MAX_FOUND]
     return {
         "from": first,
         "to": last,
         "measures": measures,
-        "ways": [[[round(x, 3), round(z, 3)] for x, z in way] for way in plan.ways.transpose(1, 0, 2).tolist()],
+        "ways": way_values(plan),
+        **plan_faults(engine, plan, first),
+        "notes": engine.notes(),
+    }
+
+
+def way_values(plan: DryRunResult) -> list[list[list[float]]]:
+    """Return the planned way of each dancer: places (x, z) [m], 32 in each measure."""
+    return [[[round(x, 3), round(z, 3)] for x, z in way] for way in plan.ways.transpose(1, 0, 2).tolist()]
+
+
+def plan_faults(engine: PreviewEngine, plan: DryRunResult, first: int) -> dict[str, Any]:
+    """Return who would meet, and whose way is too long, in a plan that begins with measure `first` (from 1)."""
+    nearest = sorted(plan.too_near, key=lambda one: one.distance)[:MAX_FOUND]
+    far = plan.too_far(engine.reach() + REACH_TOLERANCE)[:MAX_FOUND]
+    return {
         "meetings": [
             {
                 "measure": first + one.measure,
@@ -256,5 +311,4 @@ def preview_values(engine: PreviewEngine, first: int, last: int) -> dict[str, An
             }
             for one in far
         ],
-        "notes": engine.notes(),
     }

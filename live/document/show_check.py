@@ -72,7 +72,7 @@ class ShowCheck:
 
     def _make(self, patch: Patch) -> None:
         loaded = self._loaded
-        if loaded is None or self._show is None or _needs_loading(loaded.patch, patch):
+        if loaded is None or self._show is None or needs_loading(loaded.patch, patch):
             loaded = load_from_patch(patch, self._path, recordings=self._recordings)
             _refuse_gaps(loaded.graph)
             self._show = assemble(loaded.patch, loaded.graph, bank=loaded.bank, answers=loaded.answers)
@@ -92,7 +92,8 @@ class ShowCheck:
             raise PersonError(f"there is no file {file!r}", "put it next to the patch", ("music", "file"))
 
 
-def _needs_loading(former: Patch, patch: Patch) -> bool:
+def needs_loading(former: Patch, patch: Patch) -> bool:
+    """Return whether another patch needs another motion graph, or more that is loaded with it."""
     same_metre = former.clock.beats_per_measure == patch.clock.beats_per_measure
     return not same_metre or any(getattr(former, key) != getattr(patch, key) for key in GRAPH_KEYS)
 

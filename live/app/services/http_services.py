@@ -28,12 +28,14 @@ from live.clock.time_source import Clock
 from live.control.helper_process import HelperProcess
 from live.control.registry.registry import Changes
 from live.show.desk.completions import show_completions
+from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import user_settings_folder
 from live.show.show import Show
 
 ADDRESSES_PER_PACKET: Final = 64
 """Maximum number of addresses in one packet."""
+PREVIEW_MODULE: Final = "live.app.processes.preview_main"
 BACKLOG: Final = 128
 """Queue of connections that the process has not accepted yet."""
 
@@ -261,22 +263,28 @@ def own_address() -> str:
     return "127.0.0.1"
 
 
+def preview_files(loaded: LoadedShow, seed: int | None) -> dict[str, Any]:
+    """Return the plan of the preview process: what it reads, and the seed of the show."""
+    recordings = None if loaded.recordings is None else str(loaded.recordings)
+    return {"module": PREVIEW_MODULE, "patch": str(loaded.path), "recordings": recordings, "seed": seed}
+
+
 class WebService(HttpService):
     """Runs the process that serves the operator's web page."""
 
     def __init__(
         self, where: tuple[str, int], key: str, osc: tuple[str, int], show: Show, clock: Clock, *,
-        hosts: Sequence[str] = (), stage: StageStream | None = None,
+        hosts: Sequence[str] = (), stage: StageStream | None = None, files: dict[str, Any] | None = None,
     ) -> None:  # fmt: skip
         """`key`: the access key; `osc`: the show's OSC address; `hosts`: see `http_protection.accepted_hosts`;
-        `stage`: frames for pages that look at the stage."""
+        `stage`: frames for pages that look at the stage; `files`: the show's, for the preview, see `preview_files`."""
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(osc[0], osc[0])
 
         def plan() -> dict[str, Any]:
             stage = show.patch.stage
             return {
                 "key": key, "osc": (host, osc[1]), "name": show.patch.name, "names": show_completions(show),
-                "half": (0.5 * stage.width, 0.5 * stage.depth), "hosts": list(hosts),
+                "half": (0.5 * stage.width, 0.5 * stage.depth), "hosts": list(hosts), "preview": files,
             }  # fmt: skip
 
         super().__init__(where, "--web", "live.control.web.web_server", plan, clock)

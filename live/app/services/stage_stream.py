@@ -1,19 +1,14 @@
 """State of the stage for pages, as frames: structure and clock as text, positions and joints in binary.
 
-A binary frame is u8 kind, u8 flags, u16 count, u32 tick, then int16, all little-endian. Kind 1: x, z [mm], heading
-[1/10,000 turn] and state (1: on the stage) of each dancer. Kind 2: the joints of each dancer, x, y, z [mm]. Dancers
-come in the order of the last text frame `dancers`. What is too far away for an int16 stands at its border.
+Binary frames have the form of `live/show/view/stage_frames.py`, with dancers in the order of the last text frame
+`dancers`.
 """
 
 import json
-import struct
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any, Final
-
-import numpy as np
-import numpy.typing as npt
 
 from live.base.element_kinds import ELEMENT_KINDS
 from live.base.fault_isolation import run_once
@@ -23,25 +18,14 @@ from live.motion.editing.facing import heading_of
 from live.show.patch.patch import Patch
 from live.show.patch.table_batches import patch_json
 from live.show.show import Show
+from live.show.view.stage_frames import JOINTS, MAX_POSITION_DANCERS, POSITIONS, joints_frame, positions_frame
 
 INTERVAL: Final = 1.0 / 30.0
 """Time between two frames [s]."""
 CLOCK_EVERY: Final = 3
 """Every so many frames there is one with clock and elements."""
-POSITIONS, JOINTS = 1, 2
-"""Kinds of binary frames."""
-MAX_JOINT_DANCERS: Final = 450
-"""Maximum number of dancers in a frame with joints: a packet has 64 KiB."""
-MAX_POSITION_DANCERS: Final = 8000
 PART_BYTES: Final = 32_768
 """Maximum length of a part of a text."""
-_HEAD: Final = struct.Struct("<BBHI")
-_LIMIT: Final = 32767
-
-
-def _int16(values: npt.NDArray[np.floating]) -> npt.NDArray[np.int16]:
-    whole: npt.NDArray[np.int16] = np.clip(np.rint(values), -_LIMIT, _LIMIT).astype("<i2")
-    return whole
 
 
 class StageStream:
@@ -100,28 +84,18 @@ class StageStream:
                 "dancers", json.dumps({"kind": "dancers", "revision": count, "ids": list(range(1, count + 1))})
             )
         tick = round(self._show.time / TICK)
-        yield ["frame", POSITIONS, self._positions(tick, count)]
+        yield ["frame", POSITIONS, self._positions(tick)]
         chosen = wants.get("joints")
         if isinstance(chosen, list | tuple):
-            yield ["frame", JOINTS, self._joints(tick, count, chosen)]
+            yield ["frame", JOINTS, joints_frame(tick, self._view().joint_position[:count], list(chosen))]
         if self._count % CLOCK_EVERY == 0:
             yield from _parts("clock", json.dumps(self._clock()))
 
-    def _positions(self, tick: int, count: int) -> bytes:
+    def _positions(self, tick: int) -> bytes:
         dancers = self._show.dancers
-        rows = np.empty((count, 4), np.float64)
-        rows[:, :2] = dancers.drawn_hips[:count] * 1e3
-        rows[:, 2] = heading_of(dancers.leg_rotation[:count, 0]) * (10_000 / (2.0 * np.pi))
-        rows[:, 3] = self._show.motion.present[:count]
-        return _HEAD.pack(POSITIONS, 0, count, tick & 0xFFFFFFFF) + _int16(rows).tobytes()
-
-    def _joints(self, tick: int, count: int, chosen: Sequence[Any]) -> bytes:
-        joints = self._view().joint_position
-        rows = [each - 1 for each in chosen if type(each) is int and 1 <= each <= min(count, len(joints))]
-        found = joints[rows] if chosen else joints[:count]
-        found = found[:MAX_JOINT_DANCERS]
-        flags = 1 if chosen else 0  # 1: only the chosen ones, in the order in which they were asked for
-        return _HEAD.pack(JOINTS, flags, len(found), tick & 0xFFFFFFFF) + _int16(found * 1e3).tobytes()
+        return positions_frame(
+            tick, dancers.drawn_hips, heading_of(dancers.leg_rotation[:, 0]), self._show.motion.present
+        )
 
     def _clock(self) -> dict[str, Any]:
         show, view = self._show, self._view()

@@ -32,12 +32,15 @@ from live.control.web.http_protection import (
     page_headers,
     serve,
 )
+from live.control.web.preview_client import PreviewClient
+from live.control.web.preview_pages import PreviewPages
+from live.control.web.rate_limit import RateLimit
 from live.control.web.stage_subscribers import StageSubscriber, StageSubscribers
 from live.control.web.surface import make_surface
 from live.control.web.task_guard import keep_task
 
 PAGE: Final = Path(__file__).with_name("web_page.html")
-MOST_CLIENTS: Final = 16
+MOST_CLIENTS: Final = 32
 MOST_BYTES: Final = 1024
 """Maximum bytes of a message from the page."""
 UPDATE_INTERVAL: Final = 1 / 20
@@ -47,6 +50,9 @@ MAX_UNSENT_BYTES: Final = 1 << 15
 """Maximum unsent bytes of a page; one that is further behind gets the latest values later."""
 STATUS_INTERVAL: Final = 1.0
 STAGE_PATH: Final = "/studio/stream"
+PREVIEW_PATH: Final = "/studio/preview"
+MAX_STUDIO_BYTES: Final = 60_000
+"""Maximum bytes of a message to the two."""
 MAX_FRAMES: Final = 256
 """Maximum number of packets of the stage that wait."""
 PROTOCOL: Final = "live.operator"
@@ -60,16 +66,7 @@ class Client:
     def __init__(self, ws: web.WebSocketResponse, request: web.BaseRequest) -> None:
         self.ws, self.request = ws, request
         self.pending: dict[str, None] = dict.fromkeys(READABLE)
-        self.tokens_left, self.filled_at = PER_SECOND, 0.0
-
-    def try_take(self, now: float) -> bool:
-        """Whether the page may send another message."""
-        self.tokens_left = min(self.tokens_left + (now - self.filled_at) * PER_SECOND, PER_SECOND)
-        self.filled_at = now
-        if self.tokens_left < 1.0:
-            return False
-        self.tokens_left -= 1.0
-        return True
+        self.limit = RateLimit(PER_SECOND)
 
 
 class WebServer:
@@ -94,6 +91,9 @@ class WebServer:
         self.values = Values()
         self._clients: set[Client] = set()
         self._stage = StageSubscribers(asyncio.get_running_loop().time)
+        files = plan.get("preview") or {"module": ""}  # without them there is no preview
+        self._preview = PreviewClient(str(files["module"]), dict(files))
+        self._preview_pages = PreviewPages(self._preview)
         self._frames: asyncio.Queue[Any] = asyncio.Queue(MAX_FRAMES)
         self._sent = self._refused = 0
         self._ended = asyncio.Event()
@@ -107,11 +107,13 @@ class WebServer:
         tasks = [
             keep_task("telling pages", self._stream),
             keep_task("showing the stage", self._show_stage),
+            keep_task("the preview", self._preview.run),
             keep_task("the page's figures", self._report_status),
         ]
         await self._ended.wait()
         for task in tasks:
             task.cancel()
+        self._preview.close()
         await asyncio.gather(*(client.ws.close() for client in list(self._clients)), return_exceptions=True)
         await runner.cleanup()
 
@@ -133,7 +135,9 @@ class WebServer:
         with the key."""
         if not is_same_origin(request, self._hosts):
             return self._refuse(403)
-        if request.path not in ("/", "/surface.json", "/ws", STAGE_PATH):
+        if request.path not in ("/", "/surface.json", "/ws", STAGE_PATH, PREVIEW_PATH):
+            return self._refuse(404)
+        if request.path == PREVIEW_PATH and not self._preview.module:
             return self._refuse(404)
         if request.method not in ("GET", "HEAD"):
             return self._refuse(405)
@@ -145,7 +149,7 @@ class WebServer:
             return await self._failed.answer(request)
         if request.path == "/surface.json":
             return web.json_response(self._surface, headers=SECURITY_HEADERS)
-        return await self._open(request, stage=request.path == STAGE_PATH)
+        return await self._open(request)
 
     def _refuse(self, status: int) -> web.Response:
         self._refused += 1
@@ -160,18 +164,22 @@ class WebServer:
         # an empty key never matches
         return bool(self._key) and secrets.compare_digest(brought.encode(errors="replace"), self._key)
 
-    async def _open(self, request: web.BaseRequest, *, stage: bool) -> web.StreamResponse:
+    async def _open(self, request: web.BaseRequest) -> web.StreamResponse:
         if request.headers.get("Upgrade", "").casefold() != "websocket":
             return self._refuse(400)
-        if len(self._clients) + len(self._stage) >= MOST_CLIENTS:
+        if len(self._clients) + len(self._stage) + len(self._preview_pages) >= MOST_CLIENTS:
             return self._refuse(503)
         ws = web.WebSocketResponse(
-            max_msg_size=MOST_BYTES, heartbeat=HEARTBEAT, compress=False, timeout=1.0, protocols=(PROTOCOL,)
-        )
+            max_msg_size=MOST_BYTES if request.path == "/ws" else MAX_STUDIO_BYTES,
+            heartbeat=HEARTBEAT, compress=False, timeout=1.0, protocols=(PROTOCOL,),
+        )  # fmt: skip
         await ws.prepare(request)
         self._server.release(request)
-        if stage:
+        if request.path == STAGE_PATH:
             return await self._open_stage(ws, request)
+        if request.path == PREVIEW_PATH:
+            self._refused += await self._preview_pages.open(ws)
+            return ws
         client = Client(ws, request)
         self._clients.add(client)
         try:
@@ -212,7 +220,7 @@ class WebServer:
     def _handle_message(self, client: Client, text: str) -> str:
         """Send a message {"address": …, "values": […]} to the show; return the reason of a refusal, or an
         empty string."""
-        if not client.try_take(asyncio.get_running_loop().time()):
+        if not client.limit.try_take(asyncio.get_running_loop().time()):
             return "too many messages at once"
         try:
             told = json.loads(text)
@@ -262,6 +270,11 @@ class WebServer:
 
     def _tell_show(self) -> None:
         facts = {"pages": len(self._clients), "sent": self._sent, "refused": self._refused, "stage": self._stage.wants}
+        facts["preview"] = {
+            "pages": len(self._preview_pages),
+            "answered": self._preview.answered,
+            "starts": self._preview.starts,
+        }
         self._channel.send_facts(facts | {"wrong_keys": self._failed.count, "dropped": self._server.dropped})
 
     async def _report_status(self) -> None:

@@ -1,0 +1,241 @@
+"""Answers of the preview to questions of pages, as frames: those of the stage's stream, and what is doubtful.
+
+A question is an object: {"id", "from", "to"} or {"id", "measure"} or {"id", "segment"} (docs/web.md). It names the
+document by `document`, a revision, or by `with`, edits that are tried and not saved.
+"""
+
+import json
+import re
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from typing import Annotated, Any, Final, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from live.base.errors import PersonError
+from live.clock.ticks import TICK
+from live.document.document_store import DocumentStore
+from live.document.edit import EditRefused, parse_edit
+from live.document.preview import MAX_MEASURE, Positions, PreviewEngine, plan_faults, way_values
+from live.document.show_check import ShowCheck, needs_loading
+from live.show.loader import LoadedShow, adapt_edited_patch, load_from_patch
+from live.show.patch.patch import Patch
+from live.show.view.stage_frames import MAX_JOINT_DANCERS, joints_frame, positions_frame
+
+MAX_RANGE: Final = 64
+"""Maximum number of measures in an answer."""
+MAX_EDITS: Final = 200
+MAX_FAULTS: Final = 20
+"""Maximum number of faults in a refusal."""
+MAX_BRANCHES: Final = 3
+"""Edited documents whose simulated measures are kept."""
+_Measure = Annotated[int, Field(ge=1, le=MAX_MEASURE)]
+_MEASURE: Final = re.compile(r"\bmeasure (\d+)\b(?! of)")
+_RANGE: Final = PersonError('"from" and "to", "measure" or "segment" expected', '{"id": 1, "from": 57, "to": 60}')
+
+
+class Question(BaseModel):
+    """What a page asks; see docs/web.md."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    id: Annotated[str, Field(max_length=100)] | int | None = None
+    first: _Measure | None = Field(default=None, alias="from")
+    last: _Measure | None = Field(default=None, alias="to")
+    measure: Annotated[float, Field(ge=1, le=MAX_MEASURE + 1)] | None = None
+    """One moment: 57.5 is the middle of measure 57."""
+    segment: _Measure | None = None
+    """The measures of a segment of the document, by its number from 1."""
+    document: Annotated[int, Field(ge=0)] | None = None
+    edits: Annotated[list[Any], Field(max_length=MAX_EDITS)] = Field(default=[], alias="with")
+    positions: Literal["measures", "samples", "none"] = "measures"
+    """Of a range: at each measure line, or 16 times a second."""
+    joints: bool | Annotated[list[int], Field(max_length=MAX_JOINT_DANCERS)] = False
+    """Of one moment: the joints of all, or of these dancers."""
+    ways: bool = True
+    notes: bool = True
+
+
+def parse_question(values: object) -> Question:
+    """Return the question that was sent; PersonError with its field."""
+    try:
+        return Question.model_validate(values)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        where = ".".join(str(part) for part in first["loc"][:2]) or "question"
+        words = first["msg"][:1].lower() + first["msg"][1:]
+        raise PersonError(f"{where}: {words}", "docs/web.md has the form of questions") from None
+
+
+class PreviewAnswers:
+    """Keeps the preview of one show's files, which it reads again when they have changed. One thread."""
+
+    def __init__(self, loaded: LoadedShow, store: DocumentStore, *, seed: int | None = None) -> None:
+        """`store` has the files of `loaded`; nothing is written. PersonError if the show does not start."""
+        self._store, self._seed, self._loaded = store, seed, loaded
+        store.check = ShowCheck(loaded.path, loaded.recordings)
+        self._engine = PreviewEngine(self._with(store.document.patch), seed=seed)
+        self._revision = store.revision
+        self._asked: tuple[str | int | None, PreviewEngine] = (None, self._engine)
+        self._branches: list[PreviewEngine] = []  # of other documents, the latest last
+        self._notes: list[tuple[PreviewEngine, Patch, list[str]]] = []
+        self.on_tick: Callable[[], None] = lambda: None
+        """Called after each simulated tick; what it raises ends the answer."""
+
+    def _with(self, written: Patch) -> LoadedShow:
+        """Return the show of another patch; PersonError if its steps cannot be loaded."""
+        loaded = self._loaded
+        if needs_loading(loaded.patch, written) and loaded.recordings is None:
+            return load_from_patch(written, loaded.path)
+        return replace(loaded, patch=self._adapt(written))
+
+    def _adapt(self, written: Patch) -> Patch:
+        loaded = self._loaded
+        return adapt_edited_patch(written, loaded.graph, loaded.patch, recordings=loaded.recordings is not None)
+
+    def progress(self) -> str:
+        """Return a frame that tells how many measures are simulated for the present question."""
+        name, engine = self._asked
+        return json.dumps({"kind": "progress", "id": name, "measures": engine.measures})
+
+    def answer(self, values: object) -> Iterator[str | bytes]:
+        """Yield the frames that answer a question, `done` or `refused` as the last one."""
+        name = values.get("id") if isinstance(values, dict) else None
+        name = name if isinstance(name, str | int) else None
+        try:
+            question = parse_question(values)
+            yield from self._frames(question)
+            done: dict[str, Any] = {"kind": "done", "id": question.id, "document": self._revision}
+        except EditRefused as error:
+            done = {
+                "kind": "refused",
+                "id": name,
+                "refused": [fault.to_json_values() for fault in error.faults[:MAX_FAULTS]],
+            }
+        except (PersonError, OSError) as error:
+            words = error.message if isinstance(error, PersonError) else str(error)
+            remedy = (error.remedy if isinstance(error, PersonError) else None) or ""
+            done = {"kind": "refused", "id": name, "refused": [{"what": words, "remedy": remedy}]}
+        yield json.dumps(done)
+
+    def _frames(self, question: Question) -> Iterator[str | bytes]:
+        engine, answers = self._find(question)
+        engine.on_tick = self.on_tick
+        self._asked = question.id, engine
+        if question.measure is not None:
+            yield from self._moment(engine, question, question.measure - 1.0)
+            return
+        first, last = self._range(engine, question)
+        if first and question.positions != "none":
+            there = (
+                engine.samples(first - 1.0, float(last))
+                if question.positions == "samples"
+                else [engine.at(measure - 1.0) for measure in range(first, last + 2)]
+            )
+            yield from _positions(engine, question, there)
+        plan = engine.plan(first, last) if first and (question.ways or question.notes) else None
+        head = {"id": question.id, "document": self._revision, "from": first, "to": last}
+        if plan is not None and question.ways:
+            dancers = list(range(1, plan.ways.shape[1] + 1))
+            yield json.dumps({"kind": "ways", **head, "dancers": dancers, "ways": way_values(plan)})
+        if question.notes or answers:
+            faults = {} if plan is None else plan_faults(engine, plan, first)
+            doubts = self._doubts(engine, first, last) if question.notes else []
+            yield json.dumps({"kind": "notes", **head, **faults, "notes": doubts, "answers": answers})
+
+    def _range(self, engine: PreviewEngine, question: Question) -> tuple[int, int]:
+        """Return the first and last measure (from 1) that are asked for; zeros for none. PersonError if it is wrong."""
+        if question.segment is not None:
+            first, last = engine.measures_of(question.segment - 1)
+            return first, min(last, first + MAX_RANGE - 1)
+        if question.first is None:
+            if question.last is None and question.positions == "none" and not question.ways:
+                return 0, 0  # the notes of the whole document
+            raise _RANGE
+        first, last = question.first, question.last or question.first
+        if last < first:
+            raise PersonError(f"measures {first} to {last}: the first one comes last", '{"from": 5, "to": 8}')
+        if last - first >= MAX_RANGE:
+            raise PersonError(f"{last - first + 1} measures at once", f"at most {MAX_RANGE}")
+        return first, last
+
+    def _find(self, question: Question) -> tuple[PreviewEngine, list[dict[str, Any]]]:
+        """Return the preview of the document that is asked for, and the answers of the edits."""
+        self._store.refresh()
+        patch = self._store.document.patch
+        if self._store.revision != self._revision:
+            self._engine, former = self._preview_of(patch), self._engine
+            if self._engine is not former:
+                self._branches = [one for one in self._branches if one is not self._engine]
+            self._revision = self._store.revision
+        if question.document not in (None, self._revision):
+            patch = self._store.patch_at(question.document or 0)
+        edits, answers = [], list[dict[str, Any]]()
+        for number, values in enumerate(question.edits, start=1):
+            try:
+                edits.append(parse_edit(values))
+            except PersonError as error:
+                raise PersonError(f"with, edit {number}: {error.message}", error.remedy) from None
+        if edits:
+            if question.document not in (None, self._revision):
+                edits = [replace(edit, base=edit.base or question.document) for edit in edits]
+            patch, answers = self._store.attempt(edits)
+        return self._preview_of(patch), answers
+
+    def _preview_of(self, written: Patch) -> PreviewEngine:
+        """Return the preview of a patch: one that is there, or a new one, which shares what it can."""
+        patch = self._adapt(written)
+        for engine in (self._engine, *self._branches):
+            if engine.patch == patch:
+                return engine
+        if needs_loading(self._engine.patch, patch):
+            engine = PreviewEngine(self._with(written), seed=self._seed)
+        else:
+            engine = self._engine.branch(patch)
+        self._branches = [*self._branches, engine][-MAX_BRANCHES:]
+        return engine
+
+    def _moment(self, engine: PreviewEngine, question: Question, danced: float) -> Iterator[str | bytes]:
+        there = engine.at(danced)
+        yield from _positions(engine, question, [there])
+        if question.joints:
+            dancers = question.joints if isinstance(question.joints, list) else None
+            yield joints_frame(there.tick, engine.view_at(danced).joint_position[: len(there.place)], dancers)
+
+    def _doubts(self, engine: PreviewEngine, first: int, last: int) -> list[dict[str, Any]]:
+        """Return the doubts of `live check`, each with the measure that it names; for a range only those within it, and
+        those of no measure."""
+        kept = next((words for one, patch, words in self._notes if one is engine and patch is engine.patch), None)
+        if kept is None:
+            kept = engine.notes()
+            self._notes = [*self._notes, (engine, engine.patch, kept)][-MAX_BRANCHES:]
+        rows = []
+        for words in kept:
+            found = _MEASURE.search(words)
+            measure = int(found[1]) if found else None
+            if not first or measure is None or first <= measure <= last:
+                rows.append({"measure": measure, "what": words})
+        return rows
+
+
+def _positions(engine: PreviewEngine, question: Question, there: list[Positions]) -> Iterator[str | bytes]:
+    """Yield the order of the dancers, what each binary frame shows, and these frames."""
+    count = len(there[0].place) if there else 0
+    yield json.dumps({"kind": "dancers", "revision": count, "ids": list(range(1, count + 1))})
+    moments = []
+    for one in there:
+        moment: dict[str, Any] = {
+            "tick": one.tick,
+            "measure": round(one.measure + 1.0, 4),
+            "time_s": round(one.tick * TICK, 3),
+        }
+        if question.positions == "measures":
+            moment["steps"] = [engine.describe(node) for node in one.node.tolist()]
+        moments.append(moment)
+    yield json.dumps({"kind": "moments", "id": question.id, "moments": moments})
+    for one in there:
+        yield positions_frame(one.tick, one.place, one.heading, one.present)
+
+
+def open_answers(loaded: LoadedShow, *, seed: int | None = None) -> PreviewAnswers:
+    """Return the answers for the files of a show, without writing any. PersonError if they are not valid."""
+    return PreviewAnswers(loaded, DocumentStore(loaded.path, tables=loaded.tables, dry=True), seed=seed)

@@ -1,0 +1,162 @@
+"""Answers of the preview: the frames are what the engine says, and wrong questions are refused with words."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from live.document.document_store import DocumentStore
+from live.document.edit import Edit
+from live.document.preview import PreviewEngine
+from live.document.preview_answers import MAX_RANGE, PreviewAnswers, open_answers
+from live.show.loader import LoadedShow, load_show
+from live.show.view.stage_frames import joints_frame, positions_frame
+from tests.document.test_preview import TEXT
+
+
+@pytest.fixture
+def loaded(tmp_path: Path) -> LoadedShow:
+    path = tmp_path / "show.toml"
+    path.write_text(TEXT)
+    return load_show(path)
+
+
+def asked(answers: PreviewAnswers, **question: Any) -> tuple[dict[str, Any], list[bytes]]:
+    """Return the text frames of an answer by their kinds, and the binary ones."""
+    question = {key.rstrip("_"): value for key, value in question.items()}
+    texts: dict[str, Any] = {}
+    frames: list[bytes] = []
+    for frame in answers.answer(question):
+        if isinstance(frame, bytes):
+            frames.append(frame)
+        else:
+            told = json.loads(frame)
+            assert told["kind"] not in texts
+            texts[told["kind"]] = told
+    return texts, frames
+
+
+@pytest.mark.parametrize("positions", ["measures", "samples"])
+def test_a_range_is_what_the_engine_says(loaded: LoadedShow, positions: str) -> None:
+    engine = PreviewEngine(loaded)
+    texts, frames = asked(open_answers(loaded), id=7, from_=7, to=9, positions=positions)
+    wanted = [engine.at(measure) for measure in (6.0, 7.0, 8.0, 9.0)]
+    if positions == "samples":
+        wanted = engine.samples(6.0, 9.0)
+        assert len(wanted) > 90
+    assert frames == [positions_frame(one.tick, one.place, one.heading, one.present) for one in wanted]
+    assert [one["tick"] for one in texts["moments"]["moments"]] == [one.tick for one in wanted]
+    assert texts["dancers"]["ids"] == [1, 2, 3, 4, 5, 6]
+    ways = np.array(texts["ways"]["ways"])
+    assert ways.shape == (6, 3 * 32, 2)
+    assert np.abs(ways - engine.plan(7, 9).ways.transpose(1, 0, 2)).max() < 0.001
+    assert texts["notes"]["meetings"] == []
+    assert texts["done"] == {"kind": "done", "id": 7, "document": 0}
+
+
+def test_a_moment_has_positions_and_joints(loaded: LoadedShow) -> None:
+    engine = PreviewEngine(loaded)
+    answers = open_answers(loaded)
+    texts, frames = asked(answers, measure=5.5, joints=True)
+    there = engine.at(4.5)
+    joints = engine.view_at(4.5).joint_position[:6]
+    assert frames == [
+        positions_frame(there.tick, there.place, there.heading, there.present), joints_frame(there.tick, joints)
+    ]  # fmt: skip
+    assert texts["moments"]["moments"][0]["measure"] == pytest.approx(5.5, abs=0.05)
+    _, frames = asked(answers, measure=5.5, joints=[2, 1])
+    assert frames[1] == joints_frame(there.tick, joints, [2, 1])
+    assert len(asked(answers, measure=5.5)[1]) == 1
+
+
+def test_edits_are_tried_and_the_document_stays(loaded: LoadedShow) -> None:
+    answers = open_answers(loaded)
+    plain = asked(answers, from_=8, to=9)
+    edit = {"id": "e", "do": "set", "at": ["segment", 2, "formation"], "value": "line"}
+    wrong = {"id": "w", "do": "set", "at": ["segment", 2, "formation"], "value": "nonsense"}
+    texts, frames = asked(answers, from_=8, to=9, with_=[edit, wrong])
+    patch = loaded.patch.model_copy(
+        update={"segment": (loaded.patch.segment[0], loaded.patch.segment[1].model_copy(update={"formation": "line"}))}
+    )
+    engine = PreviewEngine(loaded).branch(patch)
+    assert frames == [
+        positions_frame(one.tick, one.place, one.heading, one.present) for one in map(engine.at, (7.0, 8.0, 9.0))
+    ]
+    assert [(one["id"], "refused" in one) for one in texts["notes"]["answers"]] == [("e", False), ("w", True)]
+    assert texts["notes"]["answers"][1]["refused"][0]["field"] == "segment.2.formation"
+    assert frames != plain[1]
+    assert asked(answers, from_=8, to=9) == plain
+    assert loaded.path.read_text() == TEXT
+    assert not (loaded.path.parent / ".history").exists()
+
+
+def test_an_accepted_edit_of_another_process_is_taken_in_and_earlier_measures_stay(loaded: LoadedShow) -> None:
+    answers = open_answers(loaded)
+    edit = {"do": "set", "at": ["segment", 2, "formation"], "value": "line"}
+    tried, frames = asked(answers, from_=8, to=9, with_=[edit])
+    plain = asked(answers, from_=8, to=9)[1]
+    DocumentStore(loaded.path).edit(Edit("set", ("segment", 2, "formation"), "line"))
+    ticks = []
+    answers.on_tick = lambda: ticks.append(1)
+    texts, after = asked(answers, from_=8, to=9)
+    assert after == frames  # simulated when it was tried
+    assert not ticks
+    assert texts["done"]["document"] == tried["done"]["document"] + 1 == 1
+    assert asked(answers, from_=8, to=9, document=0)[1] == plain  # compared with what was before
+    loaded.path.write_text("name = ")  # by hand, and not whole yet
+    assert asked(answers, from_=8, to=9)[1] == frames
+
+
+def test_a_segment_stands_for_its_measures(loaded: LoadedShow) -> None:
+    answers = open_answers(loaded)
+    texts, frames = asked(answers, segment=1, positions="none", notes=False)
+    assert (texts["ways"]["from"], texts["ways"]["to"]) == (2, 4)
+    assert not frames
+    assert set(texts) == {"ways", "done"}
+    assert "there is no segment 3" in asked(answers, segment=3)[0]["refused"]["refused"][0]["what"]
+
+
+def test_a_segment_of_a_section_is_found_after_repeated_ones(tmp_path: Path) -> None:
+    path = tmp_path / "show.toml"
+    sections = "".join(
+        f'[[section]]\nname = "{name}"\nmeasures = 4\nrepeat = {repeat}\n' for name, repeat in (("a", 3), ("b", 1))
+    )
+    path.write_text(
+        TEXT.replace("[[segment]]", f'{sections}[[segment]]\nsection = "b"', 1).replace("measure = 8", "measure = 4")
+    )
+    answers = open_answers(load_show(path))
+    found = [asked(answers, segment=number, positions="none")[0]["ways"] for number in (1, 2)]
+    assert [(one["from"], one["to"]) for one in found] == [(14, 16), (4, 4)]
+
+
+def test_doubts_stand_at_their_measures(loaded: LoadedShow) -> None:
+    answers = open_answers(loaded)
+    far = {"do": "change", "at": ["segment", 2], "value": {"formation": None, "path": [[2.5, 0.0], [-5.0, 0.0]]}}
+    texts, _ = asked(answers, from_=8, to=8, with_=[far])
+    assert {one["measure"] for one in texts["notes"]["too_far"]} == {8}
+    assert any(one["measure"] == 8 and "m to go" in one["what"] for one in texts["notes"]["notes"])
+    texts, _ = asked(answers, positions="none", ways=False, with_=[far])
+    assert any("m to go" in one["what"] for one in texts["notes"]["notes"])
+    texts, _ = asked(answers, from_=1, to=2, with_=[far])
+    assert not [one for one in texts["notes"]["notes"] if one["measure"] == 8]
+
+
+@pytest.mark.parametrize(
+    "question",
+    [
+        None, 7, "x", [], {}, {"from": 0}, {"from": 5, "to": 4}, {"from": 1, "to": 1 + MAX_RANGE}, {"from": 1e9},
+        {"measure": float("nan")}, {"measure": 0.5}, {"measure": 10**9}, {"from": True}, {"from": "1"}, {"segment": 99},
+        {"from": 1, "to": 2, "with": 5}, {"from": 1, "with": [{"do": "burn", "at": ["seed"]}]}, {"from": 1, "x": 2},
+        {"from": 1, "with": [{}] * 201}, {"from": 1, "document": 99}, {"from": 1, "positions": "all"},
+        {"measure": 2.0, "joints": ["x"]}, {"id": [], "from": 1}, {"id": "x" * 101, "from": 1},
+    ],
+)  # fmt: skip
+def test_wrong_questions_are_refused_with_words(loaded: LoadedShow, question: Any) -> None:
+    answers = open_answers(loaded)
+    (frame,) = answers.answer(question)
+    told = json.loads(frame)
+    assert told["kind"] == "refused"
+    assert all(one["what"] for one in told["refused"])
+    assert "done" in asked(answers, from_=1, id="a")[0]
