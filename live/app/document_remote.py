@@ -52,26 +52,37 @@ class RemoteDocument:
             found.append({**answer, "id": edit.id})
         return found
 
-    def command(self, what: str, *values: Any) -> dict[str, Any]:
-        """Send `undo`, `redo`, `restore` or `keep/…` and return its answer."""
+    def command(self, what: str, *values: Any, timeout: float = TIMEOUT) -> dict[str, Any]:
+        """Send `undo`, `redo`, `restore`, `music` or `keep/…` and return its answer; wait `timeout` [s] for it."""
         word = what.partition("/")[0]
-        return self._ask(f"/dance/document/{what}", (*values, self._by), lambda one: one.get("what") == word)
+        address, sent = f"/dance/document/{what}", (*values, self._by)
+        return self._ask(address, sent, lambda one: one.get("what") == word, timeout)
 
     def log(self) -> list[dict[str, Any]]:
         """Return the latest revisions."""
         return self._read(LOG)
 
-    def _ask(self, address: str, values: tuple[Any, ...], fits: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+    def _ask(
+        self,
+        address: str,
+        values: tuple[Any, ...],
+        fits: Callable[[dict[str, Any]], bool],
+        timeout: float | None = None,
+    ) -> dict[str, Any]:
         """Send a command and return the first answer that was not there before and that `fits`."""
         before = self._read(ANSWERS)
         self._send(address, values)
-        end = time.monotonic() + self._timeout
+        end = time.monotonic() + (timeout or self._timeout)
         while time.monotonic() < end:
             answers = self._read(ANSWERS)
             new = answers[len(before) :] if answers[: len(before)] == before else answers
             for answer in new:
                 if fits(answer) and answer not in before:
-                    return {key: answer[key] for key in ("id", "revision", "inverse", "refused") if key in answer}
+                    return {
+                        key: answer[key]
+                        for key in ("id", "revision", "inverse", "refused", "notes", "note_count")
+                        if key in answer
+                    }
         raise PersonError(f"the show at {self._where} did not answer the edit", "is this its operators' OSC port?")
 
     def _read(self, address: str) -> list[dict[str, Any]]:

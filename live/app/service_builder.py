@@ -96,7 +96,7 @@ class ServiceBuilder:
         def open_store() -> DocumentStore:
             return DocumentStore(loaded.path, tables=loaded.tables, date=edit_date)
 
-        document = DocumentService(watch, self.engine.show, open_store)
+        document = DocumentService(watch, self.engine.show, loaded.path, open_store)
         self.document_revision = lambda: document.revision
         self.add("document", document)
         self.publisher.add_value("/dance/status/document", lambda: document.revision)

@@ -182,6 +182,7 @@ class Session:
         self.status.extra_figures["parts"] = FAULTS.facts
         self.status.notices.append(FAULTS.problem)
         self.engine.event_listeners.append(self._handle_device_event)
+        self.engine.patch_listeners.append(self._audio.update_patch)
         self.pressure = Pressure()
         """Load measure, for code that can draw less."""
         self.status.extra_figures["pressure"] = lambda: round(self.pressure.value, 3)

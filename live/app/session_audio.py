@@ -17,13 +17,13 @@ from live.base.errors import PersonError, error_context
 from live.base.event_queue import EventQueue
 from live.clock.follower.manual_control import TrackerHint
 from live.clock.map_clock import MapClock
-from live.clock.measure_map import MeasureMap
 from live.clock.time_source import Clock, SystemClock
 from live.control.audio.devices import device_error
 from live.control.audio.music_file import Music, MusicFileError, read_music
 from live.control.events.events import ControlEvent, RestartAudio, SetLatency
 from live.control.midi.midi_file import read_song
 from live.show.loader import LoadedShow
+from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import is_file
 from live.show.show import Show
 from live.show.venue.venue import Latencies, Venue
@@ -124,33 +124,37 @@ def _music(path: Path) -> Music:
         raise PersonError(str(error)) from None
 
 
-def make_show_analysis(loaded: LoadedShow, show: Show, sound: AudioChoice | None = None) -> "MakeAnalysis":
-    """Return a factory of analyses with the patch's tracker, this show's manual settings of the beat, and the patch's
-    measure map for the patch's music.
+def make_map_clock(sound: AudioChoice, patch: Patch) -> MapClock | None:
+    """Return the clock of the measures of a patch's music; None for other sound."""
+    if not sound.from_patch or sound.music is None:
+        return None
+    return MapClock(patch.music.measures, sound.music.duration)
+
+
+def make_show_analysis(loaded: LoadedShow, show: Show, measures: MapClock | None = None) -> "MakeAnalysis":
+    """Return a factory of analyses with the patch's tracker, this show's manual settings of the beat, and the known
+    measures of its music.
 
     Each analysis replaces the one before (a device that came back, another sample rate, a failed analysis) and keeps
     the manual settings.
     """
     seeds: deque[TrackerHint] = deque(maxlen=64)
     show.seed_tracker(seeds.append)
-    music = None if sound is None or not sound.from_patch else sound.music
-    known = None if music is None else loaded.patch.music.measures
-    return make_analysis_factory(loaded.patch.clock.tracker, seeds, known, 0.0 if music is None else music.duration)
+    return make_analysis_factory(loaded.patch.clock.tracker, seeds, measures)
 
 
 def make_analysis_factory(
-    tracker: "TrackerName", seeds: deque[TrackerHint], measures: MeasureMap | None = None, duration: float = 0.0
+    tracker: "TrackerName", seeds: deque[TrackerHint], measures: MapClock | None = None
 ) -> "MakeAnalysis":
     """Return a factory of analyses with that tracker, each replacing the one before; `seeds`: manual settings;
-    `measures`: the known measures of music that lasts `duration` [s]."""
+    `measures`: the known measures of the music."""
     from live.control.audio.analysis import AudioAnalysis
 
     former: AudioAnalysis | None = None
 
     def make(rate: float) -> AudioAnalysis:
         nonlocal former
-        known = None if measures is None else MapClock(measures, duration)
-        analysis = AudioAnalysis(rate, tracker=tracker, seeds=seeds, energy=True, measures=known)
+        analysis = AudioAnalysis(rate, tracker=tracker, seeds=seeds, energy=True, measures=measures)
         if former is not None:
             analysis.take_over(former)
         former = analysis
@@ -168,7 +172,6 @@ def audio_plan(sound: AudioChoice, loaded: LoadedShow) -> dict[str, Any]:
         "output": sound.output,
         "one_at": loaded.patch.music.first_downbeat if sound.from_patch else None,
         "tracker": loaded.patch.clock.tracker,
-        "measures": [line.model_dump() for line in loaded.patch.music.line] if sound.from_patch else [],
     }
 
 
@@ -179,8 +182,10 @@ def make_audio(
     latencies: Latencies,
     inbox: EventQueue[ControlEvent],
     clock: Clock,
+    measures: MapClock | None = None,
 ) -> tuple[AudioSource | None, Callable[[ControlEvent], None]]:
-    """Return the source of a show, and the handler for events that concern it."""
+    """Return the source of a show, and the handler for events that concern it; `measures`: the known ones of its
+    music."""
     if sound.music is not None:
         from live.control.audio.music_player import MusicPlayer
 
@@ -194,7 +199,7 @@ def make_audio(
                 output=output,
                 latency=latencies.output,
                 one_at=one_at,
-                analysis=make_show_analysis(loaded, show, sound),
+                analysis=make_show_analysis(loaded, show, measures),
             )
         except ValueError as error:  # the named output does not exist
             raise PersonError(f"the venue's audio.output: {error}") from None
@@ -214,7 +219,7 @@ def make_audio(
         clock,
         channels=_channels(sound.channels),
         latency=latencies.input,
-        analysis=make_show_analysis(loaded, show, sound),
+        analysis=make_show_analysis(loaded, show, measures),
     )
 
     def to_listener(event: ControlEvent) -> None:
@@ -237,6 +242,7 @@ class SessionAudio:
     ) -> None:  # fmt: skip
         """Make the source without starting it; raise PersonError if that fails."""
         self._sound = sound
+        self._measures = make_map_clock(sound, show.patch)
         self._remote: AudioClient | None = None
         self.source: AudioSource | None
         """The source; None for a show without audio."""
@@ -244,11 +250,12 @@ class SessionAudio:
         """Handler for events that concern the audio."""
         there = None if lifeline is None else lifeline.sound
         if there is None or (sound.music is None and sound.device is None):
-            self.source, self.handle = make_audio(sound, loaded, show, latencies, inbox, clock)
+            self.source, self.handle = make_audio(sound, loaded, show, latencies, inbox, clock, self._measures)
             return
         plan = audio_plan(sound, loaded)
         self._remote = AudioClient(there, plan, show, latencies, inbox, clock, resumed=resumed)
         self.source, self.handle = self._remote, self._remote.handle
+        self.update_patch(show.patch)
 
     @property
     def input_source(self) -> AudioSource | None:
@@ -275,6 +282,15 @@ class SessionAudio:
             raise
         except Exception as error:  # PortAudioError; its class exists only with PortAudio installed
             raise device_error(error, "--audio", self._sound.device) from None
+
+    def update_patch(self, patch: Patch) -> None:
+        """Follow the measure lines of an edited patch, if its music plays."""
+        if not self._sound.from_patch:
+            return
+        if self._measures is not None:
+            self._measures.replace(patch.music.measures)
+        if self._remote is not None:
+            self._remote.set_measures(patch.music.measures)
 
     def frame(self) -> None:
         """Receive the audio process' messages, before each frame."""

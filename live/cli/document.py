@@ -107,6 +107,11 @@ def _print_answer(what: str, answer: dict[str, Any], *, dry: bool = False) -> No
 
     if "refused" not in answer:
         print(f"{what}: " + ("would be accepted" if dry else f"revision {answer['revision']}"))
+        for note in answer.get("notes", ()):
+            print(f"  {Fault(**note)}")
+        more = answer.get("note_count", 0) - len(answer.get("notes", ()))
+        if more > 0:
+            print(f"  ... and {more} more; `live check` lists them")
         return
     print(f"{what}: refused")
     for fault in answer["refused"]:
@@ -245,6 +250,65 @@ def _return(
         _print_answer(what, answer)
     if "refused" in answer:
         raise typer.Exit(1)
+
+
+@app.command("music")
+def music(
+    show: SHOW,
+    file: Annotated[str, typer.Argument(help="The music: a file in the show's folder.")],
+    lines: Annotated[
+        str | None,
+        typer.Option(help="Its measure lines, a file in the show's folder. Left out: as the tracker proposes them."),
+    ] = None,
+    fix: Annotated[
+        Path | None, typer.Option(help="Corrections of the proposal, as a JSON list (docs/music.md).")
+    ] = None,
+    by: BY = None,
+    to: TO = None,
+    as_json: JSON = False,
+) -> None:
+    """Replace the music of a show and its measures, as one revision. The score keeps its measures; what no longer fits
+    is named at its place."""
+    from live.base.errors import PersonError
+
+    if to is not None:
+        if fix is not None:
+            raise PersonError("--fix with --to: a running show proposes by itself", "give --lines (live music map)")
+        with _remote(to, by) as remote:
+            answer = remote.command("music", file, lines or "", timeout=REMOTE_MUSIC_TIMEOUT)
+    else:
+        answer = _replace_music(show, file, lines, fix, by or "")
+    if as_json:
+        print(json.dumps(answer, ensure_ascii=False))
+    else:
+        _print_answer("music", answer)
+    if "refused" in answer:
+        raise typer.Exit(1)
+
+
+REMOTE_MUSIC_TIMEOUT = 600.0
+"""Longest wait for a running show to hear the music [s]."""
+
+
+def _replace_music(show: str, file: str, lines: str | None, fix: Path | None, by: str) -> dict[str, Any]:
+    from live.app.offline.music_map import read_fixes, read_measures
+    from live.base.errors import PersonError
+    from live.document.document_store import refused_json_values
+    from live.document.edit import EditRefused
+    from live.show.patch.patch_search_path import find_patch, find_resource
+
+    path = find_patch(show)
+    found = {name: find_resource(name, path) for name in (file, lines) if name is not None}
+    for name, where in found.items():
+        if where is None:
+            raise PersonError(f"there is no file {name!r} in {path.parent}", "put it next to the patch")
+    sound = found[file]
+    assert sound is not None
+    measures = read_measures(sound, [] if fix is None else read_fixes(fix), None if lines is None else found[lines])
+    try:
+        return _open(show).replace_music(file, measures, by).to_json_values(None)
+    except EditRefused as error:
+        return refused_json_values(None, error)
 
 
 @app.command("keep")

@@ -26,28 +26,10 @@ def measure_map(
     as_json: Annotated[bool, typer.Option("--json", help="Print the map as JSON.")] = False,
 ) -> None:
     """Find the measure lines of a whole piece, correct them, and write them for the show or other programs."""
-    from live.app.offline.music_map import MapProposal, hear, map_values, read_fixes
-    from live.base.errors import PersonError
-    from live.control.audio.music_file import MusicFileError, read_music
-    from live.library.music_map_file import read_map, write_map
+    from live.app.offline.music_map import map_values, read_fixes, read_measures
+    from live.library.music_map_file import write_map
 
-    fixes = [] if fix is None else read_fixes(fix)
-    try:
-        music = read_music(file)
-    except MusicFileError as error:
-        raise PersonError(str(error)) from None
-    if start is not None:
-        if fixes:
-            raise PersonError("--fix corrects a proposal", "leave out --from")
-        found = read_map(start)
-    else:
-        proposal = MapProposal(hear(music))
-        for number, each in enumerate(fixes, start=1):
-            try:
-                proposal.correct(each)
-            except PersonError as error:
-                raise PersonError(f"{fix}: correction {number}: {error.message}", error.remedy) from None
-        found = proposal.map()
+    found = read_measures(file, [] if fix is None else read_fixes(fix), start)
     if out is not None:
         write_map(found, out)
     if as_json:

@@ -13,20 +13,24 @@ from pathlib import Path
 from typing import IO, Any, Final
 
 from live.base.errors import PersonError
+from live.clock.measure_map import MeasureMap
 from live.document.document import Document, DocumentFile, Splice
 from live.document.edit import Edit, EditRefused, Fault
 from live.document.edit_actions import apply_edits, concerned
 from live.document.history import (
     Revision,
+    Shifts,
     What,
     check_conflict,
     differences,
     history_line,
+    in_force,
     read_history,
     rebased,
     texts_at,
     texts_hash,
 )
+from live.document.music_edits import music_edits, music_faults
 from live.document.place import refuse
 from live.library.disk_cache import read_regular_file
 from live.library.whole_file import write_atomically
@@ -39,6 +43,8 @@ HISTORY_FOLDER: Final = ".history"
 _BOM: Final = b"\xef\xbb\xbf"
 Check = Callable[[Patch], Sequence[PersonError]]
 """Returns why a show of a valid patch would not start, with keys where the errors have a place."""
+MakeEdits = Callable[[Patch], Sequence[Edit]]
+"""Makes edits for the patch as it is written now."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,13 +52,16 @@ class Accepted:
     """The answer to an edit that was accepted."""
 
     revision: Revision
+    notes: tuple[Fault, ...] = ()
+    """What no longer fits, though it is valid."""
 
     def to_json_values(self, edit_id: str | int | None) -> dict[str, Any]:
         """Return it as values for JSON: the answer to an edit."""
         inverse = self.revision.inverse
         exact = tuple(splice.reverse() for splice in reversed(self.revision.splices))
         kept = None if inverse is None else replace(inverse, base=self.revision.number, exact=exact).to_json_values()
-        return {"id": edit_id, "revision": self.revision.number, "inverse": kept}
+        answer = {"id": edit_id, "revision": self.revision.number, "inverse": kept}
+        return answer | ({"notes": [note.to_json_values() for note in self.notes]} if self.notes else {})
 
 
 def refused_json_values(edit_id: str | int | None, error: EditRefused) -> dict[str, Any]:
@@ -228,10 +237,21 @@ class DocumentStore:
         self._take_in()
         return self._commit([rebased(edit, self._since(edit.base))], "edit", by=edit.by)
 
-    def edit_together(self, edits: Sequence[Edit], by: str) -> Accepted:
-        """Apply edits as one revision, which is undone as one; EditRefused with all faults changes nothing."""
+    def keep(self, make: MakeEdits, by: str) -> Accepted:
+        """Apply the edits that keep something as one revision, which is undone as one; EditRefused with all faults
+        changes nothing."""
         self._take_in()
-        return self._commit(edits, "keep", by=by)
+        return self._commit(make(self.document.patch), "keep", by=by)
+
+    def replace_music(self, file: str | None, measures: MeasureMap | None, by: str) -> Accepted:
+        """Replace the music's file (None: it stays) and its measure lines as one revision, and tell what of the score
+        does not fit them; EditRefused with all faults changes nothing."""
+        self._take_in()
+        edits = music_edits(self.document.patch, file, measures)
+        if not edits:
+            raise refuse(("music",), "it is the same music with the same measures")
+        accepted = self._commit(edits, "music", by=by)
+        return replace(accepted, notes=tuple(music_faults(self.document)))
 
     def attempt(self, edits: Sequence[Edit]) -> tuple[Patch, list[dict[str, Any]]]:
         """Return the patch that edits would give, one after the other, and their answers as values for JSON; those that
@@ -281,7 +301,7 @@ class DocumentStore:
         if not self.revisions[0].number <= base <= self.revision:
             known = f"known are {self.revisions[0].number} to {self.revision}"
             raise EditRefused(Fault(f"base: there is no revision {base}", field="base", remedy=known))
-        return self.revisions[base - self.revisions[0].number + 1 :]
+        return in_force(self.revisions[base - self.revisions[0].number + 1 :])
 
     def _commit(self, edits: Sequence[Edit], what: What, *, by: str, of: int | None = None) -> Accepted:
         former, first = self.document.patch, edits[0]
@@ -367,7 +387,7 @@ class DocumentStore:
             )
         exact = tuple(splice.reverse() for splice in reversed(target.splices))
         if target.inverse is None:
-            return self._commit_texts(exact, what, by or "", target.number)
+            return self._commit_texts(exact, what, by or "", target.number, shifts=target.reversed_shifts)
         inverse = replace(target.inverse, by=by or "", base=target.number, exact=exact)
         edits = [rebased(inverse, self._since(target.number))]
         return self._commit(edits, what, by=inverse.by, of=target.number)
@@ -376,7 +396,7 @@ class DocumentStore:
         """Return a person's last revision that was not undone."""
         undone = {revision.of for revision in self.revisions if revision.what == "undo"}
         for revision in reversed(self.revisions):
-            is_edit = revision.what in ("edit", "keep", "restore", "redo") and revision.number not in undone
+            is_edit = revision.what in ("edit", "keep", "music", "restore", "redo") and revision.number not in undone
             if is_edit and by in (None, revision.by):
                 return revision
         return None
@@ -389,7 +409,7 @@ class DocumentStore:
                 continue
             if revision.what == "undo":
                 return revision
-            if revision.what in ("edit", "keep", "restore"):
+            if revision.what in ("edit", "keep", "music", "restore"):
                 return None
         return None
 
@@ -400,7 +420,7 @@ class DocumentStore:
         blocks = {name: DocumentFile(name, text, self.path).texts for name, text in texts.items()}
         return self._commit_texts(differences(_block_texts(self.document), blocks), "restore", by, number)
 
-    def _commit_texts(self, splices: Sequence[Splice], what: What, by: str, of: int) -> Accepted:
+    def _commit_texts(self, splices: Sequence[Splice], what: What, by: str, of: int, shifts: Shifts = ()) -> Accepted:
         """Apply splices of texts, check and save them."""
         former, done = self.document.patch, list[Splice]()
         try:
@@ -413,7 +433,7 @@ class DocumentStore:
             except PersonError as error:
                 raise EditRefused(Fault(error.message, remedy=error.remedy or "")) from None
             self._try_patch()
-            revision = self._revision(what, by=by, of=of, splices=tuple(done))
+            revision = self._revision(what, by=by, of=of, splices=tuple(done), shifts=shifts)
             if done:
                 self._save(done, revision)
         except BaseException:

@@ -20,7 +20,8 @@ from live.document.place import path_text, refuse
 from live.show.patch.toml_model import key_text
 
 MAX_HISTORY_BYTES: Final = 200_000_000
-What = Literal["edit", "keep", "undo", "redo", "restore", "files"]
+Shifts = tuple[tuple[tuple[str, ...], int, int], ...]
+What = Literal["edit", "keep", "music", "undo", "redo", "restore", "files"]
 
 
 class _Splice(BaseModel):
@@ -53,8 +54,8 @@ class Revision:
     number: int
     """From 1; 0 is the state in which the history begins."""
     what: What
-    """An edit, something made live that is kept, an undo or redo, a return to an earlier revision, or a change of the
-    files by another program."""
+    """An edit, something made live that is kept, other music, an undo or redo, a return to an earlier revision, or a
+    change of the files by another program."""
     by: str = ""
     """Who made it."""
     date: str = ""
@@ -66,7 +67,7 @@ class Revision:
     splices: tuple[Splice, ...] = ()
     keys: tuple[tuple[str | int, ...], ...] = ()
     """The keys that it changed, entries by number from 0, after it."""
-    shifts: tuple[tuple[tuple[str, ...], int, int], ...] = ()
+    shifts: Shifts = ()
     """The entries that it inserted (list, -1, index), removed (list, index, -1) or moved."""
     texts: str = ""
     """Hash of all files after it."""
@@ -94,14 +95,19 @@ class Revision:
         match self.what:
             case "edit":
                 return did.strip()
-            case "keep":
-                return f"keep: {did.strip()}"
+            case "keep" | "music":
+                return f"{self.what}: {did.strip()}"
             case "files" if not self.splices:
                 return "the history begins here"
             case "files":
                 return f"another program changed {', '.join(dict.fromkeys(one.file for one in self.splices))}"
             case _:
                 return f"{self.what} of revision {self.of}" + (f": {did.strip()}" if did else "")
+
+    @property
+    def reversed_shifts(self) -> Shifts:
+        """The `shifts` of what takes it back."""
+        return tuple((names, end, begin) for names, begin, end in reversed(self.shifts))
 
     def shifted(self, names: tuple[str, ...], number: int) -> int | None:
         """Return the number after this revision of the entry that was `number` before it; None if it was removed."""
@@ -216,6 +222,17 @@ def differences(old: Mapping[str, Iterable[str]], new: Mapping[str, Iterable[str
 def history_line(revision: Revision) -> bytes:
     """Return the line of a revision."""
     return json.dumps(revision.to_json_values(), ensure_ascii=False, separators=(",", ":")).encode() + b"\n"
+
+
+def in_force(revisions: Sequence[Revision]) -> list[Revision]:
+    """Leave out pairs of neighbours of which the second takes back the first: together they change nothing."""
+    kept: list[Revision] = []
+    for one in revisions:
+        if kept and one.what in ("undo", "redo") and one.of == kept[-1].number:
+            kept.pop()
+        else:
+            kept.append(one)
+    return kept
 
 
 def rebased(edit: Edit, later: Sequence[Revision]) -> Edit:

@@ -245,7 +245,7 @@ class PreviewEngine:
 def first_change(old: Patch, new: Patch) -> int | None:
     """Return the first measure of the whole score (from 1) in which two patches differ; None for anything else."""
     for name in Patch.model_fields:
-        if name not in SCORE_KINDS and getattr(old, name) != getattr(new, name):
+        if name not in (*SCORE_KINDS, "music") and getattr(old, name) != getattr(new, name):
             return None
     measures: list[int] = []
     for name in SCORE_KINDS:

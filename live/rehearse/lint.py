@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Final
 
+from live.rehearse.music_lint import music_warnings
 from live.rehearse.score_lint import cue_warnings, formation_warnings, section_warnings, sequence_warnings
 from live.show.group.dry_run import dry_run_warnings
 from live.show.patch.patch import Patch
@@ -111,12 +112,13 @@ def lint_show(show: Show) -> list[LintSection]:
         ("improvisations", len(patch.improvise), call_response_warnings(patch), "see docs/score.md"),
         ("cues", len(patch.cue), cue_warnings(patch),
          "make the fade or the count-in shorter, or place them later"),
+        ("music", len(patch.music.line), music_warnings(patch), "see docs/music.md"),
         ("cameras", 1 + len(patch.view), camera_warnings(patch), "place it higher"),
         ("formations", len(patch.formation), formation_warnings(show), "see `live formation`"),
         ("ends", len(patch.segment) + len(patch.element), span_warnings(patch), "fewer measures, or begin earlier"),
         ("ways", len(patch.segment), dry_run_warnings(show), "see docs/evolutions.md"),
     )  # fmt: skip
-    things = {"ways": "segments", "ends": "segments and elements"}
+    things = {"music": "measure lines", "ways": "segments", "ends": "segments and elements"}
     return [
         LintSection(name, f"{count} {things.get(name, name)}", words, remedy) for name, count, words, remedy in rows
     ]

@@ -62,3 +62,19 @@ def test_the_timeline_follows_a_band_within_5_ms(seed: int, run: TempoRun) -> No
             worst = max(worst, abs(error) * 60.0 / timeline.tempo)
     assert follower.source == "map"
     assert worst < 0.005
+
+
+def test_a_corrected_map_is_told_from_then_on() -> None:
+    clock = MapClock(None, 60.0)
+    assert list(clock.until(1.0)) == []
+    assert not clock.is_known
+    clock.replace(steady_map(120.0, 0.0, 4, 20))
+    assert [beat.position for step in (2.0, 2.6) for beat in clock.until(step)] == [2.0, 2.5]
+    clock.replace(steady_map(120.0, 0.0, 4, 20))  # the same: nothing is told again
+    assert list(clock.until(2.9)) == []
+    clock.replace(steady_map(120.0, 0.3, 3, 20))
+    beats = [beat for step in (2.9, 3.4) for beat in clock.until(step)]
+    assert [beat.position for beat in beats] == pytest.approx([2.8, 3.3])
+    assert [(beat.beat, beat.beats_per_measure) for beat in beats] == [(2, 3), (0, 3)]
+    clock.replace(None)
+    assert list(clock.until(4.0)) == []

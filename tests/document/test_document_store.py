@@ -160,6 +160,16 @@ def test_numbers_mean_the_entries_of_the_revision_that_was_seen(path: Path) -> N
         put(store, ("seed",), 2, base=99)
 
 
+def test_an_entry_that_was_removed_and_given_back_meanwhile_can_be_edited(path: Path) -> None:
+    store = DocumentStore(path)
+    store.edit(Edit("delete", ("segment", 1), by="ana"))
+    with pytest.raises(EditRefused, match="ana removed it meanwhile, in revision 1"):
+        put(store, ("segment", 1, "formation"), "star", by="bea", base=0)
+    store.undo("ana")
+    put(store, ("segment", 1, "formation"), "star", by="bea", base=0)
+    assert [one.formation for one in read_patch(path).segment] == ["star", "line", "grid"]
+
+
 def test_what_another_program_writes_is_taken_in_and_kept(path: Path) -> None:
     store = DocumentStore(path)
     put(store, ("seed",), 4, by="ana")

@@ -19,7 +19,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from live.app.launch_options import LaunchOptions
 from live.app.live_recording import film_sound, film_writer
 from live.app.services.midi_service import attach_midi_file
-from live.app.session_audio import AudioChoice, make_show_analysis, start_tempo
+from live.app.session_audio import AudioChoice, make_map_clock, make_show_analysis, start_tempo
 from live.app.session_records import resident_megabytes
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
@@ -72,7 +72,9 @@ def film_show(
     one_at = loaded.patch.music.first_downbeat if sound.from_patch else None
     music = None
     if sound.music is not None:
-        music = OfflineMusic(sound.music, one_at=one_at, analysis=make_show_analysis(loaded, show, sound))
+        music = OfflineMusic(
+            sound.music, one_at=one_at, analysis=make_show_analysis(loaded, show, make_map_clock(sound, loaded.patch))
+        )
     engine.guides = guides
     attach_midi_file(options.midi_file, show, engine)
     frames = max(1, math.ceil(seconds * options.film_fps))

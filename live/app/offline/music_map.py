@@ -1,7 +1,11 @@
 """Measure map of a music file for `live music map`: proposed, corrected by fixes, read and written in other forms."""
 
+import contextlib
 import json
+import os
 import statistics
+import subprocess
+import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,9 +19,14 @@ from live.clock.measure_map import MeasureLine, MeasureMap, Phrase
 from live.clock.tracking.beat_network import ActivationStream, BeatNetwork
 from live.clock.tracking.offline_beats import HIGH_BPM, LOW_BPM, Activations, Beats, find_beats
 from live.control.audio.analysis import beat_weights
-from live.control.audio.music_file import Music
+from live.control.audio.music_file import Music, MusicFileError, read_music
+from live.library.music_map_file import read_map
+from live.show.patch.patch_search_path import find_resource
 
 BLOCK: Final = 4096
+PROPOSAL_NICE: Final = 15
+PROPOSAL_TIMEOUT: Final = 600.0
+"""Longest time for the measures of a piece [s]."""
 OCTAVE: Final = (0.8, 1.25)
 """Range of the tempo around half or double the former one."""
 MAX_MUSIC_S: Final = 3600.0
@@ -168,6 +177,59 @@ def map_of_beats(beats: Beats) -> MeasureMap:
         end = starts[number] if number < len(starts) else start + int(beats.metre[start])
         lines.append(MeasureLine(round(float(beats.time[start]), 4), number, end - start))
     return MeasureMap(lines)
+
+
+def read_measures(music: Path, fixes: Sequence[Fix] = (), lines: Path | None = None) -> MeasureMap:
+    """Return the measures of a music file: those in `lines`, or as the tracker proposes them with a person's `fixes`.
+
+    PersonError for a faulty file, and for a correction that fits nothing.
+    """
+    try:
+        sound = read_music(music)
+    except MusicFileError as error:
+        raise PersonError(str(error)) from None
+    if lines is not None:
+        if fixes:
+            raise PersonError("corrections are for a proposal", "leave out --fix, or the lines")
+        return read_map(lines)
+    proposal = MapProposal(hear(sound))
+    for number, each in enumerate(fixes, start=1):
+        try:
+            proposal.correct(each)
+        except PersonError as error:
+            raise PersonError(f"correction {number}: {error.message}", error.remedy) from None
+    return proposal.map()
+
+
+def measures_of_resource(patch: Path, file: str, lines: str = "") -> MeasureMap:
+    """Return the measures of a music file that the patch in `patch` can name: those in the file `lines`, or as the
+    tracker proposes them in a process of its own, at low priority.
+
+    PersonError for a file that is missing or faulty.
+    """
+    music, known = find_resource(file, patch), find_resource(lines, patch) if lines else None
+    missing = file if music is None else lines if lines and known is None else None
+    if music is None or missing is not None:
+        raise PersonError(f"there is no file {missing!r}", "put it next to the patch")
+    if known is not None:
+        return read_map(known)
+    command = [sys.executable, "-m", "live", "music", "map", str(music), "--json"]
+    process = subprocess.Popen(
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
+    )
+    with contextlib.suppress(OSError, AttributeError):
+        os.setpriority(os.PRIO_PROCESS, process.pid, PROPOSAL_NICE)
+    try:
+        told, errors = process.communicate(timeout=PROPOSAL_TIMEOUT)
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.wait()
+        raise PersonError(f"the measures of {file!r} were not found within {PROPOSAL_TIMEOUT:g} s") from None
+    if process.returncode:
+        raise PersonError(" ".join(errors.decode(errors="replace").split())[-400:] or f"{file!r} cannot be heard")
+    values = json.loads(told)
+    rows = [MeasureLine(one["time_s"], one["measure"], one["beats"], one["tempo"]) for one in values["lines"]]
+    return MeasureMap(rows, [Phrase(one["measure"], one["name"]) for one in values["phrases"]])
 
 
 def map_values(found: MeasureMap, beats: Sequence[float] = ()) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.app.session_audio import AudioChoice, make_show_analysis
+from live.app.session_audio import AudioChoice, make_map_clock, make_show_analysis
 from live.base.picture_parameters import BY_ADDRESS, STYLE_ADDRESS_PREFIX, group_parameter
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
@@ -127,7 +127,9 @@ def moments_of_patch(
     music = None
     if sound.music is not None:
         one_at = loaded.patch.music.first_downbeat if sound.from_patch else None
-        music = OfflineMusic(sound.music, one_at=one_at, analysis=make_show_analysis(loaded, show, sound))
+        music = OfflineMusic(
+            sound.music, one_at=one_at, analysis=make_show_analysis(loaded, show, make_map_clock(sound, loaded.patch))
+        )
     taking = MomentSelector(show, every, 0)
     for tick in range(1, math.ceil(seconds / TICK) + 1):
         for event in [] if music is None else music.events_until(tick * TICK):

@@ -18,6 +18,7 @@ from live.app.processes.resume_state import ResumeState
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
 from live.clock.follower.manual_control import TrackerHint
+from live.clock.measure_map import MeasureMap
 from live.clock.time_source import SystemClock
 from live.control.events.event_json import event_from_json, event_to_json
 from live.control.events.events import ChooseAudio, ControlEvent, RestartAudio, SetLatency, SourceChanged
@@ -27,6 +28,8 @@ from live.show.venue.venue import Latencies
 START_TIMEOUT: Final = 30.0
 """Time limit [s] for the process to start to play or listen: it loads the tracker first."""
 MAX_PACKET_BYTES: Final = 1 << 16
+ROWS_PER_PACKET: Final = 500
+"""Measure lines in a packet."""
 LOST_TIMEOUT: Final = 1.0
 """Seconds without a message after which the source counts as lost: the process reports five times a second."""
 
@@ -48,6 +51,8 @@ class AudioClient:
         """Start time of the audio [s of the show]."""
         self._facts: dict[str, Any] = {"state": "starting", "problem": ""}
         self._seeds: deque[dict[str, Any]] = deque(maxlen=64)
+        self._rows: list[tuple[Any, ...]] = []
+        self._unsent_rows: deque[dict[str, Any]] = deque()  # one packet each
         self._last_message_at = clock.now()
         self._lost = False
         self.level: float | None = None
@@ -70,6 +75,7 @@ class AudioClient:
                 raise PersonError(
                     f"the audio did not start within {START_TIMEOUT:g} s", "--alone runs everything in one process"
                 )
+            self._send_rows()
             select.select([self._socket], [], [], 0.1)
             for told in self._packets():
                 if "refused" in told:
@@ -85,6 +91,7 @@ class AudioClient:
 
     def frame(self) -> None:
         """Receive messages since the last frame, and check whether the process still reports."""
+        self._send_rows()
         for told in self._packets():
             self._handle_message(told)
         now = self._clock.now()
@@ -106,6 +113,27 @@ class AudioClient:
         if isinstance(event, RestartAudio):  # a restart by hand discards manual settings
             self._send_seed(TrackerHint("forget", event.time))
             self._show.seed_tracker(self._send_seed)
+
+    def set_measures(self, measures: MeasureMap | None) -> None:
+        """Set the known measures of the music; None if they are not known."""
+        rows: list[tuple[Any, ...]] = []
+        if measures is not None:
+            rows = [(one.time_s, one.measure, one.beats, one.tempo) for one in measures.lines]
+        if rows != self._rows:
+            self._rows = rows
+            self._queue_rows()
+
+    def _queue_rows(self) -> None:
+        """Send the measures, in packets that come while the process has room for them."""
+        self._unsent_rows.clear()
+        starts = range(0, max(len(self._rows), 1), ROWS_PER_PACKET)
+        for start in starts:
+            some = self._rows[start : start + ROWS_PER_PACKET]
+            self._unsent_rows.append({"measures": some, "from": start, "of": len(self._rows)})
+
+    def _send_rows(self) -> None:
+        while self._unsent_rows and self._send(**self._unsent_rows[0]):
+            self._unsent_rows.popleft()
 
     def silence(self) -> None:
         """Order the process to stop playing and listening."""
@@ -131,15 +159,19 @@ class AudioClient:
         self._send(start=self._plan | {"origin": self._clock.origin, "latency": latency, "begun": self.start_time})
         for seed in self._seeds:
             self._send(seed=seed)
+        self._queue_rows()
 
     def _send_seed(self, seed: TrackerHint) -> None:
         self._seeds.append(asdict(seed))
         if self._running:
             self._send(seed=asdict(seed))
 
-    def _send(self, **values: Any) -> None:
+    def _send(self, **values: Any) -> bool:
+        """Send values; return whether there was room for them."""
         with contextlib.suppress(OSError):  # no process now; a new one gets everything again
             self._socket.send(json.dumps(values).encode())
+            return True
+        return False
 
     def _packets(self) -> list[dict[str, Any]]:
         found: list[dict[str, Any]] = []

@@ -16,6 +16,8 @@ from typing import Any, Final
 from live.app.session_audio import make_analysis_factory
 from live.base.event_queue import EventQueue
 from live.clock.follower.manual_control import TrackerHint
+from live.clock.map_clock import MapClock
+from live.clock.measure_map import MeasureLine, MeasureMap
 from live.clock.time_source import SystemClock
 from live.control.audio.audio_input import AudioInput
 from live.control.audio.channel_mixer import Channels
@@ -23,7 +25,6 @@ from live.control.audio.music_file import read_music
 from live.control.audio.music_player import MusicPlayer
 from live.control.events.event_json import event_from_json, event_to_json
 from live.control.events.events import ControlEvent
-from live.show.patch.section_music import MusicSection
 from live.supervisor.adoption.audio_adoption import AudioLink
 from live.supervisor.cpu_priority import AUDIO_NICE, raise_priority
 from live.supervisor.heartbeat import Phase
@@ -57,6 +58,8 @@ class AudioWorker:
         self._sender = sender
         self._seeds: deque[TrackerHint] = deque(maxlen=64)
         self._source: AudioInput | MusicPlayer | None = None
+        self._rows: list[list[Any]] = []
+        self._measures: MapClock | None = None  # of the music, once it plays
 
     def handle_order(self, order: dict[str, Any]) -> None:
         """Carry out one order."""
@@ -67,6 +70,8 @@ class AudioWorker:
             self._source = None
         if "seed" in order:
             self._seeds.append(TrackerHint(**order["seed"]))
+        if "measures" in order:
+            self._take_rows(order)
         if "latency" in order:
             into, out = order["latency"]
             if isinstance(self._source, AudioInput):
@@ -86,15 +91,21 @@ class AudioWorker:
         if self._source is not None:
             self._source.stop()
 
+    def _take_rows(self, order: dict[str, Any]) -> None:
+        """Take some measure lines; with the last of them the music is followed by them."""
+        del self._rows[order["from"] :]
+        self._rows += order["measures"]
+        if len(self._rows) == order["of"] and self._measures is not None:
+            self._measures.replace(MeasureMap([MeasureLine(*row) for row in self._rows]) if self._rows else None)
+
     def _start(self, plan: dict[str, Any]) -> None:
         clock = SystemClock(plan["origin"])
         into, out = plan["latency"]
         begun = plan["begun"]
         try:
             music = None if plan["music"] is None else read_music(Path(plan["music"]))
-            known = MusicSection(line=plan["measures"]).measures
-            length = 0.0 if music is None else music.duration
-            analysis = make_analysis_factory(plan["tracker"], self._seeds, known, length)
+            self._measures = None if music is None else MapClock(None, music.duration)
+            analysis = make_analysis_factory(plan["tracker"], self._seeds, self._measures)
             if music is None:
                 source: AudioInput | MusicPlayer = AudioInput(
                     plan["device"], self._sender, clock, channels=Channels.parse(plan["channels"]), latency=into,

@@ -1,14 +1,17 @@
 """Edits of a running show's files: each is checked with the show, saved, and danced from the next free measure line."""
 
 import json
+import threading
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from datetime import datetime
 from functools import partial
+from pathlib import Path
 from typing import Any, Final
 
+from live.app.offline.music_map import measures_of_resource
 from live.base.errors import PersonError
-from live.base.fault_isolation import FAULTS
+from live.base.fault_isolation import FAULTS, run_once
 from live.control.events.document import (
     EditDocument,
     KeepCue,
@@ -16,11 +19,12 @@ from live.control.events.document import (
     KeepMeasures,
     KeepScene,
     RedoDocument,
+    ReplaceMusic,
     RestoreDocument,
     UndoDocument,
 )
 from live.control.events.event import ControlEvent
-from live.document.document_store import Accepted, DocumentStore, refused_json_values
+from live.document.document_store import Accepted, DocumentStore, MakeEdits, refused_json_values
 from live.document.edit import Edit, EditRefused, parse_edits
 from live.document.history import Revision
 from live.document.place import refuse
@@ -35,14 +39,14 @@ from live.show.show import Show
 from live.show.stages.now import Now
 
 Keep = KeepMeasures | KeepFormation | KeepScene | KeepCue
-Request = EditDocument | UndoDocument | RedoDocument | RestoreDocument | Keep
-MakeEdits = Callable[[Patch], list[Edit]]
-"""Makes the edits of something that is kept, for the patch as it is written now."""
+Request = EditDocument | UndoDocument | RedoDocument | RestoreDocument | ReplaceMusic | Keep
+Make = Callable[[DocumentStore], Accepted]
+"""Makes one revision of what was prepared."""
 Change = tuple[str | int | None, Callable[[], Accepted]]
 """The sender's name for a change, and what makes it."""
 WORDS: Final[dict[type, str]] = {
     EditDocument: "edit", UndoDocument: "undo", RedoDocument: "redo", RestoreDocument: "restore",
-    KeepMeasures: "keep", KeepFormation: "keep", KeepScene: "keep", KeepCue: "keep",
+    ReplaceMusic: "music", KeepMeasures: "keep", KeepFormation: "keep", KeepScene: "keep", KeepCue: "keep",
 }  # fmt: skip
 MAX_ANSWERS_LENGTH: Final = 6000
 """Maximum length of the published answers [characters]; it has to fit into one OSC packet."""
@@ -56,9 +60,9 @@ LOGGED: Final = 20
 class DocumentService:
     """The document of a running show. Its edits are applied one after the other in the thread of the patch watch."""
 
-    def __init__(self, watch: PatchWatch, show: Show, open_store: Callable[[], DocumentStore]) -> None:
-        """`open_store` reads the show's files, for the first edit."""
-        self._watch, self._show, self._open_store = watch, show, open_store
+    def __init__(self, watch: PatchWatch, show: Show, path: Path, open_store: Callable[[], DocumentStore]) -> None:
+        """`path` is the patch's file; `open_store` reads the show's files, for the first edit."""
+        self._watch, self._show, self._path, self._open_store = watch, show, path, open_store
         self._store: DocumentStore | None = None
         self._recorder = TakeRecorder(show)
         show.frame.router.observers.append(self._observe)
@@ -104,15 +108,33 @@ class DocumentService:
             self._refused += 1
             return
         self._waiting += 1
+        if isinstance(event, ReplaceMusic):  # it is heard first, which takes seconds
+            task = "the measures of other music", partial(self._prepare, event, partial(self._music, event))
+            threading.Thread(target=run_once, args=task, name="music", daemon=True).start()
+            return
+        self._prepare(event, partial(self._keep, event) if isinstance(event, Keep) else None)
+
+    def _prepare(self, event: Request, prepare: Callable[[], Make] | None) -> None:
+        """Prepare a request, and pass it on to the watching thread. Thread: any."""
         try:
-            make = self._keep(event) if isinstance(event, Keep) else None
+            make = None if prepare is None else prepare()
         except PersonError as error:
             answer = refused_json_values(None, refuse((), error.message, error.remedy or ""))
             self._watch.do(lambda: self._refuse(event, answer))
             return
         self._watch.do(lambda: self._serve(event, make))
 
-    def _keep(self, event: Keep) -> MakeEdits:
+    def _music(self, event: ReplaceMusic) -> Make:
+        """Return what replaces the music; PersonError if a file is missing or no measures are found."""
+        measures = measures_of_resource(self._path, event.file, event.lines)
+        return lambda store: store.replace_music(event.file, measures, event.by)
+
+    def _keep(self, event: Keep) -> Make:
+        """Return what keeps what an event names; PersonError if there is no such thing."""
+        make = self._keep_edits(event)
+        return lambda store: store.keep(make, event.by)
+
+    def _keep_edits(self, event: Keep) -> MakeEdits:
         """Return what makes the edits that keep what an event names, as it is now; PersonError if there is no such
         thing."""
         match event:
@@ -160,7 +182,7 @@ class DocumentService:
         self._refused += 1
         self._publish(answer, event)
 
-    def _serve(self, event: Request, make: MakeEdits | None) -> None:
+    def _serve(self, event: Request, make: Make | None) -> None:
         self._waiting -= 1
         try:
             with short_switch_interval():
@@ -170,7 +192,7 @@ class DocumentService:
             FAULTS.record("an edit of the document", error)
             self._publish({"id": None, "refused": [{"what": f"{type(error).__name__}: {error}"}]}, event)
 
-    def _answer(self, event: Request, make: MakeEdits | None) -> Iterator[dict[str, Any]]:
+    def _answer(self, event: Request, make: Make | None) -> Iterator[dict[str, Any]]:
         """Serve a request and yield its answers."""
         try:
             store = self._opened()
@@ -188,11 +210,10 @@ class DocumentService:
                 self._refused += 1
             yield answer
 
-    def _changes(self, store: DocumentStore, event: Request, make: MakeEdits | None) -> list[Change]:
+    def _changes(self, store: DocumentStore, event: Request, make: Make | None) -> list[Change]:
         """Return the changes that an event asks for; PersonError if it cannot be read."""
-        if make is not None and isinstance(event, Keep):
-            store.refresh()
-            return [(None, partial(store.edit_together, make(store.document.patch), event.by))]
+        if make is not None:
+            return [(None, partial(make, store))]
         match event:
             case EditDocument():
                 text = event.edit if event.edit.lstrip().startswith("[") else f"[{event.edit}]"
@@ -265,6 +286,8 @@ class DocumentService:
         else:
             inverse = answer["inverse"]
             short = {**answer, "inverse": None if inverse is None else {**inverse, "exact": None}}
+            if "notes" in answer:
+                short |= {"notes": answer["notes"][:SHOWN_FAULTS], "note_count": len(answer["notes"])}
         self._answers.append(short)
         text = json.dumps(list(self._answers))
         while len(text) > MAX_ANSWERS_LENGTH and len(self._answers) > 1:

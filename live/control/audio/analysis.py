@@ -79,7 +79,7 @@ class AudioAnalysis:
         measures: MapClock | None = None,
     ) -> None:
         """`source`: the events' source name; `energy`: whether MusicHeard events describe each beat; `measures`: the
-        known measures of the piece, which are told instead of tracked beats.
+        known measures of the piece, which are told instead of tracked beats while there are any.
 
         ValueError for an impossible sample rate.
         """
@@ -90,6 +90,7 @@ class AudioAnalysis:
         """The tracker with the manual corrections; the previous one while aubio is used."""
         self._source = source
         self._measures = measures
+        self._follows_map = False
         self.origin = 0.0
         """Position in the piece of the first sample fed [s]."""
         self._pauses = PauseDetector()
@@ -127,9 +128,7 @@ class AudioAnalysis:
             for estimate in self.tracker.feed(mono):
                 if self._energy is not None:
                     self._energy.set_beat(estimate.position, estimate.period)
-                if (
-                    self._sound_state == "sound" and self._measures is None
-                ):  # beats extrapolated during silence are not reported
+                if self._sound_state == "sound" and not self._follows_map:  # no beats extrapolated during silence
                     events.append(self._event(estimate, time_of, now))
             hearing = self._pauses.step(self.tracker.level, self.tracker.position)
             if hearing != self._sound_state:
@@ -157,6 +156,10 @@ class AudioAnalysis:
         )
 
     def _map_beats(self, measures: MapClock, time_of: TimeOf, now: float | None) -> Iterator[ControlEvent]:
+        if self._follows_map and not measures.is_known:  # a person removed all lines
+            time = time_of(self.tracker.position) if now is None else now
+            yield SourceChanged(time=time, source="map", state="lost")
+        self._follows_map = measures.is_known
         for beat in measures.until(self.origin + self.tracker.position):
             time = time_of(beat.position - self.origin)
             yield BeatHeard(

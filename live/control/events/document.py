@@ -44,6 +44,15 @@ class RestoreDocument(ControlEvent):
     by: Person = ""
 
 
+@command("/dance/document/music", "operator")
+class ReplaceMusic(ControlEvent):
+    """Replaces the music and its measures in the show's files; it plays from the next start on."""
+
+    file: Annotated[str, Argument.label("a music file in the show's folder")]
+    lines: Annotated[str, Argument.label("a file with its measure lines; left out: as the tracker proposes them")] = ""
+    by: Person = ""
+
+
 Name = Annotated[str, Argument.label("its name in the show's files")]
 
 

@@ -27,9 +27,9 @@ from live.show.patch_checks.patch_check import PATCH_CHECKS
 from live.show.score.step_names import UnknownStep
 
 START_ONLY_KEYS: Final = (
-    "seed", "steps", "reserve", "music", "sound", "clock", "link", "midi.input", "midi.output", "midi.clock_out",
-    "midi.time_code_bpm", "midi.time_code_offset_s", "osc", "stage", "background", "item",
-    "picture.passes", "character", "texture", "steering.separation", "steering.combine",
+    "seed", "steps", "reserve", "music.file", "music.bpm", "music.one_at_s", "sound", "clock", "link",
+    "midi.input", "midi.output", "midi.clock_out", "midi.time_code_bpm", "midi.time_code_offset_s", "osc", "stage",
+    "background", "item", "picture.passes", "character", "texture", "steering.separation", "steering.combine",
 )  # fmt: skip
 """Keys that are read only when a show starts."""
 GROUP_START_ONLY_KEYS: Final = (
@@ -56,6 +56,9 @@ def split_deferred(new: Patch, current: Patch) -> tuple[Patch, tuple[str, ...]]:
         elif old != edited:
             waits += _differing_keys(name, old, edited)
             changes[name] = old
+    if "music.file" in waits:  # the measures are those of the new file
+        waits += [key for key in _differing_keys("music", current.music, new.music) if key not in waits]
+        changes["music"] = current.music
     if "picture.passes" in waits:  # the sources belong to the names
         changes["picture"] = changes["picture"].model_copy(update={"own": current.picture.own})
     if len(new.gate) != len(current.gate):

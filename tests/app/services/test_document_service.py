@@ -3,10 +3,13 @@
 import json
 import math
 import random
+import threading
+import time
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 
 from live.agents.formations.formation_notation import parse_formation
@@ -19,6 +22,7 @@ from live.control.events.document import (
     KeepMeasures,
     KeepScene,
     RedoDocument,
+    ReplaceMusic,
     RestoreDocument,
     UndoDocument,
 )
@@ -31,6 +35,7 @@ from live.show.journal.replay import first_start, load_journal, replay
 from live.show.patch.hot_reload import PatchWatch
 from live.show.patch.patch_reader import read_patch
 from live.show.patch.patch_update import split_deferred
+from tests.control.audio.test_music_file import write_wav
 from tests.document.random_edits import random_edit
 from tests.show.patch.edited_night import JournaledShow, write_patch_folder
 
@@ -66,7 +71,7 @@ class EditedShow(JournaledShow):
     def __init__(self, patch: Path) -> None:
         super().__init__(patch)
         self.watch = PatchWatch(self.loaded, self.show, post=self.inbox.put, now=self.clock.now, library=self.library)
-        self.service = DocumentService(self.watch, self.show, lambda: DocumentStore(self.path))
+        self.service = DocumentService(self.watch, self.show, self.path, lambda: DocumentStore(self.path))
         self.engine.event_listeners.append(self.service.handle)
 
     def run(self, seconds: float) -> dict[int, set[str]]:
@@ -225,6 +230,67 @@ def test_random_edits_of_three_people_leave_engine_and_file_alike_and_replay(nig
     assert night.service.revision > 10
     assert split_deferred(read_patch(night.path), night.show.patch)[0] == night.show.patch
     assert night.replay_differences() == ()
+
+
+def play(night: EditedShow, file: str, lines: str = "") -> dict[str, Any]:
+    """Replace the music; return the answer when it has been heard."""
+    before = night.service.published
+    event = ReplaceMusic(time=night.clock.now(), source="osc", file=file, lines=lines, by="mel")
+    night.service.handle(event)
+    deadline = time.monotonic() + 120.0
+    while night.service.published == before and time.monotonic() < deadline:
+        for thread in threading.enumerate():
+            if thread.name == "music":
+                thread.join(deadline - time.monotonic())
+        night.watch.run_tasks()
+    return json.loads(night.service.published)[-1]  # type: ignore[no-any-return]
+
+
+def test_lines_of_the_music_act_from_the_next_measure_and_other_music_from_the_next_start(night: EditedShow) -> None:
+    night.run(1.0)
+    for number, seconds in enumerate((0.5, 2.5, 4.5), start=1):
+        night.send({"do": "insert", "at": ["music", "line"], "value": {"time_s": seconds, "measure": number}})
+    night.run(3.0)
+    assert [line.time_s for line in night.show.patch.music.line] == [0.5, 2.5, 4.5]
+    assert night.watch.status()["waits"] == []
+    (night.path.parent / "other.txt").write_text("1.0\t1.0\t1 3\n2.5\t2.5\t2 3\n")
+    (night.path.parent / "other.wav").write_bytes(b"a sound that is not read with its lines given")
+    answer = play(night, "other.wav", "other.txt")
+    assert answer["what"] == "music"
+    notes = [(note["field"], note["measure"], note["line"] is not None) for note in answer["notes"]]
+    assert notes == [("music.line.1", 1, True), ("segment.2", 8, True)]
+    assert "begins in measure 8, after the music's last measure 2" in answer["notes"][1]["what"]
+    night.run(3.0)
+    assert [line.time_s for line in night.show.patch.music.line] == [0.5, 2.5, 4.5]  # with the music that plays
+    assert night.watch.status()["waits"] == ["music.file", "music.line"]
+    written = read_patch(night.path).music
+    assert (written.file, [line.time_s for line in written.line]) == ("other.wav", [1.0, 2.5])
+    night.undo("mel")
+    assert [line.time_s for line in read_patch(night.path).music.line] == [0.5, 2.5, 4.5]
+    for _ in range(3):
+        night.undo()
+    assert night.path.read_text() == PATCH
+    night.run(3.0)
+    assert night.replay_differences() == ()
+
+
+def test_music_without_lines_is_heard_aside(night: EditedShow) -> None:
+    night.run(1.0)
+    rate, seconds = 22_050, 20.0
+    sound = np.random.default_rng(1).normal(0.0, 0.01, int(rate * seconds)).astype(np.float32)
+    for beat in range(40):  # 120 bpm from 0.25 s on, louder on each first of four
+        start = int((0.25 + 0.5 * beat) * rate)
+        sound[start : start + 900] += np.random.default_rng(2).normal(0.0, 0.6 if beat % 4 == 0 else 0.25, 900)[
+            : len(sound[start : start + 900])
+        ]
+    write_wav(night.path.parent / "clicks.wav", sound[:, np.newaxis], rate)
+    assert "revision" in play(night, "clicks.wav")
+    lines = read_patch(night.path).music.line
+    assert len(lines) >= 8
+    assert np.diff([line.time_s for line in lines]) == pytest.approx(2.0, abs=0.05)
+    for file, words in (("nothing.wav", "there is no file 'nothing.wav'"), (night.path.name, "read")):
+        answer = play(night, file)
+        assert words in answer["refused"][0]["what"]
 
 
 def keep(night: EditedShow, measures: int, name: str, by: str = "ana") -> dict[str, Any]:

@@ -7,7 +7,7 @@ from live.clock.map_clock import MapClock
 from live.clock.measure_map import steady_map
 from live.control.audio.analysis import AudioAnalysis
 from live.control.audio.music_file import Music, OfflineMusic
-from live.control.events.events import BeatHeard, MusicHeard
+from live.control.events.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged
 
 RATE = 22_050
 
@@ -42,3 +42,22 @@ def test_an_analysis_that_begins_later_knows_where_it_is() -> None:
     beats = [event for event in analysis.feed(sound, lambda position: position) if isinstance(event, BeatHeard)]
     assert beats[0].beat_time == pytest.approx(-0.1)
     assert beats[0].beat == 0
+
+
+def test_lines_may_come_and_go_while_the_music_plays() -> None:
+    clock = MapClock(None, 60.0)
+    analysis = AudioAnalysis(RATE, measures=clock)
+    sound, at = clicks(120.0, 24.0).samples, 0
+
+    def heard(seconds: float) -> list[ControlEvent]:
+        nonlocal at
+        at, start = at + round(seconds * RATE), at
+        return analysis.feed(sound[start:at], lambda position: position)
+
+    assert {event.source for event in heard(8.0) if isinstance(event, BeatHeard)} == {"audio"}
+    clock.replace(steady_map(90.0, 0.0, 4, 40))
+    assert {event.source for event in heard(6.0) if isinstance(event, BeatHeard)} == {"map"}
+    clock.replace(None)
+    events = heard(6.0)
+    assert [(one.source, one.state) for one in events if isinstance(one, SourceChanged)] == [("map", "lost")]
+    assert {event.source for event in events if isinstance(event, BeatHeard)} == {"audio"}
