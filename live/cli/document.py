@@ -295,6 +295,7 @@ def _replace_music(show: str, file: str, lines: str | None, fix: Path | None, by
     from live.base.errors import PersonError
     from live.document.document_store import refused_json_values
     from live.document.edit import EditRefused
+    from live.document.music_edits import replace_music
     from live.show.patch.patch_search_path import find_patch, find_resource
 
     path = find_patch(show)
@@ -306,7 +307,7 @@ def _replace_music(show: str, file: str, lines: str | None, fix: Path | None, by
     assert sound is not None
     measures = read_measures(sound, [] if fix is None else read_fixes(fix), None if lines is None else found[lines])
     try:
-        return _open(show).replace_music(file, measures, by).to_json_values(None)
+        return replace_music(_open(show), file, measures, by).to_json_values(None)
     except EditRefused as error:
         return refused_json_values(None, error)
 

@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import IO, Any, Final
 
 from live.base.errors import PersonError
-from live.clock.measure_map import MeasureMap
 from live.document.document import Document, DocumentFile, Splice
 from live.document.edit import Edit, EditRefused, Fault
 from live.document.edit_actions import apply_edits, concerned
@@ -30,7 +29,6 @@ from live.document.history import (
     texts_at,
     texts_hash,
 )
-from live.document.music_edits import music_edits, music_faults
 from live.document.place import refuse
 from live.library.disk_cache import read_regular_file
 from live.library.whole_file import write_atomically
@@ -237,21 +235,10 @@ class DocumentStore:
         self._take_in()
         return self._commit([rebased(edit, self._since(edit.base))], "edit", by=edit.by)
 
-    def keep(self, make: MakeEdits, by: str) -> Accepted:
-        """Apply the edits that keep something as one revision, which is undone as one; EditRefused with all faults
-        changes nothing."""
+    def edit_together(self, make: MakeEdits, what: What, by: str) -> Accepted:
+        """Apply edits as one revision, which is undone as one; EditRefused with all faults changes nothing."""
         self._take_in()
-        return self._commit(make(self.document.patch), "keep", by=by)
-
-    def replace_music(self, file: str | None, measures: MeasureMap | None, by: str) -> Accepted:
-        """Replace the music's file (None: it stays) and its measure lines as one revision, and tell what of the score
-        does not fit them; EditRefused with all faults changes nothing."""
-        self._take_in()
-        edits = music_edits(self.document.patch, file, measures)
-        if not edits:
-            raise refuse(("music",), "it is the same music with the same measures")
-        accepted = self._commit(edits, "music", by=by)
-        return replace(accepted, notes=tuple(music_faults(self.document)))
+        return self._commit(make(self.document.patch), what, by=by)
 
     def attempt(self, edits: Sequence[Edit]) -> tuple[Patch, list[dict[str, Any]]]:
         """Return the patch that edits would give, one after the other, and their answers as values for JSON; those that

@@ -7,6 +7,7 @@ import pytest
 from live.clock.measure_map import MeasureLine, MeasureMap, Phrase, steady_map
 from live.document.document_store import DocumentStore
 from live.document.edit import Edit, EditRefused
+from live.document.music_edits import replace_music
 from live.library.music_map_file import write_map
 from live.show.patch.patch_reader import read_patch
 from tests.cli.command import run_live
@@ -58,7 +59,7 @@ def test_music_is_replaced_as_one_revision_that_can_be_undone(tmp_path: Path, be
     if fresh is not None:
         lines = [*fresh.lines[:-1], MeasureLine(fresh.lines[-1].time_s, after, 3, "ramp")]
         fresh = MeasureMap(lines, [Phrase(1, "intro"), Phrase(5)])
-    accepted = store.replace_music("new.ogg", fresh, by="mel")
+    accepted = replace_music(store, "new.ogg", fresh, by="mel")
     assert accepted.revision.number == 1
     music = read_patch(path).music
     assert (music.file, music.bpm, music.one_at_s) == ("new.ogg", None, None)
@@ -81,8 +82,8 @@ def test_music_is_replaced_as_one_revision_that_can_be_undone(tmp_path: Path, be
 def test_what_no_longer_fits_is_named_with_file_and_line(tmp_path: Path) -> None:
     path = show_of(tmp_path, 12)
     store = DocumentStore(path)
-    assert store.replace_music("new.ogg", steady_map(130.0, 1.0, 4, 12), by="mel").notes == ()
-    notes = store.replace_music("short.ogg", steady_map(130.0, 1.0, 4, 10), by="mel").notes
+    assert replace_music(store, "new.ogg", steady_map(130.0, 1.0, 4, 12), by="mel").notes == ()
+    notes = replace_music(store, "short.ogg", steady_map(130.0, 1.0, 4, 10), by="mel").notes
     lines = path.read_text().splitlines()
     assert [(note.field, note.measure) for note in notes] == [("section.2", 11), ("segment.1", 11)]
     for note in notes:
@@ -94,23 +95,23 @@ def test_what_no_longer_fits_is_named_with_file_and_line(tmp_path: Path) -> None
 def test_the_same_music_changes_nothing(tmp_path: Path) -> None:
     path = show_of(tmp_path, 0)
     store = DocumentStore(path)
-    store.replace_music("new.ogg", None, by="mel")
+    replace_music(store, "new.ogg", None, by="mel")
     with pytest.raises(EditRefused, match="the same music"):
-        store.replace_music("new.ogg", None, by="mel")
+        replace_music(store, "new.ogg", None, by="mel")
 
 
 def test_others_edit_the_score_as_they_saw_it(tmp_path: Path) -> None:
     """Edits written before the music was replaced, and replaced back, mean the entries that their sender saw."""
     path = show_of(tmp_path, 12)
     store = DocumentStore(path)
-    store.replace_music("new.ogg", steady_map(130.0, 1.0, 4, 9), by="mel")
+    replace_music(store, "new.ogg", steady_map(130.0, 1.0, 4, 9), by="mel")
     store.edit(Edit("set", ("segment", 1, "formation"), "grid", by="ana", base=0))
     with pytest.raises(EditRefused, match="mel removed it meanwhile"):
         store.edit(Edit("set", ("music", "line", 12, "beats"), 3, by="ana", base=0))
     store.undo("mel")
     store.edit(Edit("set", ("music", "line", 12, "beats"), 3, by="ana"))
     store.undo("ana")
-    store.replace_music("third.ogg", None, by="mel")
+    replace_music(store, "third.ogg", None, by="mel")
     store.undo("mel")
     store.edit(Edit("set", ("music", "line", 12, "beats"), 3, by="ana", base=store.revision - 2))
     assert read_patch(path).music.line[11].beats == 3

@@ -27,6 +27,7 @@ from live.control.events.event import ControlEvent
 from live.document.document_store import Accepted, DocumentStore, MakeEdits, refused_json_values
 from live.document.edit import Edit, EditRefused, parse_edits
 from live.document.history import Revision
+from live.document.music_edits import replace_music
 from live.document.place import refuse
 from live.document.show_check import show_faults
 from live.document.take import TakeRecorder, formation_table, keep_edits
@@ -127,12 +128,12 @@ class DocumentService:
     def _music(self, event: ReplaceMusic) -> Make:
         """Return what replaces the music; PersonError if a file is missing or no measures are found."""
         measures = measures_of_resource(self._path, event.file, event.lines)
-        return lambda store: store.replace_music(event.file, measures, event.by)
+        return lambda store: replace_music(store, event.file, measures, event.by)
 
     def _keep(self, event: Keep) -> Make:
         """Return what keeps what an event names; PersonError if there is no such thing."""
         make = self._keep_edits(event)
-        return lambda store: store.keep(make, event.by)
+        return lambda store: store.edit_together(make, "keep", event.by)
 
     def _keep_edits(self, event: Keep) -> MakeEdits:
         """Return what makes the edits that keep what an event names, as it is now; PersonError if there is no such
