@@ -144,6 +144,7 @@ def preview(
     store = _open(show, dry=True)
     answers = _apply_all(store, parsed, "")
     from live.document.preview import PreviewEngine, preview_values
+    from live.show.score.division_tree import tree_lines
 
     engine = PreviewEngine(replace(LaunchOptions(patch=show).load(), patch=store.document.patch))
     values = preview_values(engine, first, last or first)
@@ -153,6 +154,8 @@ def preview(
         for number, answer in enumerate(answers, start=1):
             _print_answer(f"edit {number}", answer, dry=True)
         _print_preview(values)
+        for line in tree_lines(engine.division(first, last or first)):
+            print(line)
     if any("refused" in answer for answer in answers):
         raise typer.Exit(1)
 

@@ -23,6 +23,7 @@ from live.rehearse.lint import lint_show
 from live.show.group.dry_run import REACH_TOLERANCE
 from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
+from live.show.score.division_tree import Branch, DivisionTree, Kind
 from live.show.score.playhead import Playhead
 from live.show.score.score import section_timings
 from live.show.show import Show
@@ -82,6 +83,7 @@ class PreviewEngine:
         self._show, self._tick = show, round(show.time / TICK)
         self._snapshots: list[_Snapshot] = []
         self._samples: list[Positions] = []
+        self._division = DivisionTree()
         self._snapshotter = Snapshotter(show)
         self._snapshot_due: int | None = None
 
@@ -108,6 +110,9 @@ class PreviewEngine:
         loaded = replace(self._loaded, patch=patch)
         fresh = loaded.start(seed=self._seed)
         former = self._nearest(first - 2) if first is not None else None
+        if _is_danced_alike(self._loaded.patch, patch):
+            self._loaded = loaded
+            return
         if former is None:
             self._loaded = loaded
             self._begin(fresh)
@@ -118,8 +123,10 @@ class PreviewEngine:
         self._loaded = loaded
         snapshots = [one for one in self._snapshots if one.tick <= former.tick]
         samples = [one for one in self._samples if one.tick <= former.tick]
+        division = self._division.until(former.measure)
         self._begin(show)
         self._tick, self._snapshots, self._samples = former.tick, snapshots, samples
+        self._division = division
 
     def _nearest(self, measure: int) -> _Snapshot | None:
         """Return the last snapshot in or before a measure (from 0)."""
@@ -137,6 +144,7 @@ class PreviewEngine:
         self._tick += 1
         if show.tick(self._tick * TICK):
             self._snapshot_due = self._tick + AFTER_LINE
+        self._division.observe(show)
         if self._snapshot_due is not None and self._tick >= self._snapshot_due:
             taken = self._snapshotter.capture(self._tick)
             if taken is not None:
@@ -224,6 +232,13 @@ class PreviewEngine:
             radius=self._show.motion.model.radius, seed=show.seed, keep_ways=True,
         )  # fmt: skip
 
+    def division(self, first: int, last: int) -> dict[Kind, list[Branch]]:
+        """Return how the groups are divided in measures `first` to `last` (from 1), as trees for steps, motion and
+        values: groups with their parts, and those with theirs."""
+        self.run_to(last)
+        names = tuple(group.name for group in self.patch.group)
+        return self._division.trees(names, first - 1, last - 1)
+
     def reach(self) -> Float64:
         """Return how far steps and corrections carry each dancer in a measure [m], (A,)."""
         reach = self._show.scheduler.step_reach() + self.patch.locomotion.correction_m
@@ -242,11 +257,19 @@ class PreviewEngine:
         return self._show.graph.library.describe(node)
 
 
+def _is_danced_alike(old: Patch, new: Patch) -> bool:
+    """Whether two patches differ in the music alone, not in its tempo; the preview does not hear it."""
+    same_tempo = old.music.known_tempo == new.music.known_tempo
+    return same_tempo and old.model_copy(update={"music": new.music}) == new
+
+
 def first_change(old: Patch, new: Patch) -> int | None:
     """Return the first measure of the whole score (from 1) in which two patches differ; None for anything else."""
     for name in Patch.model_fields:
         if name not in (*SCORE_KINDS, "music") and getattr(old, name) != getattr(new, name):
             return None
+    if old.music.known_tempo != new.music.known_tempo:
+        return None
     measures: list[int] = []
     for name in SCORE_KINDS:
         before, after = (set(map(repr, getattr(patch, name))) for patch in (old, new))
@@ -280,8 +303,15 @@ def preview_values(engine: PreviewEngine, first: int, last: int) -> dict[str, An
         "measures": measures,
         "ways": way_values(plan),
         **plan_faults(engine, plan, first),
+        "division": division_values(engine, first, last),
         "notes": engine.notes(),
     }
+
+
+def division_values(engine: PreviewEngine, first: int, last: int) -> dict[str, Any]:
+    """Return the division of the groups in measures `first` to `last` (from 1)."""
+    trees = engine.division(first, last)
+    return {kind: [branch.as_json() for branch in roots] for kind, roots in trees.items()}
 
 
 def way_values(plan: DryRunResult) -> list[list[list[float]]]:

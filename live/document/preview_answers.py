@@ -16,7 +16,7 @@ from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.document.document_store import DocumentStore
 from live.document.edit import EditRefused, parse_edit
-from live.document.preview import MAX_MEASURE, Positions, PreviewEngine, plan_faults, way_values
+from live.document.preview import MAX_MEASURE, Positions, PreviewEngine, division_values, plan_faults, way_values
 from live.document.show_check import ShowCheck, needs_loading
 from live.show.loader import LoadedShow, adapt_edited_patch, load_from_patch
 from live.show.patch.patch import Patch
@@ -51,6 +51,8 @@ class Question(BaseModel):
     """Of a range: at each measure line, or 16 times a second."""
     joints: bool | Annotated[list[int], Field(max_length=MAX_JOINT_DANCERS)] = False
     """Of one moment: the joints of all, or of these dancers."""
+    division: bool = False
+    """Of a range: how the groups are divided."""
     ways: bool = True
     notes: bool = True
 
@@ -137,6 +139,8 @@ class PreviewAnswers:
         if plan is not None and question.ways:
             dancers = list(range(1, plan.ways.shape[1] + 1))
             yield json.dumps({"kind": "ways", **head, "dancers": dancers, "ways": way_values(plan)})
+        if first and question.division:
+            yield json.dumps({"kind": "division", **head, "division": division_values(engine, first, last)})
         if question.notes or answers:
             faults = {} if plan is None else plan_faults(engine, plan, first)
             doubts = self._doubts(engine, first, last) if question.notes else []

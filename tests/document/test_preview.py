@@ -145,3 +145,48 @@ def test_the_ways_of_an_edited_segment_are_planned_without_a_run(loaded: LoadedS
     assert np.array_equal(before.ways[:, :3], after.ways[:, :3])  # the other group
     assert np.abs(before.ways[-1, 3:] - after.ways[-1, 3:]).max() > 0.3
     assert engine.patch is loaded.patch
+
+
+DIVIDED = """
+[[sequence]]
+measure = 3
+group = "1-2"
+steps = ["turn x4"]
+[[sequence]]
+measure = 4
+group = "{}"
+steps = ["side step"]
+"""
+
+
+def test_division_is_a_tree_over_measures_also_after_an_edit(tmp_path: Path) -> None:
+    path = tmp_path / "show.toml"
+    path.write_text(TEXT + DIVIDED.format(2))
+    loaded = load_show(path)
+    engine = PreviewEngine(loaded)
+
+    def tree(engine: PreviewEngine) -> list[tuple[object, ...]]:
+        (ember, _) = preview_values(engine, 1, 8)["division"]["steps"]
+        assert (ember["words"], ember["dancers"], ember["from"], ember["to"]) == ("ember", [1, 2, 3], 1, 8)
+        return [
+            (part["words"], part["from"], part["to"], [(one["words"], one["from"], one["to"]) for one in part["parts"]])
+            for part in ember["parts"]
+        ]
+
+    assert tree(engine) == [("1-2", 3, 6, [("2", 4, 4)])]
+    path.write_text(TEXT + DIVIDED.format(3))
+    edited = load_show(path)
+    beside = engine.branch(edited.patch)
+    assert tree(beside) == tree(PreviewEngine(edited)) == [("1-2", 3, 6, []), ("3", 4, 4, [])]
+    assert tree(engine) == [("1-2", 3, 6, [("2", 4, 4)])]
+
+
+def test_other_music_of_the_same_tempo_leaves_the_preview_as_it_is(loaded: LoadedShow) -> None:
+    engine = PreviewEngine(loaded)
+    engine.run_to(4.0)
+    for values, measures in (({"file": "new.ogg"}, 4), ({"bpm": 90.0}, 0)):
+        music = loaded.patch.music.model_copy(update=values)
+        engine.set_patch(loaded.patch.model_copy(update={"music": music}))
+        assert engine.measures == measures
+        assert engine.patch.music == music
+    assert PreviewEngine(loaded).at(2.0).tick < engine.at(2.0).tick

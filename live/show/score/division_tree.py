@@ -98,10 +98,11 @@ class DivisionTree:
         members = (np.flatnonzero(group == index) + 1 for index in range(len(show.patch.group)))
         self._measures.append((number, present_parts(show), tuple(frozenset(one.tolist()) for one in members)))
 
-    def forget(self, measure: int) -> None:
-        """Forget the measures from `measure` (from 0) on: they will be danced differently."""
-        while self._measures and self._measures[-1][0] >= measure:
-            self._measures.pop()
+    def until(self, measure: int) -> "DivisionTree":
+        """Return another one with the measures up to `measure` (from 0), after which something else is danced."""
+        other = DivisionTree()
+        other._measures.extend(one for one in self._measures if one[0] <= measure)
+        return other
 
     def trees(self, names: tuple[str, ...], first: int, last: int) -> dict[Kind, list[Branch]]:
         """Return for each kind the groups with their parts in measures `first` to `last` (from 0)."""

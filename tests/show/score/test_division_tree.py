@@ -74,9 +74,10 @@ def test_values_and_regrouped_dancers_divide_the_rows():
     assert [branch.part.words for branch in values[2].branches] == ["3 + 5", "4"]
 
 
-def test_forgotten_measures_are_observed_again():
-    show, tree = observed(SCORE, 5)
-    tree.forget(2)
+def test_measures_from_some_on_are_observed_again():
+    show, whole = observed(SCORE, 5)
+    tree = whole.until(1)
+    assert [root.last for root in whole.trees(("front", "back"), 0, 9)["steps"]] == [5, 5]
     assert [root.last for root in tree.trees(("front", "back"), 0, 9)["steps"]] == [1, 1]
     tree.observe(show)
     assert tree.trees(("front", "back"), 5, 5)["steps"][0].first == 5
