@@ -52,7 +52,7 @@ LIST_LENGTHS: Final[dict[Names, tuple[int, int]]] = {
     names: _length_limits(Patch.model_fields[names[0]].metadata) for names in _ADAPTERS
 }
 """Smallest and largest number of entries of each list of sections."""
-_REMAINING_PATCH_CHECKS: Final = {name: check for name, check in PATCH_CHECKS.items() if name in ("patch", "formation")}
+_REMAINING_PATCH_CHECKS: Final = {name: check for name, check in PATCH_CHECKS.items() if (name,) not in _ADAPTERS}
 """The checks that are left once each entry's section is valid."""
 
 

@@ -292,6 +292,22 @@ def test_edits_pass_the_checks_of_the_show(path: Path) -> None:
     assert read_patch(path).group[0].steps == ("bow",)
 
 
+@pytest.mark.parametrize(
+    ("tables", "edit"),
+    [
+        ('[[midi.map]]\ncontrol = "/dance/light/level"\ncc = 7\n', Edit("set", ("midi", "map", 1, "cc"))),
+        ('[picture]\npasses = ["bloom"]\n', Edit("set", ("picture", "passes"), ["bloom", "no such pass"])),
+        ("[stage]\nwidth = 9\n", Edit("set", ("stage", "width"), -1)),
+    ],
+)
+def test_tables_that_are_no_list_of_their_own_pass_their_checks(path: Path, tables: str, edit: Edit) -> None:
+    path.write_text(TEXT + tables)
+    store = DocumentStore(path)
+    with pytest.raises(EditRefused):
+        store.edit(edit)
+    assert path.read_text() == TEXT + tables
+
+
 def test_a_refusal_by_the_show_lists_all_its_entries(path: Path) -> None:
     """Each segment that names a formation which is gone is a fault of its own."""
     text = TEXT + '[[formation]]\nname = "wedge"\nshape = "grid"\n'
