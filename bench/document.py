@@ -46,7 +46,7 @@ def _rows(count: int) -> list[Row]:
         undone = _median(store.undo, count // 2)
         check = ShowCheck(path)
         store = DocumentStore(path, check=check)
-        check(store.document.patch)
+        check(store.document.patch, None)
         accepted = _times(store, list(_edits(count, seed=2)))
         renamed = _times(
             store, [Edit("rename", ("group", "ember"), "glow"), Edit("rename", ("group", "glow"), "ember")]

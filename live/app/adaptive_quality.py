@@ -15,6 +15,7 @@ from live.render.renderer import Renderer
 from live.render.shader import builtin_text, set_override_folder, shader_names
 from live.show.patch.patch import Patch
 from live.show.selection.library_watch import folder_stamp
+from live.show.view.render_scene import draw_patch
 
 if TYPE_CHECKING:
     from live.app.session import Session
@@ -45,6 +46,7 @@ class QualityController(FrameBudget):
         session.status.extra_figures["frame_parts"] = self.times.facts
         session.status.notices.append(self._overlay_text)
         self._problem = ""
+        self.update_patch(session.show.patch)  # of a show that goes on, it may have been edited
         session.status.notices.append(lambda: "; ".join(filter(None, (self._problem, *self._renderer.problems))))
 
     def handle(self, event: ControlEvent) -> None:
@@ -53,9 +55,9 @@ class QualityController(FrameBudget):
             self.controller.hold(None if event.step < 0.0 else round(event.step))
 
     def update_patch(self, patch: Patch) -> None:
-        """Load the custom passes of another patch."""
+        """Draw the stage, the props and the custom passes of another patch."""
         try:
-            self._renderer.set_custom_passes(patch.picture.own_passes)
+            draw_patch(self._renderer, patch)
             self._problem = ""
         except PersonError as error:
             self._problem = f"{error}; the last good one stays in use"

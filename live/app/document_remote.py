@@ -80,7 +80,7 @@ class RemoteDocument:
                 if fits(answer) and answer not in before:
                     return {
                         key: answer[key]
-                        for key in ("id", "revision", "inverse", "refused", "notes", "note_count")
+                        for key in ("id", "revision", "inverse", "waits", "refused", "notes", "note_count")
                         if key in answer
                     }
         raise PersonError(f"the show at {self._where} did not answer the edit", "is this its operators' OSC port?")

@@ -58,6 +58,7 @@ def _draw(session: Session, picture: HeadlessPicture, console: Console, sharing:
     from live.app.adaptive_quality import QualityController, handle_pass_resets, watch_shaders
     from live.app.live_recording import live_fps
     from live.app.window_loop import FrameSinks
+    from live.show.view.render_scene import draw_patch
 
     options, renderer = session.options, picture.renderer
     session.status.extra_figures["flashes_held"] = lambda: picture.flashes.dimmed_count
@@ -73,9 +74,11 @@ def _draw(session: Session, picture: HeadlessPicture, console: Console, sharing:
 
     def update_patch(patch: "Patch") -> None:
         with contextlib.suppress(PersonError):  # compiled once before; else the last good one stays
-            renderer.set_custom_passes(patch.picture.own_passes)
+            draw_patch(renderer, patch)
 
-    session.engine.patch_listeners.append(update_patch if watch is None else watch.update_patch)
+    if watch is None:
+        update_patch(session.show.patch)  # of a show that goes on, it may have been edited
+        session.engine.patch_listeners.append(update_patch)
 
     def draw(view: StageView) -> None:
         if shaders is not None:

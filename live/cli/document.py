@@ -106,7 +106,8 @@ def _print_answer(what: str, answer: dict[str, Any], *, dry: bool = False) -> No
     from live.document.edit import Fault
 
     if "refused" not in answer:
-        print(f"{what}: " + ("would be accepted" if dry else f"revision {answer['revision']}"))
+        later = f", from the next start on: {', '.join(answer['waits'])}" if answer.get("waits") else ""
+        print(f"{what}: " + ("would be accepted" if dry else f"revision {answer['revision']}{later}"))
         for note in answer.get("notes", ()):
             print(f"  {Fault(**note)}")
         more = answer.get("note_count", 0) - len(answer.get("notes", ()))

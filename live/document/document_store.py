@@ -39,8 +39,9 @@ from live.show.patch.toml_model import MAX_BYTES, BridgeTables, key_text, read_t
 
 HISTORY_FOLDER: Final = ".history"
 _BOM: Final = b"\xef\xbb\xbf"
-Check = Callable[[Patch], Sequence[PersonError]]
-"""Returns why a show of a valid patch would not start, with keys where the errors have a place."""
+Check = Callable[[Patch, Patch | None], Sequence[PersonError]]
+"""Returns why a show of a valid patch would not start, or would strand dancers that the patch before did not (None:
+it goes back to an earlier text), with keys where the errors have a place."""
 MakeEdits = Callable[[Patch], Sequence[Edit]]
 """Makes edits for the patch as it is written now."""
 
@@ -295,7 +296,7 @@ class DocumentStore:
         applied = apply_edits(self.document, edits)
         try:
             check_conflict(first, applied.keys, self._since(first.base))
-            self._try_patch()
+            self._try_patch(former if what in ("edit", "keep", "music") and not first.exact else None)
             revision = self._revision(
                 what, by=by, of=of, edit=replace(first, exact=()), inverse=applied.inverse,
                 splices=tuple(applied.splices), keys=tuple(applied.keys), shifts=tuple(applied.shifts),
@@ -312,10 +313,10 @@ class DocumentStore:
         self.document.undo(splices)
         self.document.patch = former
 
-    def _try_patch(self) -> None:
-        faults = [self._fault(error) for error in self.check(self.document.patch)] if self.check is not None else []
+    def _try_patch(self, former: Patch | None) -> None:
+        faults = [] if self.check is None else self.check(self.document.patch, former)
         if faults:
-            raise EditRefused(*faults)
+            raise EditRefused(*map(self._fault, faults))
 
     def _fault(self, error: PersonError) -> Fault:
         """Return an error of a show with its place in the document."""
@@ -419,7 +420,7 @@ class DocumentStore:
                 raise refuse((), "the same lines were changed since", "see the log of revisions") from None
             except PersonError as error:
                 raise EditRefused(Fault(error.message, remedy=error.remedy or "")) from None
-            self._try_patch()
+            self._try_patch(None)
             revision = self._revision(what, by=by, of=of, splices=tuple(done), shifts=shifts)
             if done:
                 self._save(done, revision)

@@ -12,9 +12,10 @@ from live.document.edit import Applied, Edit, EditRefused, Fault
 from live.document.place import Place, find_place, folded, path_text, refuse, value_at
 from live.document.references import references
 from live.document.toml_blocks import EDIT_ERRORS, Block, edit_block, joined_tail
+from live.show.patch.section_stage import ItemSection
 from live.show.patch.toml_model import InvalidModel, key_text
 
-MOVE_KEYS: Final = ("measure", "beat", "section", "at", "to", "points", "centre", "place")
+MOVE_KEYS: Final = ("measure", "beat", "section", "at", "to", "wall_to", "points", "centre", "place")
 """Keys that a `move` may change: where an entry lies in time, or on the stage."""
 RESIZE_KEYS: Final = ("measures", "size", "width", "depth", "height", "radius", "dancers")
 """Keys that a `resize` may change."""
@@ -279,10 +280,29 @@ def _move(action: BlockEditor) -> None:
         action.take_back_with("move", (*place.names, value), {"number": place.number + 1})
         return
     allowed = [key for key in MOVE_KEYS if key in _fields(place.names)]
+    if isinstance(value, list) and "at" in allowed:
+        _change_keys(action, place, _moved(action, place, value))
+        return
     changes = _table(action, "a measure, a number, or a table of keys")
     if not changes or not set(changes) <= set(allowed):
         raise refuse(action.edit.at, "value: a move changes where an entry lies", f"allowed are {', '.join(allowed)}")
     _change_keys(action, place, changes)
+
+
+def _moved(action: BlockEditor, place: Place, at: list[Any]) -> dict[str, Any]:
+    """Return the keys of an entry that moves to `at` (x, z) [m]; the other end of a line or wall goes with it."""
+    former = value_at(action.document, place) or {}
+    changes: dict[str, Any] = {"at": at}
+    for key in ("to", "wall_to"):
+        try:
+            changes |= {
+                key: [round(float(b + c - a), 6) for a, b, c in zip(former["at"], former[key], at, strict=True)]
+            }
+        except KeyError:
+            continue
+        except (TypeError, ValueError):
+            raise refuse(action.edit.at, "value: a place expected: x and z in metres") from None
+    return changes
 
 
 def _resize(action: BlockEditor) -> None:
@@ -293,12 +313,23 @@ def _resize(action: BlockEditor) -> None:
     known = (_fields(place.names) or {"size"}) if place.names else stage
     allowed = [key for key in RESIZE_KEYS if key in known]
     if not isinstance(value, dict) and allowed:
-        square = allowed[0] == "size" and isinstance(value, int | float)
-        value = {allowed[0]: [value, value] if square else value}
+        value = _sizes(action, place, allowed, value)
     if not isinstance(value, dict) or not value or not set(value) <= set(allowed):
         raise refuse(action.edit.at, "value: a resize changes how long or large a thing is",
             f"allowed are {', '.join(allowed) or 'none here'}")  # fmt: skip
     _change_keys(action, place, value)
+
+
+def _sizes(action: BlockEditor, place: Place, allowed: Sequence[str], value: Any) -> dict[str, Any]:
+    """Return the keys of a size that is given by a number, or by a list of numbers."""
+    if allowed[0] == "size" and isinstance(value, int | float):
+        if place.names == ("item",):  # width and depth; the height stays
+            height = (value_at(action.document, place) or {}).get("size", ItemSection.model_fields["size"].default)[1]
+            return {"size": [value, height, value]}
+        return {"size": [value, value]}
+    if allowed[:2] == ["width", "depth"] and isinstance(value, list) and len(value) == 2:
+        return dict(zip(allowed, value, strict=False))
+    return {allowed[0]: value}
 
 
 def _copy(action: BlockEditor) -> None:

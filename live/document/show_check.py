@@ -8,6 +8,7 @@ from live.base.errors import PersonError
 from live.graph.motion_graph import MotionGraph
 from live.show.assembly import assemble
 from live.show.dancers.character_casting import check_characters
+from live.show.group.stage_check import stage_faults
 from live.show.loader import LoadedShow, load_from_patch
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import find_resource
@@ -59,16 +60,19 @@ class ShowCheck:
         self._path, self._recordings = path, recordings
         self._loaded: LoadedShow | None = None
         self._show: Show | None = None
+        self._made: Any = None  # the last show that started
         self._files: Patch | None = None  # the patch whose files were found
 
-    def __call__(self, patch: Patch) -> list[PersonError]:
-        """Return why a show of a patch would not start; empty if it does."""
+    def __call__(self, patch: Patch, former: Patch | None) -> list[PersonError]:
+        """Return why a show of a patch would not start, or whom its stage strands that `former` did not; empty if all
+        is well."""
         try:
             self._check_files(patch)
         except PersonError as error:
             return [error]
         self._files = patch
-        return show_faults(self._make, patch)
+        faults = show_faults(self._make, patch)
+        return faults or ([] if former is None else stage_faults(self._made, former))
 
     def _make(self, patch: Patch) -> None:
         loaded = self._loaded
@@ -76,9 +80,9 @@ class ShowCheck:
             loaded = load_from_patch(patch, self._path, recordings=self._recordings)
             _refuse_gaps(loaded.graph)
             self._show = assemble(loaded.patch, loaded.graph, bank=loaded.bank, answers=loaded.answers)
-            self._loaded = loaded
+            self._loaded, self._made = loaded, self._show
             return
-        self._show.hot_swap.make_show(patch, loaded.graph)
+        self._made = self._show.hot_swap.make_show(patch, loaded.graph)
 
     def _check_files(self, patch: Patch) -> None:
         """Raise PersonError for a file that the patch names and that is missing or damaged."""

@@ -14,6 +14,7 @@ import moderngl
 import numpy as np
 
 from live.base.custom_pass import CustomShader
+from live.base.set_geometry import SetItem
 from live.base.stage_snapshot import FLOOR_MARGIN, Camera
 from live.render.adaptive_quality import Quality
 from live.render.camera import screen_bounds, view_rays, world_to_clip
@@ -30,7 +31,7 @@ from live.render.passes.dancer_pass import DancerPass, GBufferPass, MultisampleT
 from live.render.passes.floor_pass import FloorPass, ReflectionPass
 from live.render.passes.ink_pass import InkPass
 from live.render.passes.plan_pass import PlanPass
-from live.render.passes.set_pass import ItemPass, build_vertices
+from live.render.passes.set_pass import ItemPass
 from live.render.passes.stage_pass import BackdropPass, StagePass
 from live.render.passes.styled_pass import StylePasses
 from live.render.passes.trail_pass import TrailsPass
@@ -151,8 +152,8 @@ class Pipeline:
         ctx, scene, size, quality = setup.ctx, setup.scene, setup.size, setup.quality
         self._ctx, self._scene, self._size, self._quality = ctx, scene, size, quality
         worn = bool(scene.characters)
-        width, depth = scene.stage_size
-        self.floor = FloorPass(ctx, quality, (width + 2 * FLOOR_MARGIN, depth + 2 * FLOOR_MARGIN))
+        self._stage_size = scene.stage_size
+        self.floor = FloorPass(ctx, quality, _floor_size(scene.stage_size))
         self._mirror = ReflectionPass(ctx, size, quality.mirror_divisor, characters=worn)
         self._backdrop = BackdropPass(ctx, size, coarse=quality.samples == 0)
         self.chain = PassChain(setup)
@@ -169,11 +170,20 @@ class Pipeline:
         else:
             self._smooth = {hdr: AntialiasPass(ctx, self._surface.depth, size, hdr=hdr) for hdr in (False, True)}
         self._scene_passes = [make(setup) for make in SCENE_PASSES if not (setup.transparent and make in _STAGE_PASSES)]
-        if scene.items:
-            self.floor.casters = [one.draw_shadows for one in self._scene_passes]
-        items = build_vertices(scene.items)[:, :3]
-        self._item_box = np.array([items.min(axis=0), items.max(axis=0)], np.float64) if len(items) else None
+        self.floor.casters = [one.draw_shadows for one in self._scene_passes]
         self.set_camera(scene.camera)
+
+    def set_stage(self, stage_size: tuple[float, float], items: tuple[SetItem, ...]) -> None:
+        """Draw a stage of another size, width by depth [m], and other props; then set the camera."""
+        if stage_size != self._stage_size:
+            self._stage_size = stage_size
+            self.floor.set_floor_size(_floor_size(stage_size))
+            self._backdrop.invalidate()
+        for one in self._scene_passes:
+            if isinstance(one, ItemPass):
+                one.set_items(items)
+            elif isinstance(one, BackgroundPass):
+                one.stage_size = stage_size
 
     def set_quality(self, quality: Quality) -> None:
         """Draw with another quality of the same tier; its GL objects are created once and kept."""
@@ -196,7 +206,7 @@ class Pipeline:
 
     def set_camera(self, camera: Camera) -> None:
         """Update everything that depends on the camera, except the uniform block."""
-        self._floor_rows = _floor_row_count(camera, self._scene.stage_size, self._size)
+        self._floor_rows = _floor_row_count(camera, self._stage_size, self._size)
         self._world_to_clip = world_to_clip(camera, self._size)
 
     def has_effect(self, kind: str, moment: Moment) -> bool:
@@ -292,8 +302,9 @@ class Pipeline:
     def _dancer_rectangle(self, moment: Moment) -> tuple[int, int, int, int]:
         """Return the rectangle that dancers and items may cover; other pixels need no lighting or smoothing."""
         low, high = moment.batch.box.astype(np.float64)
-        if self._item_box is not None:
-            low, high = np.minimum(low, self._item_box[0]), np.maximum(high, self._item_box[1])
+        for one in self._scene_passes:
+            if isinstance(one, ItemPass) and one.box is not None:
+                low, high = np.minimum(low, one.box[0]), np.maximum(high, one.box[1])
         if low[0] > high[0]:
             return 0, 0, 0, 0
         reach = max(_BODY_REACH, moment.batch.reach)
@@ -325,6 +336,11 @@ class Pipeline:
             own.append(self._matte)
         own += [*self._targets.values(), self._dancer] if self._lit else [*self._smooth.values()]
         release_all(*self._scene_passes, *own, self._surface)
+
+
+def _floor_size(stage_size: tuple[float, float]) -> tuple[float, float]:
+    """Return width and depth [m] of the floor's map."""
+    return stage_size[0] + 2 * FLOOR_MARGIN, stage_size[1] + 2 * FLOOR_MARGIN
 
 
 def _needs_surfaces(active: list[PicturePass]) -> bool:

@@ -10,6 +10,7 @@ from live.base.arrays import Float64
 from live.base.custom_pass import CustomShader
 from live.base.element_kinds import PATH
 from live.base.picture_parameters import BY_ADDRESS, STYLE_ADDRESS_PREFIX, STYLE_NAMES, group_parameter, picture_row
+from live.base.set_geometry import SetItem
 from live.base.stage_snapshot import Camera, Scene, StageView
 from live.render.adaptive_quality import HARDWARE, Quality, QualityStep, choose_quality, quality_steps
 from live.render.dancers.dancer_batch import DancerBatch
@@ -19,6 +20,8 @@ from live.render.pipeline import Pipeline
 from live.render.shader import FullscreenShader, release_all
 from live.render.uniforms import FrameUniforms
 
+_WARM_UP_ITEMS: Final = (SetItem("box", (0.0, 0.0), (1.0, 1.0, 1.0)),)
+"""Props that are drawn before the show if it has none, since an edit may add some."""
 JUMP_BEATS: Final = 64.0
 """After a jump of more beats than this a picture does not continue the previous one."""
 
@@ -87,11 +90,13 @@ class Renderer:
         view.element_radius[1], view.obstacle[0, 2] = 1.0, 1.0
         view.element_kind[2], view.element_corners[2] = PATH, 2
         view.guide_count = 1
+        self._pipeline.set_stage(self._scene.stage_size, self._scene.items or _WARM_UP_ITEMS)
         for step in (*reversed(range(len(self.steps))), 0) if len(self.steps) > 1 else (0,):
             self.set_step(step)
             for styles in (_warm_up_row(self._scene, passes=len(self.steps) > 1), None) if step == 0 else (None,):
                 view.picture = styles
                 self.draw(view, framebuffer)
+        self._pipeline.set_stage(self._scene.stage_size, self._scene.items)
         self._moment.cut = True
         release_all(framebuffer, scratch)
 
@@ -161,6 +166,17 @@ class Renderer:
     def reset_pass(self, name: str) -> None:
         """Enable a pass again that was left out after failures; empty: all."""
         self._pipeline.faults.reset(name)
+
+    def set_stage(self, stage_size: tuple[float, float], items: tuple[SetItem, ...]) -> None:
+        """Draw a stage of another size, width by depth [m], and other props; nothing is compiled."""
+        if (stage_size, items) == (self._scene.stage_size, self._scene.items):
+            return
+        self._scene = replace(self._scene, stage_size=stage_size, items=items)
+        self._setup = replace(self._setup, scene=self._scene)
+        self._uniforms.set_stage_size(stage_size)
+        self._pipeline.set_stage(stage_size, items)
+        self._pipeline.set_camera(self._uniforms.camera)
+        self._moment.floor = self._pipeline.floor.texture
 
     def set_custom_passes(self, passes: tuple[CustomShader, ...]) -> None:
         """Replace the source of custom passes; PersonError if one does not compile: its last version stays."""

@@ -81,9 +81,6 @@ class FrameUniforms:
         self._initial_row = picture_row(scene)
         if not np.abs(self._initial_row[BY_ADDRESS["/dance/light/key/direction"].row_slice]).max() > 0.0:
             raise ValueError("look: key_direction must not be zero")
-        width, depth = self._stage_size = scene.stage_size
-        margin = FLOOR_MARGIN
-        data["stage"] = (0.5 * width, 0.5 * depth, 0.5 * width + margin, 0.5 * depth + margin)
         self.camera_changed = self.light_changed = self.colours_changed = self.styles_changed = False
         """What has changed in the last written frame: the camera, anything that the cached backdrop shows, the groups'
         colours, their colours or styles."""
@@ -94,8 +91,17 @@ class FrameUniforms:
         """The camera of the last written frame."""
         self.light = data["key_direction"][:3]
         """Direction towards the key light, a unit vector, shape (3,)."""
+        self._size = size
+        self.set_stage_size(scene.stage_size)
         self.resize(size)
         self._set_light(self._row)
+
+    def set_stage_size(self, stage_size: tuple[float, float]) -> None:
+        """Set the scene's stage: width and depth [m]."""
+        width, depth = self._stage_size = stage_size
+        margin = FLOOR_MARGIN
+        self._data["stage"] = (0.5 * width, 0.5 * depth, 0.5 * width + margin, 0.5 * depth + margin)
+        self._set_camera(self.camera)
 
     def resize(self, size: tuple[int, int]) -> None:
         """Set a new size of the picture [pixels]."""

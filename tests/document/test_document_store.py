@@ -213,7 +213,7 @@ def test_an_invalid_file_of_another_program_is_told_and_never_overwritten(path: 
 def test_a_file_changed_in_the_middle_of_an_edit_is_not_overwritten(path: Path) -> None:
     changed = TEXT.replace("dancers = 4", "dancers = 5")
 
-    def check(_patch: object) -> list[PersonError]:
+    def check(_patch: object, _former: object) -> list[PersonError]:
         path.write_text(changed)  # while the edit is being checked
         return []
 

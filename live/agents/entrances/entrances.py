@@ -39,12 +39,13 @@ class Entrances:
         self._exit_bounds = np.tile(np.array(size, np.float32), (agent_count, 1))  # of leaving dancers
 
     def resize(self, gates: tuple[Gate, ...], size: tuple[float, float]) -> None:
-        """Set the stage's half sizes [m] and its gates, in the same order.
+        """Set the stage's half sizes [m] and its gates, at least one.
 
-        Leaving dancers keep their goals; the goals of entering dancers are clamped to the new edges.
+        Who is to enter through a gate that is gone comes through the nearest one. Leaving dancers keep their goals; the
+        goals of entering dancers are clamped to the new edges.
         """
-        if len(gates) != len(self.gates):
-            raise ValueError("the number of gates must not change")
+        if gates != self.gates:
+            self._gate = np.array([_successor(gate, gates) for gate in self.gates], np.int32)[self._gate]
         self.gates, self._size = gates, size
         rows = self.state == ENTERING
         edge = np.maximum(np.array(size, np.float32) - np.float32(0.8), np.float32(0.5) * np.array(size, np.float32))
@@ -146,6 +147,12 @@ class Entrances:
             room = np.minimum(away, 1.5)  # beyond this the nearer place is better
         best = places[np.argmax(room - 0.05 * np.hypot(*(places - position[row]).T))]
         return float(best[0]), float(best[1])
+
+
+def _successor(gate: Gate, gates: tuple[Gate, ...]) -> int:
+    """Return the index of the gate of the same name, else of the nearest one."""
+    far = [math.hypot(gate.x - other.x, gate.z - other.z) for other in gates]
+    return min(range(len(gates)), key=lambda index: (gates[index].name.casefold() != gate.name.casefold(), far[index]))
 
 
 def _radical_inverse(index: npt.NDArray[np.int64], base: int) -> Float64:

@@ -29,6 +29,11 @@ class PlaceSeparation:
         self._cell_start = np.zeros(cells + 1, np.int32)
         self._order = np.zeros(count, np.int32)
 
+    def resize(self, fresh: "PlaceSeparation") -> None:
+        """Take the stage's size from `fresh`, which was made for the same dancers."""
+        self._half_width, self._half_depth = fresh._half_width, fresh._half_depth
+        self._cell_start = fresh._cell_start
+
     def __call__(self, position: Float32, anchor: Float32, most: float) -> None:
         """Move `position` (A, 2) apart in place, each at most `most` [m] from its `anchor` (A, 2)."""
         separate_positions(
@@ -92,6 +97,10 @@ class PathSeparation:
         self._speed, self._moved = np.zeros((count, 2)), np.zeros((count, 2))
         self.shortfall: Float32 = np.full(count, -1.0, np.float32)
         """Largest missing distance of each dancer [m] in the last round of `part`; below 0: none, shape (A,)."""
+
+    def resize(self, fresh: "PathSeparation") -> None:
+        """Take the stage's size from `fresh`, which was made for the same dancers."""
+        self._stage, self._cells = fresh._stage, fresh._cells
 
     def set_present(self, state: npt.NDArray[np.int8], present_state: int) -> None:
         """Restrict separation to the dancers whose `state` (A,) is `present_state`."""

@@ -18,6 +18,7 @@ from live.render.film.streams import FilmSound
 from live.show.journal.journal_reader import Journal
 from live.show.journal.replay import Replayer, ReplayResult, ReplayStart
 from live.show.loader import LoadedShow
+from live.show.view.render_scene import draw_patch
 
 
 def film_replay(
@@ -55,11 +56,15 @@ def film_replay(
         writer = stack.enter_context(film_writer(path, size=size, fps=fps, sound=sound, alpha=alpha))
         progress = stack.enter_context(progress_bar(Console(stderr=True)))
         task = progress.add_task("", total=frames if to is None else None)
-        view, frame = show.view(), 0
+        view, frame, patch = show.view(), 0, show.patch
         try:
             while not running.ended and running.damaged is None:
                 time = begin + frame / fps
                 running.advance(math.floor(time / TICK + 1e-9))
+                if show.patch is not patch:
+                    patch = show.patch
+                    with contextlib.suppress(PersonError):  # as live: the last good pass stays
+                        draw_patch(renderer, patch)
                 show.fill(view, max(time, running.tick * TICK))
                 if mixed is not None:
                     mixed.frame(view)

@@ -32,10 +32,11 @@ from live.document.place import refuse
 from live.document.show_check import show_faults
 from live.document.take import TakeRecorder, formation_table, keep_edits
 from live.show.background_work import short_switch_interval
+from live.show.group.stage_check import stage_faults
 from live.show.patch.hot_reload import Candidate, PatchWatch
 from live.show.patch.patch import Patch
 from live.show.patch.section_score import formation_names
-from live.show.patch.toml_model import TomlSources
+from live.show.patch.toml_model import TomlSources, key_text
 from live.show.show import Show
 from live.show.stages.now import Now
 
@@ -204,7 +205,8 @@ class DocumentService:
             return
         for edit_id, change in changes:
             try:
-                answer = self._take(store, change).to_json_values(edit_id)
+                accepted, waits = self._take(store, change)
+                answer = accepted.to_json_values(edit_id) | ({"waits": list(waits)} if waits else {})
                 self._accepted += 1
             except EditRefused as error:
                 answer = refused_json_values(edit_id, error)
@@ -237,21 +239,28 @@ class DocumentService:
             self._store.check = self._check
         return self._store
 
-    def _check(self, patch: Patch) -> list[PersonError]:
-        """Return why the running show cannot take a patch; keep what it would take."""
+    def _check(self, patch: Patch, former: Patch | None) -> list[PersonError]:
+        """Return why the running show cannot take a patch in place of `former`; keep what it would take."""
 
         def build(one: Patch) -> None:
             self._candidate = self._watch.candidate(one)
 
         self._candidate = None
-        return show_faults(build, patch)
+        return show_faults(build, patch) or self._stage_faults(former)
 
-    def _take(self, store: DocumentStore, change: Callable[[], Accepted]) -> Accepted:
-        """Save a change, and have the show take it."""
+    def _stage_faults(self, former: Patch | None) -> list[PersonError]:
+        """Return whom the stage of the checked patch strands."""
+        made = None if self._candidate is None else self._candidate.new_show
+        return [] if made is None or former is None else stage_faults(made, former)
+
+    def _take(self, store: DocumentStore, change: Callable[[], Accepted]) -> tuple[Accepted, tuple[str, ...]]:
+        """Save a change, and have the show take it; return also the keys that it changed for the next start alone."""
         before = store.revision
+        waits: tuple[str, ...] = ()
         accepted = change()
         if store.revision != before and self._candidate is not None:
             self._accepted_in[store.revision] = self._show.span.number
+            waits = _among(self._candidate.deferred_keys, accepted.revision.keys)
             try:
                 self._watch.offer(self._candidate, TomlSources(store.document.files))
             except PersonError as error:  # it is saved, and acts from the next start on
@@ -259,7 +268,7 @@ class DocumentService:
             if not store.has_changed():
                 self._watch.skip_present_files()
         self._candidate = None
-        return accepted
+        return accepted, waits
 
     def _refuse_danced(self, store: DocumentStore, target: Revision | None) -> None:
         """Raise EditRefused for the undo of a revision whose measures have been danced since."""
@@ -302,6 +311,15 @@ class DocumentService:
             latest = self._store.revisions[-LOGGED:]
             rows = [{"revision": one.number, "date": one.date, "by": one.by, "text": one.text} for one in latest]
             self._log = json.dumps(rows)
+
+
+def _among(waiting: tuple[str, ...], keys: Iterable[tuple[Any, ...]]) -> tuple[str, ...]:
+    """Return those of the `waiting` keys that a change of `keys` concerns."""
+    changed = [(*key_text(key).split("."),) for key in keys]
+    parts = {one: (*one.split("."),) for one in waiting}
+    return tuple(
+        one for one, own in parts.items() if any(own[: len(key)] == key or key[: len(own)] == own for key in changed)
+    )
 
 
 def _put(kind: str, table: dict[str, Any], known: Iterable[str]) -> Edit:

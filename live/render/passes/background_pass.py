@@ -34,7 +34,8 @@ class BackgroundPass(ScenePass):
     def __init__(self, making: PassSetup) -> None:
         """Raises PersonError for a file that cannot be decoded."""
         self._ctx, self._size = making.ctx, making.size
-        self._scene = making.scene
+        self.stage_size = making.scene.stage_size
+        """Width and depth of the stage [m]."""
         self._program = compile_program(making.ctx, "background_vertex.glsl", "background_fragment.glsl")
         self._quad = making.ctx.vertex_array(self._program, [])
         self._sources = [
@@ -112,8 +113,8 @@ class BackgroundPass(ScenePass):
             set_uniform(self._program, "mirrored", 0)
             self._quad.render(moderngl.TRIANGLE_STRIP, vertices=4)
             return
-        width = source.settings.width or _WALL_WIDTH * self._scene.stage_size[0]
-        depth = -0.5 * self._scene.stage_size[1] - WALL_DISTANCE + 0.02
+        width = source.settings.width or _WALL_WIDTH * self.stage_size[0]
+        depth = -0.5 * self.stage_size[1] - WALL_DISTANCE + 0.02
         set_uniform(self._program, "wall", (0.5 * width, source.settings.bottom, width / aspect, depth))
         set_uniform(self._program, "crop", (1.0, 1.0))
         for mirrored in (0, 1):

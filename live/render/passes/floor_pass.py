@@ -40,7 +40,7 @@ class FloorPass:
             for last in (0, 1)
         ]
         self._triangles = [ctx.vertex_array(blur, []) for blur in self._blurs]
-        self._floor_size = floor_size
+        self._floor_size, self._long_side = floor_size, quality.floor_map
         texel = max(floor_size) / quality.floor_map
         self._elements = ElementPass(ctx, texel)
         self._set = SetPass(ctx, texel)
@@ -48,8 +48,18 @@ class FloorPass:
         self._maps: dict[int, tuple[moderngl.Texture, ...]] = {}
         self.select_resolution(quality.floor_map)
 
+    def set_floor_size(self, floor_size: tuple[float, float]) -> None:
+        """Cover another floor, width by depth [m]; `texture` is another one from now on."""
+        known = tuple(self._maps)
+        self._release_maps()
+        self._floor_size = floor_size
+        for long_side in known:
+            self._maps[long_side] = self._make(long_side)
+        self.select_resolution(self._long_side)
+
     def select_resolution(self, long_side: int) -> None:
         """Select a map with `long_side` texels along its longer side; each size is created once."""
+        self._long_side = long_side
         if long_side not in self._maps:
             self._maps[long_side] = self._make(long_side)
         self._layers, self._half_blurred, self.texture = textures = self._maps[long_side]
@@ -105,10 +115,15 @@ class FloorPass:
             source.use(1)
             triangle.render(moderngl.TRIANGLES, vertices=3)
 
-    def release(self) -> None:
-        """Free everything."""
+    def _release_maps(self) -> None:
         for long_side, textures in self._maps.items():
             release_all(*self._framebuffers[long_side], *textures)
+        self._maps.clear()
+        self._framebuffers.clear()
+
+    def release(self) -> None:
+        """Free everything."""
+        self._release_maps()
         release_all(*self._triangles)
         release_all(self._elements, self._set, *self._shadow_programs, *self._blurs)
 

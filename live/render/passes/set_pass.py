@@ -4,11 +4,13 @@ On the floor map, obstacles and walls are dark shapes with a rim of light, and r
 (boxes, cylinders, steps) are lit like dancers, occlude them and cast shadows.
 """
 
+from functools import lru_cache
 from typing import Final
 
 import moderngl
 import numpy as np
 
+from live.base.arrays import Float32
 from live.base.set_geometry import SetItem, item_triangles
 from live.base.stage_snapshot import SET_CAPACITY, StageView
 from live.render.pass_context import Moment, PassSetup, ScenePass
@@ -58,6 +60,8 @@ class SetPass:
 
 AMBIENT_HEIGHT = 0.5
 """Height [m] below which ambient light is reduced."""
+_ITEM_BYTES: Final = 65_536
+"""Length of the buffer of props at first; it grows."""
 
 
 class ItemPass(ScenePass):
@@ -65,11 +69,7 @@ class ItemPass(ScenePass):
 
     def __init__(self, making: PassSetup) -> None:
         ctx = self._ctx = making.ctx
-        data = build_vertices(making.scene.items)
-        self._count = len(data)
-        if not self._count:
-            return
-        self._buffer = ctx.buffer(data.tobytes())
+        self._buffer = ctx.buffer(reserve=_ITEM_BYTES, dynamic=True)
         self._surface = compile_program(ctx, "item_vertex.glsl", "item_surface_fragment.glsl")
         self._lit = compile_program(ctx, "item_vertex.glsl", "item_fragment.glsl")
         self._cast = compile_program(
@@ -80,6 +80,17 @@ class ItemPass(ScenePass):
             ctx.vertex_array(linked, [(self._buffer, "3f 3f 4f", *names)]) for linked in (self._surface, self._lit)
         ]
         self._shadow = ctx.vertex_array(self._cast, [(self._buffer, "3f 28x", "in_position")])
+        self.set_items(making.scene.items)
+
+    def set_items(self, items: tuple[SetItem, ...]) -> None:
+        """Draw these props from now on."""
+        data = build_vertices(items)
+        self._count = len(data)
+        self.box = np.array([data[:, :3].min(axis=0), data[:, :3].max(axis=0)], np.float64) if len(data) else None
+        if data.nbytes > self._buffer.size:
+            self._buffer.orphan(data.nbytes)
+        if len(data):
+            self._buffer.write(data)
 
     def active(self, moment: Moment) -> bool:
         """Whether there are props."""
@@ -104,16 +115,18 @@ class ItemPass(ScenePass):
 
     def release(self) -> None:
         """Free everything."""
-        if self._count:
-            release_all(*self._arrays, self._shadow, self._buffer, self._surface, self._lit, self._cast)
+        release_all(*self._arrays, self._shadow, self._buffer, self._surface, self._lit, self._cast)
 
 
-def build_vertices(items: tuple[SetItem, ...]) -> "np.ndarray[tuple[int, int], np.dtype[np.float32]]":
+def build_vertices(items: tuple[SetItem, ...]) -> Float32:
     """Return position, normal, square root of the colour and ambient openness of all vertices, shape (V, 10)."""
-    rows = [np.zeros((0, 10), np.float32)]
-    for item in items:
-        corners, normals = (part.reshape(-1, 3) for part in item_triangles(item))
-        colour = np.tile(np.sqrt(item.colour), (len(corners), 1))
-        openness = np.clip(0.55 + 0.45 * corners[:, 1:2] / AMBIENT_HEIGHT, 0.0, 1.0)
-        rows.append(np.concatenate([corners, normals, colour, openness], axis=1).astype(np.float32))
-    return np.ascontiguousarray(np.concatenate(rows))
+    return np.ascontiguousarray(np.concatenate([np.zeros((0, 10), np.float32), *map(_item_vertices, items)]))
+
+
+@lru_cache(maxsize=400)
+def _item_vertices(item: SetItem) -> Float32:
+    """Return the vertices of one prop; cached, since an edit changes few of them."""
+    corners, normals = (part.reshape(-1, 3) for part in item_triangles(item))
+    colour = np.tile(np.sqrt(item.colour), (len(corners), 1))
+    openness = np.clip(0.55 + 0.45 * corners[:, 1:2] / AMBIENT_HEIGHT, 0.0, 1.0)
+    return np.concatenate([corners, normals, colour, openness], axis=1).astype(np.float32)

@@ -72,7 +72,8 @@ class RootCorrectionControl:
         self._open = False  # whether the coming measures are not corrected yet
 
     def apply_patch(self, fresh: "RootCorrectionControl") -> None:
-        """Apply the correction limit of another patch."""
+        """Apply the correction limit and the stage of another patch."""
+        self.path_separation.resize(fresh.path_separation)
         most = fresh._patch.locomotion.correction_m
         self._next_correction.max_correction = self._correction_update.max_correction = most
         if (self._contact_resolver is None) != (fresh._contact_resolver is None):

@@ -95,7 +95,6 @@ class GroupMotion:
         self._patch, self.casting = patch, casting
         self._seed = seed
         self._beats = patch.clock.beats_per_measure  # of a danced measure in plans, whatever the metre becomes live
-        self._half = np.array(half, np.float32)
         steering = steering_of(patch)
         radius = np.array([section.radius for section in patch.group], np.float32)[casting.group]
         responsibility = np.where(casting.soloists, 0.0, 1.0).astype(np.float32)
@@ -115,8 +114,8 @@ class GroupMotion:
         self.starting_heading: Float64 = np.zeros(count)
         """Headings at the beginning of the show [rad], shape (A,)."""
         places = starting_places(
-            self.evolutions, self.partners, self.separation, self.gates[0], self.entrances.present, self._half,
-            self.starting_heading,
+            self.evolutions, self.partners, self.separation, self.gates[0], self.entrances.present,
+            np.array(half, np.float32), self.starting_heading,
         )  # fmt: skip
         self.state = AgentState.at_rest(places)
         self._spare = AgentState.at_rest(self.state.position)
@@ -255,13 +254,21 @@ class GroupMotion:
         there = int(np.count_nonzero(self.entrances.state != WAITING))
         if not self.stage_area.resize(width, depth, dancers=there, beat=beat, beats_per_measure=beats_per_measure):
             return
-        half = width / 2, depth / 2
-        self.gates = gates_of(self._patch, *half)
-        self.entrances.resize(self.gates, half)
+        self._resize(self._patch, measure)
+
+    def _resize(self, patch: Patch, measure: int) -> None:
+        """Give the size of the stage and the gates of `patch` to all that moves on it, within `measure`."""
+        half_width, half_depth = self.stage_area.half.tolist()
+        half = half_width, half_depth
+        self._place_gates(patch, half)
         self.casting.half = half
         self._advance.resize(*half)
         self.elements.resize(*half)
         self.evolutions.resize(half, self.stage_area.fit_size, measure=measure)
+
+    def _place_gates(self, patch: Patch, half: tuple[float, float]) -> None:
+        self.gates = gates_of(patch, *half)
+        self.entrances.resize(self.gates, half)
 
     def set_yielding(self, rows: npt.NDArray[np.integer], led: Bool) -> None:
         """Make all others yield to the agents `rows` (n,) while these are `led` (n,) by a performer."""
@@ -270,13 +277,16 @@ class GroupMotion:
         self._advance.yield_to(rows, self.model.responsibility[rows])
 
     def apply_patch(self, fresh: "GroupMotion") -> None:
-        """Apply gates, steering and set of another patch. Items moved live stay in place."""
+        """Apply stage, gates, steering and set of another patch. Items moved live stay in place."""
         old, new = self._patch, fresh._patch
         if old.steering != new.steering:
             self._advance.steer(fresh.model.steering)
-        if old.gate != new.gate:
-            self.gates = gates_of(new, *self.casting.half)
-            self.entrances.resize(self.gates, self.casting.half)
+        self.separation.resize(fresh.separation)
+        if old.stage != new.stage:
+            self.stage_area.change_patch(new.stage, beats_per_measure=self._beats)
+            self._resize(new, -1 if self._now is None else self._now[1].number)
+        elif old.gate != new.gate:
+            self._place_gates(new, self.casting.half)
         update_set(self.surroundings, old.obstacle, new.obstacle)
 
     def show(self, view: StageView) -> None:

@@ -43,7 +43,7 @@ class StageArea:
         """Half width and half depth for steering [m], shape (2,): the same array for the whole show."""
         self.border: Float64 = self._patch.copy()
         """Half width and half depth as drawn [m], shape (2,)."""
-        self._from, self._began, self._ends = self._patch.copy(), -math.inf, -math.inf
+        self._from, self._began, self._ends, self._beat = self._patch.copy(), -math.inf, -math.inf, 0.0
 
     @property
     def largest(self) -> Float64:
@@ -73,15 +73,25 @@ class StageArea:
             )
         if (half == self.half).all():
             return False
+        self._begin(half, beat, beats_per_measure)
+        return True
+
+    def change_patch(self, stage: StageSection, *, beats_per_measure: float) -> None:
+        """Take the size of an edited patch, also if another size was set live."""
+        self._patch[:] = stage.width / 2, stage.depth / 2
+        self._begin(self._patch, self._beat, beats_per_measure)
+
+    def _begin(self, half: Float64, beat: float, beats_per_measure: float) -> None:
+        """Steer within `half` (2,) [m] from now on, and begin to move the border there at `beat`."""
         self._from[:] = self.border
         far = np.abs(half - self.border).max()
         least = RESIZE_MEASURES * beats_per_measure * (1.0 if (half < self.border).any() else 0.5)
         self._began, self._ends = beat, beat + max(least, float(far) / MAX_BORDER_SPEED)
         self.half[:] = half
-        return True
 
     def tick(self, beat: float) -> None:
         """Move the border to its place at `beat`, with easing at both ends."""
+        self._beat = beat
         if beat >= self._ends:
             self.border[:] = self.half
             return

@@ -20,6 +20,7 @@ from live.graph.library_insert import stranded
 from live.render.custom_pass import try_passes
 from live.show.background_work import short_switch_interval
 from live.show.dancers.character_casting import check_characters
+from live.show.group.stage_check import refusal, stage_faults
 from live.show.loader import LoadedShow, adapt_edited_patch
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import custom_pass_files, patch_files, read_sources
@@ -157,6 +158,9 @@ class PatchWatch:
         patch, sources = read_sources(self._loaded.path, self._loaded.tables)
         try:
             candidate = self.candidate(patch)
+            faults = [] if candidate.new_show is None else stage_faults(candidate.new_show, self._patch)
+            if faults:
+                raise refusal(faults)
         except PersonError as error:
             self._failure_count += 1
             where = f"{sources.location_text(error.key_path)}: {key_text(error.key_path)}: " if error.key_path else ""

@@ -28,8 +28,8 @@ from live.show.score.step_names import UnknownStep
 
 START_ONLY_KEYS: Final = (
     "seed", "steps", "reserve", "music.file", "music.bpm", "music.one_at_s", "sound", "clock", "link",
-    "midi.input", "midi.output", "midi.clock_out", "midi.time_code_bpm", "midi.time_code_offset_s", "osc", "stage",
-    "background", "item", "picture.passes", "character", "texture", "steering.separation", "steering.combine",
+    "midi.input", "midi.output", "midi.clock_out", "midi.time_code_bpm", "midi.time_code_offset_s", "osc",
+    "background", "picture.passes", "character", "texture", "steering.separation", "steering.combine",
 )  # fmt: skip
 """Keys that are read only when a show starts."""
 GROUP_START_ONLY_KEYS: Final = (
@@ -61,9 +61,6 @@ def split_deferred(new: Patch, current: Patch) -> tuple[Patch, tuple[str, ...]]:
         changes["music"] = current.music
     if "picture.passes" in waits:  # the sources belong to the names
         changes["picture"] = changes["picture"].model_copy(update={"own": current.picture.own})
-    if len(new.gate) != len(current.gate):
-        waits.append("gate")
-        changes["gate"] = current.gate
     if _example_settings(new) != _example_settings(current):
         waits.append("partner")
         changes["partner"] = current.partner

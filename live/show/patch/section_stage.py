@@ -60,6 +60,8 @@ class ObstacleSection(Section):
 class ItemSection(Section):
     """`[[item]]`: an item of the set that is drawn; an `[[obstacle]]` at its place keeps dancers away from it."""
 
+    name: Name | None = None
+    """Its name for edits of the show's files."""
     form: Literal["box", "cylinder", "steps"] = "box"
     """Its shape."""
     at: Place

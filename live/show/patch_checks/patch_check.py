@@ -50,6 +50,7 @@ def _check_unique_names(patch: Patch) -> Iterator[InvalidEntry]:
     things |= {"character": [each.name for each in patch.character]}
     things["partner"] = [partner.name for partner in patch.partner]
     things |= {"gate": [gate.name for gate in patch.gate], "obstacle": [item.name for item in patch.obstacle]}
+    things["item"] = [item.name or f"\0{index}" for index, item in enumerate(patch.item)]
     for what, names in things.items():
         known: set[str] = set()
         for index, name in enumerate(names):

@@ -141,7 +141,7 @@ KINDS: Final = [
         _live_path_count:int
     """),
     Kind("group-motion", GroupMotion, """
-        _patch:constant-patch casting:casting _seed:int _beats:int _half:f4 model:agent-model stage_area:floor
+        _patch:constant-patch casting:casting _seed:int _beats:int model:agent-model stage_area:floor
         gates:row[gate] entrances:entrances surroundings:surroundings performers:performers separation:parting
         evolutions:evolutions elements:elements partners:partners starting_heading:f8 state:agent-state
         _spare:agent-state _advance:pair-steering commands:wants _partner_agents:answering-agents _ahead:agents-ahead

@@ -170,7 +170,7 @@ KINDS: Final = [
         _done:deque[edits.edit] _undone:list[edits.edit] _values_before:dict[any,any]|f8|none
     """),
     Kind("edits.edit", _Edit, "label:str part:str before:dict[any,any] after:dict[any,any] key:row[str] time:float"),
-    Kind("floor", StageArea, "_patch:f8 half:f8 border:f8 _from:f8 _began:float _ends:float"),
+    Kind("floor", StageArea, "_patch:f8 half:f8 border:f8 _from:f8 _began:float _ends:float _beat:float"),
     Kind("formations", Formations, """
         _seed:int _named:dict[str,named-formation] _from_patch:dict[str,named-formation]
         _unnamed:ordered[str,named-formation] _half:f8|none

@@ -2,6 +2,7 @@
 
 import contextlib
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from live.base.body_catalogue import BODIES, DEFAULT_BODY, CharacterFile
 from live.base.errors import PersonError, error_context
@@ -17,6 +18,9 @@ from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import find_resource
 from live.show.patch.section_base import parameter_values
 from live.show.patch.section_stage import CameraSection
+
+if TYPE_CHECKING:
+    from live.render.renderer import Renderer
 
 
 def projector_camera(patch: Patch) -> Camera | None:
@@ -63,6 +67,20 @@ def _background_file(name: str, path: Path, number: int) -> str:
     return str(file)
 
 
+def set_items(patch: Patch) -> tuple[SetItem, ...]:
+    """Return the props of a patch."""
+    return tuple(SetItem(**section.model_dump(exclude={"name"})) for section in patch.item)
+
+
+def draw_patch(renderer: "Renderer", patch: Patch) -> None:
+    """Have a running renderer draw the stage, the props and the custom passes of another patch.
+
+    PersonError if a pass does not compile: its last version stays.
+    """
+    renderer.set_stage((patch.stage.width, patch.stage.depth), set_items(patch))
+    renderer.set_custom_passes(patch.picture.own_passes)
+
+
 def make_scene(
     patch: Patch, path: Path | None = None, characters: tuple[CharacterFile, ...] = (), *, whole: bool = True
 ) -> Scene:
@@ -84,7 +102,7 @@ def make_scene(
         group_colours=colours,
         group_styles=styles,
         backgrounds=() if path is None else make_backgrounds(patch, path, whole=whole),
-        items=tuple(SetItem(**section.model_dump()) for section in patch.item),
+        items=set_items(patch),
         passes=patch.picture.passes,
         custom_passes=patch.picture.own_passes,
         start_values=(*patch.picture.set.items(), *parameter_values("look", patch.look).items()),

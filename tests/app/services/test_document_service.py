@@ -157,12 +157,13 @@ def test_what_the_show_cannot_take_is_refused_and_not_saved(night: EditedShow) -
 
 def test_keys_that_wait_for_the_next_start_are_saved_and_told(night: EditedShow) -> None:
     night.run(1.0)
-    (answer,) = night.send({"do": "set", "at": ["stage", "width"], "value": 16})
+    (answer,) = night.send({"do": "set", "at": ["steering", "separation"], "value": 2})
     assert answer["revision"] == 1
-    assert "stage.width" in night.watch.message
+    assert answer["waits"] == ["steering.separation"]
+    assert "steering.separation" in night.watch.message
     night.run(3.0)
-    assert night.show.patch.stage.width != 16
-    assert night.watch.status()["waits"] == ["stage.width"]
+    assert night.show.patch.steering.separation != 2
+    assert night.watch.status()["waits"] == ["steering.separation"]
 
 
 def test_an_undo_of_what_has_been_danced_is_refused_with_the_reason(night: EditedShow) -> None:

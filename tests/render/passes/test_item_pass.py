@@ -68,3 +68,26 @@ def test_items_far_from_dancers_are_lit(draw_items, golden):
     x, y = pixel(-4.0, 1.5, -1.7)
     assert seen[y, x].max() > 60
     golden(seen.astype(np.uint8), "items", law=lambda picture: picture[y, x].max() > 60)
+
+
+@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+def test_another_stage_and_items_look_as_in_a_renderer_made_for_them(gl_context, quality):
+    box, steps = SetItem("box", (2.0, 0.0), (0.8, 1.0, 0.8)), SetItem("steps", (-3.0, -2.0), (2.0, 1.0, 1.5), steps=40)
+    stages = (((12.0, 8.0), ()), ((7.0, 15.0), (box,)), ((16.0, 8.0), (box, *[steps] * 30)), ((12.0, 8.0), ()))
+    target = gl_context.simple_framebuffer(SIZE)
+    view = standing()
+    view.obstacle_count, view.obstacle[0, :3] = 1, (1.0, 1.0, 0.5)
+    edited = Renderer(gl_context, replace(scene(1), stage_size=(10.0, 6.0)), size=SIZE, quality=quality)
+    pictures = []
+    for stage_size, items in stages:
+        edited.set_stage(stage_size, items)
+        edited.draw(view, target)
+        pictures.append(read(target).astype(int))
+        fresh = Renderer(gl_context, replace(scene(1), stage_size=stage_size, items=items), size=SIZE, quality=quality)
+        fresh.draw(view, target)
+        assert np.array_equal(read(target).astype(int), pictures[-1])
+        fresh.release()
+    assert np.abs(pictures[1] - pictures[0]).max() > 60
+    assert np.abs(pictures[2] - pictures[1]).max() > 60
+    edited.release()
+    target.release()

@@ -89,7 +89,7 @@ correction_m = 0.1
 pair = "1-2"
 [[obstacle]]
 name = "chair"
-at = [2, 2]
+at = [5.4, 3.4]
 [[react]]
 to = "loudness"
 sets = "amplitude"
@@ -186,16 +186,16 @@ def test_missing_or_broken_asset_of_edit_is_reported(patch):
 def test_edits_that_need_restart_are_deferred_and_others_act(patch):
     night = WatchedShow(patch)
     night.run(1.0)
-    assert night.edit("dancers = 4", 'dancers = 6\nfacing = "90"', more="[stage]\nwidth = 20\n")
-    assert night.watch.deferred_keys == ("stage.width", "group.1.dancers")
+    assert night.edit("dancers = 4", 'dancers = 6\nfacing = "90"', more="[steering]\nseparation = 2.0\n")
+    assert night.watch.deferred_keys == ("steering.separation", "group.1.dancers")
     assert "from the next start on" in night.watch.message
-    assert "stage.width, group.1.dancers" in night.watch.message
+    assert "steering.separation, group.1.dancers" in night.watch.message
     night.run(8.0)
-    assert night.show.patch.stage.width == 12.0
+    assert night.show.patch.steering.separation == 1.25
     assert night.show.patch.group[0].facing == "90"
     assert night.show.dancers.present.end_heading() == pytest.approx([1.571] * 4, abs=0.3)
     text = patch.read_text()
-    assert not night.edit(text, text.replace("width = 20", "width = 22"))
+    assert not night.edit(text, text.replace("separation = 2.0", "separation = 2.5"))
     assert night.watch.problem == ""
 
 
