@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, Final, Literal
 
 import numpy as np
 
+from live.base.arrays import Int32
 from live.show.group.division import dancer_words
 
 if TYPE_CHECKING:
@@ -55,9 +56,16 @@ class Branch:
         }
 
 
+def _members(show: "Show") -> Int32:
+    """Return the group of each dancer (A,); -1 for those of the reserve who are not on the stage."""
+    group, present = show.casting.group, show.motion.present[: len(show.casting.group)]
+    is_reserve = np.arange(len(group)) >= show.patch.dancer_count
+    return np.where(is_reserve & ~present, -1, group).astype(np.int32)
+
+
 def present_parts(show: "Show") -> list[Part]:
     """Return the parts of a show's groups now: with steps, with motion, and with values of their own."""
-    group = show.casting.group
+    group = _members(show)
     subgroups, division = show.scheduler.subgroups, show.variation.division
     found: list[tuple[Kind, str, np.ndarray]] = []
     for each in subgroups.active:
@@ -70,7 +78,7 @@ def present_parts(show: "Show") -> list[Part]:
         Part(kind, index, words, frozenset((np.flatnonzero(who & (group == index)) + 1).tolist()))
         for kind, words, who in found
         for index in np.unique(group[who]).tolist()
-        if not who[group == index].all()  # a whole group is not divided
+        if index >= 0 and not who[group == index].all()  # a whole group is not divided
     ]
 
 
@@ -94,7 +102,7 @@ class DivisionTree:
         number = show.span.number
         if number < 0 or (self._measures and self._measures[-1][0] >= number):
             return
-        group = show.casting.group
+        group = _members(show)
         members = (np.flatnonzero(group == index) + 1 for index in range(len(show.patch.group)))
         self._measures.append((number, present_parts(show), tuple(frozenset(one.tolist()) for one in members)))
 

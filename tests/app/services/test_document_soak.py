@@ -3,6 +3,7 @@
 import random
 from collections import Counter
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -168,12 +169,29 @@ def smaller(rng: random.Random, store: DocumentStore) -> Edit:
     return Edit("delete", (*names, rng.randrange(len(document.entries(names))) + 1))
 
 
+def gone(rng: random.Random, store: DocumentStore, first: dict[tuple[str, ...], list[dict[str, Any]]]) -> Edit | None:
+    """Return the insertion of an entry of a kind that is hardly there any more; None if all are."""
+    missing = [names for names in first if len(store.document.entries(names)) < len(first[names])]
+    if not missing:
+        return None
+    names = rng.choice(missing)
+    values = {key: value for key, value in rng.choice(first[names]).items() if key not in ("section", "group", "then")}
+    if "name" in values:
+        values["name"] = f"{values['name']} {rng.randrange(1000)}"
+    return Edit("insert", names, values)
+
+
 @pytest.mark.parametrize(("seed", "edits"), [(1, 60), pytest.param(2, 10_000, marks=pytest.mark.soak)])
 def test_three_people_edit_everything_while_the_show_runs(tmp_path: Path, seed: int, edits: int) -> None:
     rng = random.Random(seed)
     show = EditedShow(write_patch_folder(tmp_path, PATCH))
     show.run(0.5)
     own = DocumentStore(show.path)
+    first = {
+        names: [dict(own.document.values(entry)) for entry in own.document.entries(names)]
+        for names in LIST_SECTIONS
+        if own.document.entries(names) and names != ("music", "line")
+    }
     told: Counter[str] = Counter()
     for number in range(edits):
         own.refresh()
@@ -184,6 +202,8 @@ def test_three_people_edit_everything_while_the_show_runs(tmp_path: Path, seed: 
         else:
             crowded = sum(len(own.document.entries(names)) for names in LIST_SECTIONS) > MOST_ENTRIES
             edit = smaller(rng, own) if crowded and chance < 0.4 else random_edit(rng, own.document)
+            if chance > 0.9:
+                edit = gone(rng, own, first) or edit
             late = {"base": max(base - rng.randrange(4), own.revisions[0].number)} if chance > 0.8 else {}
             answer = show.send(edit.to_json_values() | {"by": by} | late)[-1]
             told[f"{edit.at[0]} {'refused' if 'refused' in answer else 'accepted'}"] += 1

@@ -24,8 +24,8 @@ formation = "line"
 """
 
 
-def observed(score, measures, *, does=None):
-    show, tree = made_show(score), DivisionTree()
+def observed(score, measures, *, does=None, reserve=0):
+    show, tree = made_show(score, reserve=reserve), DivisionTree()
     tick = 0
     while show.span.number < measures:
         tick += 1
@@ -90,3 +90,11 @@ def test_tree_in_words():
     assert "      pair (1-2): measures 3-4" in lines
     assert "motion" in lines
     assert "values" not in lines
+
+
+def test_reserve_belongs_to_no_row_until_somebody_comes_on():
+    score = SCORE + '[[sequence]]\ngroup = "front & left"\nmeasure = 1\nsteps = ["sway x6"]\n'
+    _, tree = observed(score, 5, reserve=4)
+    roots = tree.trees(("front", "back"), 0, 4)["steps"]
+    assert [sorted(root.part.dancers) for root in roots] == [[1, 2, 3, 4, 5], [6, 7, 8, 9]]
+    assert all(branch.part.dancers <= set(range(1, 10)) for root in roots for branch in root.branches)
