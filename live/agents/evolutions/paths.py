@@ -4,6 +4,7 @@ Paths whose dancers would collide are bent apart by divide and conquer (T101, Sc
 """
 
 from dataclasses import replace
+from typing import Final
 
 import numpy as np
 import numpy.typing as npt
@@ -20,8 +21,18 @@ from live.agents.evolutions.trajectory import Locomotion
 from live.base.arrays import Float32, Float64
 from live.base.errors import PersonError
 
-KNOTS = 65
+KNOTS: Final = 65
 """Knots of a drawn path."""
+MAX_KNOTS: Final = 1025
+"""Maximum number of knots of a path drawn with many points."""
+
+
+def knots_for(polyline: npt.ArrayLike, least: int = KNOTS) -> int:
+    """Return a number of knots, at least `least`, that keeps a drawn line of many points (N, 2) as fine as it is."""
+    knots = least
+    while knots < min(len(np.asarray(polyline)), MAX_KNOTS):
+        knots = 2 * knots - 1
+    return knots
 
 
 def straight_paths(start: npt.ArrayLike, goal: npt.ArrayLike) -> Float32:
@@ -42,23 +53,26 @@ def resample_polyline(polyline: npt.ArrayLike, knots: int = KNOTS) -> Float64:
     return np.stack([np.interp(at, length, points[:, 0]), np.interp(at, length, points[:, 1])], axis=1)
 
 
-def parallel_paths(polyline: npt.ArrayLike, start: npt.ArrayLike, knots: int = KNOTS) -> Float32:
-    """Return paths on which each dancer follows the drawn path from their own place, shape (D, knots, 2).
+def parallel_paths(polyline: npt.ArrayLike, start: npt.ArrayLike) -> Float32:
+    """Return paths on which each dancer follows the drawn path from their own place, shape (D, K, 2).
 
     The formation keeps its shape. Only the displacement from the first point of `polyline` (N, 2) matters.
     """
-    way = resample_polyline(polyline, knots)
+    way = resample_polyline(polyline, knots_for(polyline))
     places = np.asarray(start, np.float64)
     return np.ascontiguousarray(places[:, None, :] + (way - way[0])[None], np.float32)
 
 
-def single_file(polyline: npt.ArrayLike, start: npt.ArrayLike, *, gap: float = 0.8, knots: int = 129) -> Float32:
-    """Return paths along a drawn line in single file, one dancer after the other: knots (D, knots, 2).
+def single_file(
+    polyline: npt.ArrayLike, start: npt.ArrayLike, *, gap: float = 0.8, knots: int | None = None
+) -> Float32:
+    """Return paths along a drawn line in single file, one dancer after the other: knots (D, K, 2).
 
     The dancer nearest to the start of the line goes first and stops at its end; the others follow `gap` [m] apart.
     Each walks straight from their own place and reaches the start of the line when it is their turn. The knots lie at
     equal lengths of the *first* dancer's path, so all dancers must travel with the same times.
     """
+    knots = knots_for(polyline, 129) if knots is None else knots
     places = np.asarray(start, np.float64).reshape(-1, 2)
     way = resample_polyline(polyline, max(knots, 257))
     at = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(way, axis=0).T))])

@@ -14,7 +14,7 @@ Formation = Annotated[
     ),
 ]
 Gate = Annotated[str, Argument.label("gate's name; left, right and back if the patch has none; * any", "gate")]
-ItemName = Annotated[str, Argument.label("its name")]
+ItemName = Annotated[str, Argument.label("its name", "obstacle")]
 SelectedDancers = Annotated[str, Argument.text(DANCERS.description, "group")]
 
 
@@ -152,7 +152,7 @@ class SetStage(ControlEvent):
 class Performer(ControlEvent):
     """Position of a tracked real dancer, sent repeatedly: virtual dancers give way. It expires after two seconds."""
 
-    name: ItemName
+    name: Annotated[str, Argument.label("its name")]
     x: X
     z: Z
 

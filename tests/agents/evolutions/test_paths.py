@@ -1,5 +1,7 @@
 """Drawn paths (T103)."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -39,3 +41,17 @@ def test_single_file_starts_at_positions_and_ends_in_line(count, gap, seed):
 
 def test_dancer_at_path_start_follows_path_directly():
     assert paths.single_file([[0, 0], [4, 0]], [[0, 0]], knots=5)[0, :, 0].tolist() == [0, 1, 2, 3, 4]
+
+
+@pytest.mark.parametrize(("points", "knots"), [(2, 65), (65, 65), (66, 129), (512, 513), (4096, 1025)])
+def test_a_stroke_of_many_points_is_danced_as_it_was_drawn(points, knots):
+    """A zigzag, whose corners a coarse path would cut: every point is passed within half a knot's spacing, in
+    single file within one."""
+    line = [[0.1 * k, 0.2 * (k % 2)] for k in range(points)]
+    (way,) = paths.parallel_paths(line, [[0.0, 0.0]])
+    (file,) = paths.single_file(line, [[0.0, 0.0]])
+    assert len(way) == knots
+    spacing = math.dist(line[0], line[1]) * (points - 1) / (knots - 1)
+    for walked, share in ((way, 0.5), (file, 1.0)):
+        far = np.hypot(*(np.asarray(line)[:, None] - walked[None]).transpose(2, 0, 1)).min(axis=1).max()
+        assert far <= share * spacing + 1e-3

@@ -265,3 +265,29 @@ def test_dancers_walk_into_a_smaller_stage(tmp_path: Path) -> None:
     night.run(20.0)
     assert abs(night.show.state.position[:6]).max() < 2.01
     assert night.show.motion.stage_area.border.tolist() == [2.0, 2.0]
+
+
+def test_a_new_name_of_an_obstacle_or_gate_is_used_in_every_call(tmp_path: Path) -> None:
+    calls = """
+[[at]]
+measure = 50
+call = "/dance/obstacle"
+values = ["tree", 4, -3, 0.5]
+[[cue]]
+name = "clear"
+calls = [["/dance/obstacle/remove", "tree"], ["/dance/leave", "ember", "door"], ["/dance/performer", "tree", 0, 0]]
+[[midi.map]]
+note = 60
+control = "/dance/obstacle/remove"
+values = { name = "tree" }
+"""
+    night = EditedShow(write_patch_folder(tmp_path, PATCH + calls))
+    answers = night.send(
+        edit("rename", "obstacle", "tree", value="oak"),
+        edit("rename", "gate", "door", value="window"),
+        edit("rename", "item", "podium", value="stairs"),
+    )
+    assert all("revision" in answer for answer in answers), answers
+    expected = (PATCH + calls).replace('"tree"', '"oak"').replace('"door"', '"window"').replace('"podium"', '"stairs"')
+    expected = expected.replace('["/dance/performer", "oak"', '["/dance/performer", "tree"')  # a person, no obstacle
+    assert night.path.read_text() == expected
