@@ -281,17 +281,21 @@ class WebService(HttpService):
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(osc[0], osc[0])
 
         def plan() -> dict[str, Any]:
-            stage = show.patch.stage
-            return {
-                "key": key, "osc": (host, osc[1]), "name": show.patch.name, "names": show_completions(show),
-                "half": (0.5 * stage.width, 0.5 * stage.depth), "hosts": list(hosts), "preview": files,
-            }  # fmt: skip
+            return {"key": key, "osc": (host, osc[1]), "hosts": list(hosts), "preview": files, **self._surface()}
 
         super().__init__(where, "--web", "live.control.web.web_server", plan, clock)
-        self._key, self._stage = key, stage
+        self._key, self._stage, self._show = key, stage, show
+
+    def _surface(self) -> dict[str, Any]:
+        """Return what the page's controls are made of."""
+        patch = self._show.patch
+        half = 0.5 * patch.stage.width, 0.5 * patch.stage.depth
+        return {"name": patch.name, "names": show_completions(self._show), "half": half}
 
     def update_patch(self, patch: Patch) -> None:
-        """Show pages an edited patch."""
+        """Show pages an edited patch; their controls when they are loaded again."""
+        if self._helper is not None:
+            self._helper.send(["surface", self._surface()])
         if self._stage is not None:
             self._stage.update_patch(patch)
 

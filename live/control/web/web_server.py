@@ -11,6 +11,7 @@ import json
 import secrets
 import socket
 import sys
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Final
@@ -69,6 +70,17 @@ class Client:
         self.limit = RateLimit(PER_SECOND)
 
 
+def _surface_json(facts: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the controls of the page for the name of the show, the names in it, and half its stage [m]."""
+    surface = make_surface(REGISTRY, role="operator", names=facts["names"], reach=tuple(facts["half"]))
+    readings = {reading.address: reading.name for reading in READINGS}
+    words = {control.address: control.description for control in REGISTRY}
+    pages = [asdict(page) for page in surface.pages]
+    for widget in (widget for page in pages for widget in page["widgets"]):
+        widget["words"] = words[widget["address"]]
+    return {"name": facts["name"], "pages": pages, "readings": readings}
+
+
 class WebServer:
     """Server of one show's page. Thread: the loop's."""
 
@@ -80,13 +92,7 @@ class WebServer:
         self._socket = socket.socket(fileno=plan["http"])
         self._osc_socket = socket.socket(socket.AF_INET6 if ":" in self._show[0] else socket.AF_INET, socket.SOCK_DGRAM)
         self._osc_socket.setblocking(False)
-        surface = make_surface(REGISTRY, role="operator", names=plan["names"], reach=tuple(plan["half"]))
-        readings = {reading.address: reading.name for reading in READINGS}
-        words = {control.address: control.description for control in REGISTRY}
-        pages = [asdict(page) for page in surface.pages]
-        for widget in (widget for page in pages for widget in page["widgets"]):
-            widget["words"] = words[widget["address"]]
-        self._surface = {"name": plan["name"], "pages": pages, "readings": readings}
+        self._surface = _surface_json(plan)
         self._text = PAGE.read_text(encoding="utf-8")
         self.values = Values()
         self._clients: set[Client] = set()
@@ -121,7 +127,9 @@ class WebServer:
         """Handle new values from the show."""
         for changes in self._channel.packets():
             if not isinstance(changes, dict):
-                if not self._frames.full():
+                if changes[0] == "surface":
+                    self._surface = _surface_json(changes[1])
+                elif not self._frames.full():
                     self._frames.put_nowait(changes)
                 continue
             self.values.update(changes)

@@ -4,7 +4,6 @@ On the floor map, obstacles and walls are dark shapes with a rim of light, and r
 (boxes, cylinders, steps) are lit like dancers, occlude them and cast shadows.
 """
 
-from functools import lru_cache
 from typing import Final
 
 import moderngl
@@ -123,9 +122,7 @@ def build_vertices(items: tuple[SetItem, ...]) -> Float32:
     return np.ascontiguousarray(np.concatenate([np.zeros((0, 10), np.float32), *map(_item_vertices, items)]))
 
 
-@lru_cache(maxsize=400)
 def _item_vertices(item: SetItem) -> Float32:
-    """Return the vertices of one prop; cached, since an edit changes few of them."""
     corners, normals = (part.reshape(-1, 3) for part in item_triangles(item))
     colour = np.tile(np.sqrt(item.colour), (len(corners), 1))
     openness = np.clip(0.55 + 0.45 * corners[:, 1:2] / AMBIENT_HEIGHT, 0.0, 1.0)

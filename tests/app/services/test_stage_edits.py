@@ -7,6 +7,8 @@ import pytest
 
 from live.clock.ticks import TICK
 from live.control.events.groups import Enter, SetStage
+from live.show.journal.journal import read_journal
+from live.show.journal.replay import load_journal, run_from, start_before
 from live.show.patch.patch_reader import read_patch
 from live.show.show import Show
 from live.show.state.snapshot import Snapshotter, restore
@@ -291,3 +293,19 @@ values = { name = "tree" }
     expected = (PATCH + calls).replace('"tree"', '"oak"').replace('"door"', '"window"').replace('"podium"', '"stairs"')
     expected = expected.replace('["/dance/performer", "oak"', '["/dance/performer", "tree"')  # a person, no obstacle
     assert night.path.read_text() == expected
+
+
+@pytest.mark.parametrize("name", ["both", "gate gone", "obstacle gone"])
+def test_another_engine_goes_on_after_the_edit(night: EditedShow, name: str) -> None:
+    """From a snapshot in the journal, as when the first engine has died."""
+    night.run(2.5)
+    night.send(EDITS[name])
+    night.run(8.0)
+    night.writer.close(night.engine.ticks.index)
+    journal, problems = read_journal(night.journal), list[str]()
+    loaded = load_journal(journal)
+    start = start_before(journal, loaded, 5, problems)
+    assert start.show.patch == read_patch(night.path)
+    result = run_from(start, journal, loaded=loaded)
+    assert (problems, result.differences) == ([], ())
+    assert result.measures >= 1

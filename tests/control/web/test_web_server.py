@@ -244,3 +244,22 @@ def test_browser_shows_and_sets_show_values():
         view.get_by_role("tab", name="step", exact=True).click()
         assert view.get_by_text("<b>turn</b>").is_visible(), "names are shown as they are written"
         assert problems == []
+
+
+def test_controls_follow_an_edited_show():
+    """The pads' ends and the buttons of a page that is loaded after the edit."""
+
+    async def what(client, page):
+        facts = {"name": "another", "half": (8.0, 2.5), "names": {"/dance/step": ["bow"]}}
+        page.part._helper.send(["surface", facts])
+        while True:  # until the process has read it; the test has a time limit
+            _, told = await status(client, page, "/surface.json", **BEARER)
+            found = json.loads(told)
+            if found["name"] == "another":
+                break
+        widgets = [widget for one in found["pages"] for widget in one["widgets"]]
+        assert [widget["values"] for widget in widgets if widget["address"] == "/dance/step"] == [["bow"]]
+        pads = [widget for widget in widgets if widget["address"] == "/dance/attract" and widget["kind"] == "pad"]
+        assert [(pad["minimum"], pad["maximum"]) for pad in pads] == [([-8.0, -2.5], [8.0, 2.5])]
+
+    run(PageServer(), what)
