@@ -18,7 +18,6 @@ from live.document.edit import Edit, EditRefused, Fault
 from live.document.edit_actions import apply_edits, concerned
 from live.document.history import (
     Revision,
-    Shifts,
     What,
     check_conflict,
     differences,
@@ -375,7 +374,7 @@ class DocumentStore:
             )
         exact = tuple(splice.reverse() for splice in reversed(target.splices))
         if target.inverse is None:
-            return self._commit_texts(exact, what, by or "", target.number, shifts=target.reversed_shifts)
+            return self._commit_texts(exact, what, by or "", target.number, target.reversed())
         inverse = replace(target.inverse, by=by or "", base=target.number, exact=exact)
         edits = [rebased(inverse, self._since(target.number))]
         return self._commit(edits, what, by=inverse.by, of=target.number)
@@ -408,8 +407,10 @@ class DocumentStore:
         blocks = {name: DocumentFile(name, text, self.path).texts for name, text in texts.items()}
         return self._commit_texts(differences(_block_texts(self.document), blocks), "restore", by, number)
 
-    def _commit_texts(self, splices: Sequence[Splice], what: What, by: str, of: int, shifts: Shifts = ()) -> Accepted:
-        """Apply splices of texts, check and save them."""
+    def _commit_texts(
+        self, splices: Sequence[Splice], what: What, by: str, of: int, known: Revision | None = None
+    ) -> Accepted:
+        """Apply splices of texts, check and save them; `known`: which keys and entries they change."""
         former, done = self.document.patch, list[Splice]()
         try:
             try:
@@ -421,7 +422,8 @@ class DocumentStore:
             except PersonError as error:
                 raise EditRefused(Fault(error.message, remedy=error.remedy or "")) from None
             self._try_patch(None)
-            revision = self._revision(what, by=by, of=of, splices=tuple(done), shifts=shifts)
+            entries = {} if known is None else {"shifts": known.shifts, "keys": known.keys}
+            revision = self._revision(what, by=by, of=of, splices=tuple(done), **entries)
             if done:
                 self._save(done, revision)
         except BaseException:

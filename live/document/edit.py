@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Final, Literal, get_args
 
@@ -149,6 +150,37 @@ class EditRefused(Exception):
         self.faults = faults
 
 
+Shift = tuple[tuple[str, ...], int, int]
+"""An entry that was inserted (list, -1, index), removed (list, index, -1) or moved (list, from, to)."""
+
+
+def shifted_number(names: tuple[str, ...], number: int, shifts: Iterable[Shift]) -> int | None:
+    """Return the number after some shifts of the entry of a list that was `number` before; None if it was removed."""
+    for there, begin, end in shifts:
+        if there != names:
+            continue
+        if begin < 0:
+            number += end <= number
+        elif end < 0:
+            if begin == number:
+                return None
+            number -= begin < number
+        elif begin == number:
+            number = end
+        else:
+            number += (end <= number < begin) - (begin < number <= end)
+    return number
+
+
+def shifted_key(key: tuple[str | int, ...], shifts: Sequence[Shift]) -> tuple[str | int, ...] | None:
+    """Return a key, with entries by number from 0, as it is after some shifts; None if its entry was removed."""
+    place = next((index for index, part in enumerate(key) if isinstance(part, int)), None)
+    if place is None:
+        return key
+    number = shifted_number(tuple(str(part) for part in key[:place]), int(key[place]), shifts)
+    return None if number is None else (*key[:place], number, *key[place + 1 :])
+
+
 @dataclass(slots=True)
 class Applied:
     """What an edit did to a document."""
@@ -159,5 +191,5 @@ class Applied:
     """The edit that takes it back, without its exact texts."""
     keys: list[tuple[Any, ...]] = field(default_factory=list)
     """The keys that it changed, with entries by number from 0: ("segment", 2, "measure")."""
-    shifts: list[tuple[tuple[str, ...], int, int]] = field(default_factory=list)
+    shifts: list[Shift] = field(default_factory=list)
     """Entries that were inserted (list, -1, index), removed (list, index, -1) or moved (list, from, to)."""

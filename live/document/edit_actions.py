@@ -8,7 +8,7 @@ from live.base.errors import PersonError
 from live.base.toml import KeyPath
 from live.document.block_editor import BlockEditor
 from live.document.document import LIST_SECTIONS, Document, Names, Splice
-from live.document.edit import Applied, Edit, EditRefused, Fault
+from live.document.edit import Applied, Edit, EditRefused, Fault, shifted_key
 from live.document.place import Place, find_place, folded, path_text, refuse, value_at
 from live.document.references import references
 from live.document.toml_blocks import EDIT_ERRORS, Block, edit_block, joined_tail
@@ -37,7 +37,8 @@ def apply_edits(document: Document, edits: Sequence[Edit]) -> Applied:
                 _ACTIONS[edit.do](action)
             finally:
                 whole.splices += action.applied.splices
-            whole.keys += action.applied.keys
+            kept = [shifted_key(key, action.applied.shifts) for key in whole.keys]
+            whole.keys = [*(key for key in kept if key is not None), *action.applied.keys]
             whole.shifts += action.applied.shifts
             whole.inverse = action.applied.inverse if len(edits) == 1 else None
         document.patch = document.validate()

@@ -15,12 +15,11 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from live.base.errors import PersonError
 from live.document.document import Document, Splice
-from live.document.edit import Edit, EditRefused, Fault, parse_edit
+from live.document.edit import Edit, EditRefused, Fault, Shift, parse_edit, shifted_key, shifted_number
 from live.document.place import path_text, refuse
 from live.show.patch.toml_model import key_text
 
 MAX_HISTORY_BYTES: Final = 200_000_000
-Shifts = tuple[tuple[tuple[str, ...], int, int], ...]
 What = Literal["edit", "keep", "music", "undo", "redo", "restore", "files"]
 
 
@@ -67,7 +66,7 @@ class Revision:
     splices: tuple[Splice, ...] = ()
     keys: tuple[tuple[str | int, ...], ...] = ()
     """The keys that it changed, entries by number from 0, after it."""
-    shifts: Shifts = ()
+    shifts: tuple[Shift, ...] = ()
     """The entries that it inserted (list, -1, index), removed (list, index, -1) or moved."""
     texts: str = ""
     """Hash of all files after it."""
@@ -104,27 +103,15 @@ class Revision:
             case _:
                 return f"{self.what} of revision {self.of}" + (f": {did.strip()}" if did else "")
 
-    @property
-    def reversed_shifts(self) -> Shifts:
-        """The `shifts` of what takes it back."""
-        return tuple((names, end, begin) for names, begin, end in reversed(self.shifts))
+    def reversed(self) -> "Revision":
+        """Return what takes it back, as to its `shifts` and the `keys` that are there before and after it."""
+        back = replace(self, shifts=tuple((names, end, begin) for names, begin, end in reversed(self.shifts)))
+        keys = (_present_key(key, [back]) for key in self.keys)
+        return replace(back, keys=tuple(key for key in keys if key is not None))
 
     def shifted(self, names: tuple[str, ...], number: int) -> int | None:
         """Return the number after this revision of the entry that was `number` before it; None if it was removed."""
-        for there, begin, end in self.shifts:
-            if there != names:
-                continue
-            if begin < 0:
-                number += end <= number
-            elif end < 0:
-                if begin == number:
-                    return None
-                number -= begin < number
-            elif begin == number:
-                number = end
-            else:
-                number += (end <= number < begin) - (begin < number <= end)
-        return number
+        return shifted_number(names, number, self.shifts)
 
 
 def texts_hash(texts: Mapping[str, str]) -> str:
@@ -279,16 +266,7 @@ def check_conflict(edit: Edit, keys: Sequence[tuple[str | int, ...]], later: Seq
 
 def _present_key(key: tuple[str | int, ...], later: Sequence[Revision]) -> tuple[str | int, ...] | None:
     """Return a key that a revision changed, with its entry's number after `later` ones; None if it is gone."""
-    place = next((index for index, part in enumerate(key) if isinstance(part, int)), None)
-    if place is None:
-        return key
-    names, number = tuple(str(part) for part in key[:place]), int(key[place])
-    for revision in later:
-        found = revision.shifted(names, number)
-        if found is None:
-            return None
-        number = found
-    return (*names, number, *key[place + 1 :])
+    return shifted_key(key, [shift for revision in later for shift in revision.shifts])
 
 
 def _overlap(a: tuple[str | int, ...], b: tuple[str | int, ...]) -> bool:

@@ -127,3 +127,20 @@ def test_command_reads_lines_and_tells_notes(tmp_path: Path) -> None:
     told = run_live("document", "music", str(path), "new.wav", "--lines", "lines.csv")
     assert told.returncode == 2  # no sound
     assert "new.wav" in told.stderr
+
+
+def test_an_undo_tells_which_entries_it_gives_back_and_changes(tmp_path: Path) -> None:
+    store = DocumentStore(show_of(tmp_path, 3))
+    edits = [
+        Edit("set", ("segment", 1, "measure"), 2),
+        Edit("insert", ("segment", 1), {"measure": 1, "formation": "line", "section": "verse"}),
+        Edit("delete", ("section", 2)),
+        Edit("set", ("segment", 2, "section"), "verse"),
+        Edit("set", ("music", "file"), "new.ogg"),
+    ]
+    store.edit_together(lambda patch: edits, "keep", "ana")
+    store.undo("ana")
+    back = store.revisions[-1]
+    assert back.shifts == ((("section",), -1, 1), (("segment",), 0, -1))
+    assert {("segment", 0, "measure"), ("segment", 0, "section"), ("music", "file")} <= set(back.keys)
+    assert all(key[:2] != ("segment", 1) for key in back.keys)
