@@ -46,7 +46,6 @@ class QualityController(FrameBudget):
         session.status.extra_figures["frame_parts"] = self.times.facts
         session.status.notices.append(self._overlay_text)
         self._problem = ""
-        self.update_patch(session.show.patch)  # of a show that goes on, it may have been edited
         session.status.notices.append(lambda: "; ".join(filter(None, (self._problem, *self._renderer.problems))))
 
     def handle(self, event: ControlEvent) -> None:

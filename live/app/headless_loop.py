@@ -77,8 +77,8 @@ def _draw(session: Session, picture: HeadlessPicture, console: Console, sharing:
             draw_patch(renderer, patch)
 
     if watch is None:
-        update_patch(session.show.patch)  # of a show that goes on, it may have been edited
         session.engine.patch_listeners.append(update_patch)
+    update_patch(session.show.patch)  # of a show that goes on, it may have been edited
 
     def draw(view: StageView) -> None:
         if shaders is not None:

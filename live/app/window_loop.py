@@ -156,6 +156,7 @@ def _frames(
     window = picture.window
     screen: bool | None = None
     watch = QualityController(session, picture.renderer)
+    watch.update_patch(session.show.patch)  # of a show that goes on, it may have been edited
 
     shaders = watch_shaders(session, picture.reload_shaders)
     card = JoinCard(session, picture)

@@ -136,6 +136,14 @@ eye = [0, 2, 6]
 [[gate]]
 name = "left wing"
 at = [-6, 0]
+[[gate]]
+name = "door"
+at = [6, 1]
+[[item]]
+name = "podium"
+form = "steps"
+at = [0.0, -3.4]
+size = [6.0, 1.2, 1.6]
 [[obstacle]]
 name = "column"
 at = [4, 3]
