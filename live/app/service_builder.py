@@ -1,6 +1,5 @@
 """Builder of a show's services from command line, venue and patch."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -12,12 +11,13 @@ from live.app.launch_options import LaunchOptions
 from live.app.services.audience_service import make_audience
 from live.app.services.click_service import make_click, make_link
 from live.app.services.document_service import DocumentService, edit_date
-from live.app.services.http_services import WebService, preview_files
 from live.app.services.midi_service import MidiFileService, MidiService, make_midi
 from live.app.services.osc_services import MusicianOscPort, make_osc_out
+from live.app.services.score_stream import ScoreStream
 from live.app.services.service import Service
 from live.app.services.service_registry import ServiceRegistry, ValuePublisher
 from live.app.services.stage_stream import StageStream
+from live.app.services.web_service import WebService, preview_files
 from live.base.event_queue import EventQueue
 from live.clock.time_source import Clock
 from live.control.events.events import ControlEvent
@@ -47,8 +47,6 @@ class ServiceBuilder:
     resumes: bool = False
     """Whether the show is resumed after an engine that has ended."""
     services: ServiceRegistry = field(default_factory=ServiceRegistry)
-    document_revision: Callable[[], int | None] = lambda: None
-    """Returns the revision of the show's files; None before their first edit."""
 
     def add(self, name: str, service: Service) -> None:
         """Add a service by its name in the status, and connect all that it offers."""
@@ -97,7 +95,6 @@ class ServiceBuilder:
             return DocumentStore(loaded.path, tables=loaded.tables, date=edit_date)
 
         document = DocumentService(watch, self.engine.show, loaded.path, open_store)
-        self.document_revision = lambda: document.revision
         self.add("document", document)
         self.publisher.add_value("/dance/status/document", lambda: document.revision)
         self.publisher.add_value("/dance/status/document_answers", lambda: document.published or None)
@@ -137,16 +134,18 @@ class ServiceBuilder:
         """Host names of this machine besides its addresses."""
         return self.options.web_hosts + (() if self.venue is None else self.venue.web.hosts)
 
-    def add_web(self, loaded: LoadedShow) -> None:
+    def add_web(self, loaded: LoadedShow, document: DocumentService) -> None:
         """Add the operator's web page, with a preview of these files, and the audience's phones."""
         options, show = self.options, self.engine.show
         if options.web is not None:
-            stage = StageStream(show, lambda: self.engine.view, lambda: self.document_revision())
+            score = ScoreStream(show, document)
+            stage = StageStream(show, lambda: self.engine.view, score, lambda: self.status.late_frames)
             page = WebService(
                 options.web, options.web_key, options.osc, show, self.clock, hosts=self._host_names, stage=stage,
-                files=preview_files(loaded, options.seed),
+                files=preview_files(loaded, options.seed), inbox=self.inbox.add_queue(rank=ROLE_RANKS["operator"]),
             )  # fmt: skip
             page.resumes = self.resumes
+            document.answer_listeners.append(page.answer)
             self.add("web", page)
         audience = make_audience(options, show, self.venue, self.inbox.add_queue(), self.clock)
         if audience is not None:

@@ -204,11 +204,11 @@ class Session:
         self.midi = midi = beside.add_midi(loaded.path, 0 if resumed is None else resumed.tick)
         beside.add_osc()
         beside.add_bridges()
-        beside.add_web(loaded)
-        self._services = beside.services
         self._watch, library = make_file_watches(loaded, show, post=self.inbox.put, now=self.clock.now)
         self.status.extra_figures["patch"] = self._watch.status
         self.document = beside.add_document(self._watch, loaded)
+        beside.add_web(loaded, self.document)
+        self._services = beside.services
         self.status.notices.append(lambda: self._watch.problem)
         self.status.notices.append(self._records.problem)
         self.notifier = make_notifier(

@@ -92,6 +92,7 @@ class HelperProcess:
         if old is not None:
             old.close()
         self._started_at = self._clock.now()
+        self._facts = {}  # those of another process
         self._send_plan()
 
     def _send_plan(self) -> None:
@@ -215,7 +216,14 @@ class HelperChannel:
             with contextlib.suppress(PacketError):
                 yield decode_packet(data)
 
+    def send(self, packet: object) -> bool:
+        """Send a packet; return whether there was room for it."""
+        try:
+            self.socket.send(encode_packet(packet))
+        except OSError:
+            return False
+        return True
+
     def send_facts(self, facts: dict[str, Any]) -> None:
         """Send facts for the show's status."""
-        with contextlib.suppress(OSError):
-            self.socket.send(encode_packet(facts))
+        self.send(facts)

@@ -13,6 +13,7 @@ from live.agents.elements.element_table import ElementTable
 from live.agents.elements.element_table_kernels import (
     HALF_DEPTH,
     HALF_WIDTH,
+    LEVEL,
     PARAMETER_COUNT,
     PLACE_COUNT,
     SEED,
@@ -98,6 +99,11 @@ class ElementField:
     def elements(self) -> tuple[Element, ...]:
         """Elements that have not ended, oldest first."""
         return tuple(self._table.elements)
+
+    @property
+    def levels(self) -> Float64:
+        """How far each of them acts, 0 to 1, (E,)."""
+        return self._table.rows[: len(self._table), LEVEL]
 
     def add(self, element: Element, grid: Float32 | None = None) -> bool:
         """Add an element; if the field is full, the oldest voice is removed, or else the oldest element.

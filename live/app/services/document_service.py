@@ -76,6 +76,10 @@ class DocumentService:
         self._last_measure = -1
         self._accepted = self._refused = 0
         self._log: str | None = None
+        self.change_listeners: list[Callable[[Revision, Patch], None]] = []
+        """Called with each accepted revision and its patch. Thread: the watching one."""
+        self.answer_listeners: list[Callable[[Request, dict[str, Any]], None]] = []
+        """Called with each answer and the request that it belongs to. Thread: any."""
         self.published = ""
         """The latest answers as JSON."""
 
@@ -108,6 +112,7 @@ class DocumentService:
             return
         if self._waiting >= MAX_WAITING:
             self._refused += 1
+            self._tell(refused_json_values(None, refuse((), "too many edits wait", "send it again later")), event)
             return
         self._waiting += 1
         if isinstance(event, ReplaceMusic):  # it is heard first, which takes seconds
@@ -163,6 +168,10 @@ class DocumentService:
                     _put("cue", cue, [one.name for one in patch.cue]),
                 ]
 
+    def do(self, task: Callable[[], None]) -> None:
+        """Run a task soon in the watching thread."""
+        self._watch.do(task)
+
     def status(self) -> dict[str, Any]:
         """Return revision, and the number of accepted and refused edits."""
         return {"revision": self.revision, "accepted": self._accepted, "refused": self._refused}
@@ -178,6 +187,15 @@ class DocumentService:
         return self._log
 
     # -- thread: the watching one ------------------------------------------------------------------------------------
+
+    def present(self) -> tuple[int, Patch]:
+        """Return the present revision and its patch; those that the show dances if the files are not valid."""
+        try:
+            store = self._opened()
+            store.refresh()
+        except (PersonError, OSError):
+            return self.revision or 0, self._show.patch
+        return store.revision, store.document.patch
 
     def _refuse(self, event: Request, answer: dict[str, Any]) -> None:
         self._waiting -= 1
@@ -268,6 +286,9 @@ class DocumentService:
             if not store.has_changed():
                 self._watch.skip_present_files()
         self._candidate = None
+        if store.revision != before:
+            for listen in self.change_listeners:
+                listen(accepted.revision, store.document.patch)
         return accepted, waits
 
     def _refuse_danced(self, store: DocumentStore, target: Revision | None) -> None:
@@ -287,8 +308,13 @@ class DocumentService:
                 words = f"measure {measure:g}{where} has been danced with it"
                 raise refuse(key, words, "change it by a new edit, which acts when that measure comes again")
 
+    def _tell(self, answer: dict[str, Any], event: Request) -> None:
+        for listen in self.answer_listeners:
+            listen(event, answer)
+
     def _publish(self, answer: dict[str, Any], event: Request) -> None:
         """Add an answer to those that everybody can read, in a short form."""
+        self._tell(answer, event)
         answer = {**answer, "what": WORDS[type(event)]}
         if "refused" in answer:
             faults = answer["refused"]

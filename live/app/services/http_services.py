@@ -1,4 +1,4 @@
-"""Services over HTTP in separate processes: their base, and the operator's web page.
+"""Services over HTTP in separate processes: their base, and the access key of the operator's page.
 
 The access key of the web page permits everything that the page can do. It is created once and kept in the user's
 settings folder, so that a browser that has it keeps its access.
@@ -17,25 +17,17 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
 
-from rich.console import Console
-
 from live.app.option_values import parse_endpoint
 from live.app.services.listening_socket import listening_socket
-from live.app.services.stage_stream import StageStream
 from live.base.errors import PersonError
 from live.base.host_name import HOST_NAME_PATTERN
 from live.clock.time_source import Clock
 from live.control.helper_process import HelperProcess
 from live.control.registry.registry import Changes
-from live.show.desk.completions import show_completions
-from live.show.loader import LoadedShow
-from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import user_settings_folder
-from live.show.show import Show
 
 ADDRESSES_PER_PACKET: Final = 64
 """Maximum number of addresses in one packet."""
-PREVIEW_MODULE: Final = "live.app.processes.preview_main"
 BACKLOG: Final = 128
 """Queue of connections that the process has not accepted yet."""
 
@@ -70,7 +62,9 @@ class HttpService:
             raise PersonError(f"{self._option} needs the package {' and '.join(missing)}", "make play installs it")
         self._socket = self._listen()
         http = self._socket.fileno()
-        self._helper = HelperProcess(self._module, self._clock, self._plan() | {"http": http}, self._on_start, http)
+        self._helper = HelperProcess(
+            self._module, self._clock, self._plan() | {"http": http}, self._on_start, http, on_packet=self._on_packet
+        )
         self._helper.start()
 
     def _listen(self) -> socket.socket:
@@ -95,6 +89,9 @@ class HttpService:
 
     def _on_start(self) -> None:
         self._unsent = dict(self._values)
+
+    def _on_packet(self, packet: Any) -> None:
+        """Take a packet of the process, other than its facts."""
 
     def frame(self) -> None:
         """Send some of the changed values, after each frame."""
@@ -261,60 +258,3 @@ def own_address() -> str:
         found = [str(ip.ip) for adapter in ifaddr.get_adapters() for ip in adapter.ips if ip.is_IPv4]
         return next((address for address in found if not address.startswith("127.")), "127.0.0.1")
     return "127.0.0.1"
-
-
-def preview_files(loaded: LoadedShow, seed: int | None) -> dict[str, Any]:
-    """Return the plan of the preview process: what it reads, and the seed of the show."""
-    recordings = None if loaded.recordings is None else str(loaded.recordings)
-    return {"module": PREVIEW_MODULE, "patch": str(loaded.path), "recordings": recordings, "seed": seed}
-
-
-class WebService(HttpService):
-    """Runs the process that serves the operator's web page."""
-
-    def __init__(
-        self, where: tuple[str, int], key: str, osc: tuple[str, int], show: Show, clock: Clock, *,
-        hosts: Sequence[str] = (), stage: StageStream | None = None, files: dict[str, Any] | None = None,
-    ) -> None:  # fmt: skip
-        """`key`: the access key; `osc`: the show's OSC address; `hosts`: see `http_protection.accepted_hosts`;
-        `stage`: frames for pages that look at the stage; `files`: the show's, for the preview, see `preview_files`."""
-        host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(osc[0], osc[0])
-
-        def plan() -> dict[str, Any]:
-            return {"key": key, "osc": (host, osc[1]), "hosts": list(hosts), "preview": files, **self._surface()}
-
-        super().__init__(where, "--web", "live.control.web.web_server", plan, clock)
-        self._key, self._stage, self._show = key, stage, show
-
-    def _surface(self) -> dict[str, Any]:
-        """Return what the page's controls are made of."""
-        patch = self._show.patch
-        half = 0.5 * patch.stage.width, 0.5 * patch.stage.depth
-        return {"name": patch.name, "names": show_completions(self._show), "half": half}
-
-    def update_patch(self, patch: Patch) -> None:
-        """Show pages an edited patch; their controls when they are loaded again."""
-        if self._helper is not None:
-            self._helper.send(["surface", self._surface()])
-        if self._stage is not None:
-            self._stage.update_patch(patch)
-
-    def frame(self) -> None:
-        """Send changed values, and frames of the stage for the pages that look at it."""
-        super().frame()
-        if self._helper is not None and self._stage is not None:
-            for packet in self._stage.packets(self._clock.now(), self._helper.status().get("stage")):
-                self._helper.send(packet)
-
-    def start(self) -> None:
-        """Listen, start the process and print the link; raise PersonError if that fails."""
-        super().start()
-        link = f"http://{_link_host(self._bind_address[0])}:{self.port}/#key={self._key}"
-        Console(stderr=True, highlight=False).print(f"operator's page: {link}", soft_wrap=True, markup=False)
-
-
-def _link_host(host: str) -> str:
-    """Return the host as written in a web address; for all interfaces, this machine's address."""
-    if host not in ("0.0.0.0", "::"):
-        return f"[{host}]" if ":" in host else host
-    return own_address()

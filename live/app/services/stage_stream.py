@@ -1,95 +1,88 @@
-"""State of the stage for pages, as frames: structure and clock as text, positions and joints in binary.
+"""State of the stage for pages, as frames: score and clock as text, positions and joints in binary.
 
 Binary frames have the form of `live/show/view/stage_frames.py`, with dancers in the order of the last text frame
 `dancers`.
 """
 
 import json
-import threading
+import math
 from collections.abc import Callable, Iterator
-from functools import partial
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from live.base.element_kinds import ELEMENT_KINDS
-from live.base.fault_isolation import run_once
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.motion.editing.facing import heading_of
-from live.show.patch.patch import Patch
-from live.show.patch.table_batches import patch_json
 from live.show.show import Show
 from live.show.view.stage_frames import JOINTS, MAX_POSITION_DANCERS, POSITIONS, joints_frame, positions_frame
+
+if TYPE_CHECKING:
+    from live.app.services.score_stream import ScoreStream
 
 INTERVAL: Final = 1.0 / 30.0
 """Time between two frames [s]."""
 CLOCK_EVERY: Final = 3
 """Every so many frames there is one with clock and elements."""
+MAX_ELEMENTS: Final = 64
+"""Maximum number of elements in a frame."""
+KIND_TEXTS: Final = {kind.number: kind.text for kind in ELEMENT_KINDS}
 PART_BYTES: Final = 32_768
 """Maximum length of a part of a text."""
 
 
 class StageStream:
-    """Frames of one show for its pages. Thread: the show's; the structure is written in a thread of its own."""
+    """Frames of one show for its pages. Thread: the show's."""
 
-    def __init__(self, show: Show, view: Callable[[], StageView], revision: Callable[[], int | None]) -> None:
-        """`view` is the picture's snapshot; `revision`: that of the show's files, None before their first edit."""
-        self._show, self._view, self._revision = show, view, revision
+    def __init__(
+        self, show: Show, view: Callable[[], StageView], score: "ScoreStream", late_frames: Callable[[], int]
+    ) -> None:
+        """`view` is the picture's snapshot; `score` has the texts about the show's files; `late_frames`: number of
+        frames of the picture that came late so far."""
+        self._show, self._view, self._score, self._late_frames = show, view, score, late_frames
         self._next, self._count = 0.0, 0
-        self._structure: str | None = None
+        self._previous, self._period = math.inf, 0.0  # time of the frame before, longest interval since the last clock
         self._dancers = -1
+        self._wish: Any = None
 
-    def update_patch(self, patch: Patch) -> None:
-        """Write the structure of an edited patch, in another thread, if anybody looks."""
-        if self._dancers >= 0:
-            self._start_writing(patch)
-
-    def _start_writing(self, patch: Patch) -> None:
-        writing = "the structure of the score", partial(self._write_structure, patch)
-        threading.Thread(target=run_once, args=writing, name="structure", daemon=True).start()
-
-    def _write_structure(self, patch: Patch) -> None:
-        library = self._show.graph.library
-        steps = [
-            {"name": name, "measures": int(library.node_measures[library.node_step == step].max(initial=1))}
-            for step, name in enumerate(library.steps)
-        ]
-        groups = [{"name": group.name, "dancers": group.dancers, "colour": group.colour} for group in patch.group]
-        head = json.dumps({"kind": "structure", "revision": self._revision() or 0, "groups": groups, "library": steps})
-        self._structure = f'{head[:-1]}, "score": {patch_json(patch)}}}'
+    def update_patch(self) -> None:
+        """Tell pages of a patch that the show has taken."""
+        self._score.update_patch()
 
     def packets(self, now: float, wants: Any) -> Iterator[list[Any]]:
-        """Yield the packets that are due at `now` [s]: ["text", name, part, parts, text] or ["frame", kind, bytes].
+        """Yield the packets that are due at `now` [s]: ["text", name, number, part, parts, text] or ["frame", kind,
+        bytes]. Call it each frame.
 
-        `wants` are the facts of the pages: whether anybody looks, and the dancers whose joints they want (from 1; None:
-        nobody's, empty: all).
+        `wants` are the facts of the pages: whether anybody looks, the dancers whose joints they want (from 1; None:
+        nobody's, empty: all), and a number that is another one when they want the whole structure.
         """
+        self._period, self._previous = max(self._period, now - self._previous), now
         if not isinstance(wants, dict) or not wants.get("pages"):
-            self._structure = None
-            self._dancers = -1
+            if self._dancers >= 0:
+                self._dancers, self._wish = -1, None
+                self._score.rest()
             return
-        if self._dancers < 0:
-            self._start_writing(self._show.patch)
-            self._dancers = 0
+        if self._dancers < 0 or wants.get("structure") != self._wish:
+            self._wish = wants.get("structure")
+            self._dancers = max(self._dancers, 0)
+            self._score.want_structure()
+        for one in self._score.take():
+            yield from text_parts(one.name, one.number, one.text)
         if now < self._next:
             return
         self._next = max(self._next + INTERVAL, now - INTERVAL)  # frames of the show come a little late
         self._count += 1
-        structure, self._structure = self._structure, None
-        if structure is not None:
-            yield from _parts("structure", structure)
         count = min(len(self._show.dancers.drawn_hips), MAX_POSITION_DANCERS)
         if count != self._dancers:
             self._dancers = count
-            yield from _parts(
-                "dancers", json.dumps({"kind": "dancers", "revision": count, "ids": list(range(1, count + 1))})
-            )
+            ids = list(range(1, count + 1))
+            yield from text_parts("dancers", count, json.dumps({"kind": "dancers", "revision": count, "ids": ids}))
         tick = round(self._show.time / TICK)
         yield ["frame", POSITIONS, self._positions(tick)]
         chosen = wants.get("joints")
         if isinstance(chosen, list | tuple):
             yield ["frame", JOINTS, joints_frame(tick, self._view().joint_position[:count], list(chosen))]
         if self._count % CLOCK_EVERY == 0:
-            yield from _parts("clock", json.dumps(self._clock()))
+            yield from text_parts("clock", 0, json.dumps(self._clock()))
 
     def _positions(self, tick: int) -> bytes:
         dancers = self._show.dancers
@@ -98,28 +91,37 @@ class StageStream:
         )
 
     def _clock(self) -> dict[str, Any]:
-        show, view = self._show, self._view()
-        playhead = show.playhead
+        show, size = self._show, self._show.timeline.beats_per_measure
+        playhead, elements = show.playhead, show.motion.elements
         place = playhead.place(max(show.span.number, 0))
-        elements = [
+        first = show.span.number + 2.0  # the measure that begins at the end of this one
+
+        def measure(beat: float) -> float | None:
+            return round(first + (beat - show.span.end) / size, 3) if math.isfinite(beat) else None
+
+        rows = [
             {
-                "kind": ELEMENT_KINDS[int(view.element_kind[row])].text,
-                "at": [round(float(value), 2) for value in view.element_position[row]],
-                "radius": round(float(view.element_radius[row]), 2), "level": round(float(view.element_level[row]), 2),
+                "kind": KIND_TEXTS.get(element.kind, ""),
+                "at": [round(float(value), 2) for value in element.points[0]],
+                "radius": round(element.radius, 2), "strength": round(element.strength, 2), "level": round(level, 2),
+                "from": measure(element.start_beat), "to": measure(element.end_beat),
             }
-            for row in range(view.element_count)
+            for element, level in zip(elements.in_force, elements.levels.tolist(), strict=True)
+            if not element.fair
         ]  # fmt: skip
+        period, self._period = self._period, 0.0
         return {
             "kind": "clock", "time": round(show.time, 3), "measure": show.span.number + 1,
             "beat": round(show.span.fraction(show.timeline.beat_at(show.time)) * show.desk.beats + 1.0, 3),
             "bpm": round(show.follower.tempo, 2), "section": playhead.section_name(place),
             "score_measure": playhead.written_measure(place) + 1, "source": show.follower.source,
-            "revision": self._revision(), "elements": elements,
+            "elements": rows[:MAX_ELEMENTS], "late_frames": self._late_frames(), "frame_ms": round(period * 1e3, 1),
         }  # fmt: skip
 
 
-def _parts(name: str, text: str) -> Iterator[list[Any]]:
+def text_parts(name: str, number: int, text: str) -> Iterator[list[Any]]:
+    """Yield the packets of a text."""
     data = text.encode()
     parts = range(0, len(data), PART_BYTES)
     for part, start in enumerate(parts):
-        yield ["text", name, part, len(parts), data[start : start + PART_BYTES]]
+        yield ["text", name, number, part, len(parts), data[start : start + PART_BYTES]]

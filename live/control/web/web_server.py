@@ -36,9 +36,9 @@ from live.control.web.http_protection import (
 from live.control.web.preview_client import PreviewClient
 from live.control.web.preview_pages import PreviewPages
 from live.control.web.rate_limit import RateLimit
-from live.control.web.stage_subscribers import StageSubscriber, StageSubscribers
+from live.control.web.stage_subscribers import StageSubscribers
 from live.control.web.surface import make_surface
-from live.control.web.task_guard import keep_task
+from live.control.web.task_guard import guarded, keep_task
 
 PAGE: Final = Path(__file__).with_name("web_page.html")
 MOST_CLIENTS: Final = 32
@@ -52,10 +52,10 @@ MAX_UNSENT_BYTES: Final = 1 << 15
 STATUS_INTERVAL: Final = 1.0
 STAGE_PATH: Final = "/studio/stream"
 PREVIEW_PATH: Final = "/studio/preview"
+STUDIO_HEARTBEAT: Final = 16.0
+"""As `HEARTBEAT`, for the two: on a slow line a ping comes after what was sent before it [s]."""
 MAX_STUDIO_BYTES: Final = 60_000
 """Maximum bytes of a message to the two."""
-MAX_FRAMES: Final = 256
-"""Maximum number of packets of the stage that wait."""
 PROTOCOL: Final = "live.operator"
 KEY_PROTOCOL: Final = "live.key."
 """Followed by the key."""
@@ -96,11 +96,11 @@ class WebServer:
         self._text = PAGE.read_text(encoding="utf-8")
         self.values = Values()
         self._clients: set[Client] = set()
-        self._stage = StageSubscribers(asyncio.get_running_loop().time)
         files = plan.get("preview") or {"module": ""}  # without them there is no preview
         self._preview = PreviewClient(str(files["module"]), dict(files))
         self._preview_pages = PreviewPages(self._preview)
-        self._frames: asyncio.Queue[Any] = asyncio.Queue(MAX_FRAMES)
+        now = asyncio.get_running_loop().time
+        self._stage = StageSubscribers(now, self._preview, channel.send, self._tell_show)
         self._sent = self._refused = 0
         self._ended = asyncio.Event()
         self._server = BoundedServer(self._answer)
@@ -109,10 +109,9 @@ class WebServer:
     async def run(self) -> None:
         """Serve until the show ends."""
         runner = await serve(self._server, self._socket)
-        asyncio.get_running_loop().add_reader(self._channel.socket, self._receive)
+        asyncio.get_running_loop().add_reader(self._channel.socket, guarded("the show's packets", self._receive))
         tasks = [
             keep_task("telling pages", self._stream),
-            keep_task("showing the stage", self._show_stage),
             keep_task("the preview", self._preview.run),
             keep_task("the page's figures", self._report_status),
         ]
@@ -129,8 +128,8 @@ class WebServer:
             if not isinstance(changes, dict):
                 if changes[0] == "surface":
                     self._surface = _surface_json(changes[1])
-                elif not self._frames.full():
-                    self._frames.put_nowait(changes)
+                else:
+                    self._stage.take(changes)
                 continue
             self.values.update(changes)
             for client in self._clients:
@@ -177,14 +176,15 @@ class WebServer:
             return self._refuse(400)
         if len(self._clients) + len(self._stage) + len(self._preview_pages) >= MOST_CLIENTS:
             return self._refuse(503)
+        most, heartbeat = (MOST_BYTES, HEARTBEAT) if request.path == "/ws" else (MAX_STUDIO_BYTES, STUDIO_HEARTBEAT)
         ws = web.WebSocketResponse(
-            max_msg_size=MOST_BYTES if request.path == "/ws" else MAX_STUDIO_BYTES,
-            heartbeat=HEARTBEAT, compress=False, timeout=1.0, protocols=(PROTOCOL,),
-        )  # fmt: skip
+            max_msg_size=most, heartbeat=heartbeat, compress=False, timeout=1.0, protocols=(PROTOCOL,)
+        )
         await ws.prepare(request)
         self._server.release(request)
         if request.path == STAGE_PATH:
-            return await self._open_stage(ws, request)
+            await self._stage.open(ws, request)
+            return ws
         if request.path == PREVIEW_PATH:
             self._refused += await self._preview_pages.open(ws)
             return ws
@@ -201,29 +201,6 @@ class WebServer:
         finally:
             self._clients.discard(client)
         return ws
-
-    async def _open_stage(self, ws: web.WebSocketResponse, request: web.BaseRequest) -> web.StreamResponse:
-        """Show the stage to a page until it leaves."""
-        page = StageSubscriber(ws, request)
-        await self._stage.add(page)
-        self._tell_show()
-        try:
-            async for message in ws:
-                why = page.choose(message.data) if message.type is WSMsgType.TEXT else "text expected"
-                if why:
-                    self._refused += 1
-                    await ws.send_str(json.dumps({"refused": why}))
-                self._tell_show()
-        except (ConnectionError, RuntimeError):  # disconnected meanwhile
-            pass
-        finally:
-            self._stage.remove(page)
-            self._tell_show()
-        return ws
-
-    async def _show_stage(self) -> None:
-        while True:
-            await self._stage.take(await self._frames.get())
 
     def _handle_message(self, client: Client, text: str) -> str:
         """Send a message {"address": …, "values": […]} to the show; return the reason of a refusal, or an
@@ -277,7 +254,12 @@ class WebServer:
             await client.ws.send_str(json.dumps({"values": told}))
 
     def _tell_show(self) -> None:
-        facts = {"pages": len(self._clients), "sent": self._sent, "refused": self._refused, "stage": self._stage.wants}
+        facts = {
+            "pages": len(self._clients),
+            "sent": self._sent,
+            "refused": self._refused + self._stage.refused,
+            "stage": self._stage.wants,
+        }
         facts["preview"] = {
             "pages": len(self._preview_pages),
             "answered": self._preview.answered,

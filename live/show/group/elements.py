@@ -162,6 +162,11 @@ class Elements:
         """The elements that have not ended, oldest first."""
         return self._field.elements
 
+    @property
+    def levels(self) -> npt.NDArray[np.float64]:
+        """How far each of them acts, 0 to 1, (E,)."""
+        return self._field.levels
+
     def attractor_of(self, dancer: int) -> npt.NDArray[np.float64] | None:
         """Return the centre of the newest attractor for a dancer [m], (2,); None if there is none."""
         bits = int(self._group_masks.bits[dancer])

@@ -13,7 +13,7 @@ from typing import Any
 import aiohttp
 import pytest
 
-from live.app.services.http_services import PREVIEW_MODULE, WebService, preview_files
+from live.app.services.web_service import PREVIEW_MODULE, WebService, preview_files
 from live.clock.time_source import SystemClock
 from live.control.web.preview_client import NICE, PreviewClient
 from live.document.document_store import DocumentStore

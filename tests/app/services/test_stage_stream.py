@@ -1,78 +1,102 @@
-"""The stage for pages: frames of a show, through the real web process to a real WebSocket."""
+"""The stage for pages: frames of a show, its files and their changes."""
 
-import asyncio
 import json
+import random
 import struct
-import threading
 from collections import Counter
-from typing import Any, ClassVar
+from pathlib import Path
+from typing import Any
 
-import aiohttp
 import numpy as np
 import pytest
 
-from live.app.services.http_services import WebService
+from live.app.services.score_stream import MAX_ENTRIES, ScoreStream, change_values
 from live.app.services.stage_stream import StageStream
 from live.clock.ticks import TICK
-from live.clock.time_source import SystemClock
-from live.show.loader import load_show
-from live.show.patch.patch_search_path import PATCHES
-from live.show.show import Show
+from live.control.events.event import ControlEvent
+from live.control.registry.registry import REGISTRY
+from live.document.document_store import DocumentStore
+from live.document.edit import Edit, EditRefused
+from live.show.patch.table_batches import patch_json
+from tests.app.services.test_document_service import PATCH, EditedShow
+from tests.document.random_edits import random_edit
+from tests.show.patch.edited_night import write_patch_folder
 
-KEY = "a-key-of-the-tests-4711"
-LOADED = load_show(PATCHES / "score" / "show.toml")
-
-
-def running(seconds: float = 3.0) -> Show:
-    show = LOADED.start()
-    for tick in range(1, int(seconds / TICK)):
-        show.tick(tick * TICK)
-    return show
+WANTS = {"pages": 1, "joints": None, "structure": 1}
 
 
-def make_stream(show: Show) -> StageStream:
-    view = show.view()
-    show.fill(view, show.time)
-    return StageStream(show, lambda: view, lambda: 7)
+class StreamedShow(EditedShow):
+    """A show whose pages get packets at each frame."""
+
+    def __init__(self, patch: Path) -> None:
+        super().__init__(patch)
+        view = self.show.view()
+        self.late = 3
+        self.stream = StageStream(self.show, lambda: view, ScoreStream(self.show, self.service), lambda: self.late)
+        self.engine.patch_listeners.append(lambda patch: self.stream.update_patch())
+        self.view = view
+
+    def packets(self, wants: Any = WANTS) -> list[list[Any]]:
+        """Return the packets of one frame and of the next, between which the watching thread has worked."""
+        self.show.fill(self.view, self.show.time)
+        now = self.clock.now()
+        before = list(self.stream.packets(now, wants))
+        self.watch.run_tasks()
+        return before + list(self.stream.packets(now + 1 / 30, wants))
 
 
-def text_of(packets: list[list[Any]], name: str) -> Any:
-    parts = [packet for packet in packets if packet[:2] == ["text", name]]
-    assert [packet[2] for packet in parts] == list(range(len(parts)))
-    return json.loads(b"".join(packet[4] for packet in parts)) if parts else None
+@pytest.fixture
+def night(tmp_path: Path) -> StreamedShow:
+    return StreamedShow(write_patch_folder(tmp_path, PATCH))
 
 
-def test_nobody_looks_and_nothing_is_written() -> None:
-    stream = make_stream(running(0.5))
+def texts_of(packets: list[list[Any]], name: str) -> list[Any]:
+    """Return the texts of a name that came."""
+    found, pieces = [], []
+    for packet in packets:
+        if packet[:2] == ["text", name]:
+            _, _, number, part, parts, data = packet
+            assert part == len(pieces)
+            pieces.append(data)
+            if part + 1 == parts:
+                found.append(json.loads(b"".join(pieces)))
+                assert found[-1].get("revision", number) == number
+                pieces.clear()
+    assert not pieces
+    return found
+
+
+def test_nobody_looks_and_nothing_is_written(night: StreamedShow) -> None:
+    night.run(0.5)
     for wants in (None, {}, {"pages": 0}, "nonsense", {"pages": None}):
-        assert list(stream.packets(1.0, wants)) == []
+        assert night.packets(wants) == []
+    night.send({"do": "set", "at": ["seed"], "value": 7})
+    assert night.packets(None) == []
 
 
-def test_frames_hold_places_headings_and_joints() -> None:
-    show = running()
-    stream = make_stream(show)
-    packets = list(stream.packets(1.0, {"pages": 1, "joints": [2, 1, 99, "x"]}))
-    assert text_of(packets, "dancers")["ids"] == list(range(1, 17))
-    positions, joints = (packet[2] for packet in packets if packet[0] == "frame")
+def test_frames_hold_places_headings_and_joints(night: StreamedShow) -> None:
+    night.run(3.0)
+    packets = night.packets({"pages": 1, "joints": [2, 1, 99, "x"]})
+    assert texts_of(packets, "dancers")[0]["ids"] == list(range(1, 11))  # six, and four in the wings
+    positions, joints = [packet[2] for packet in packets if packet[0] == "frame"][:2]
     kind, _, count, tick = struct.unpack_from("<BBHI", positions)
-    assert (kind, count, tick) == (1, 16, round(show.time / TICK))
-    rows = np.frombuffer(positions, "<i2", offset=8).reshape(16, 4)
-    assert np.abs(rows[:, :2] / 1000 - show.dancers.drawn_hips).max() < 0.001
-    assert rows[:, 3].tolist() == show.motion.present.astype(int).tolist()
-    facing = rows[:12, 2] / 10_000 * 2 * np.pi
+    assert (kind, count, tick) == (1, 10, round(night.show.time / TICK))
+    rows = np.frombuffer(positions, "<i2", offset=8).reshape(10, 4)
+    assert np.abs(rows[:, :2] / 1000 - night.show.dancers.drawn_hips).max() < 0.001
+    assert rows[:, 3].tolist() == night.show.motion.present[:10].astype(int).tolist()
+    facing = rows[:6, 2] / 10_000 * 2 * np.pi
     assert np.abs(facing).max() < 1.0  # to the public, more or less
     kind, flags, count, _ = struct.unpack_from("<BBHI", joints)
     assert (kind, flags, count, len(joints)) == (2, 1, 2, 8 + 2 * 22 * 6)
-    view = show.view()
-    show.fill(view, show.time)
     found = np.frombuffer(joints, "<i2", offset=8).reshape(2, 22, 3) / 1000
-    assert np.abs(found - view.joint_position[[1, 0]]).max() < 0.001
+    assert np.abs(found - night.view.joint_position[[1, 0]]).max() < 0.001
 
 
-def test_they_come_thirty_times_a_second_at_most_and_the_clock_ten_times() -> None:
-    stream, counts = make_stream(running(0.5)), Counter[str]()
+def test_they_come_thirty_times_a_second_at_most_and_the_clock_ten_times(night: StreamedShow) -> None:
+    night.run(0.5)
+    counts = Counter[str]()
     for frame in range(600):  # ten seconds of frames
-        for packet in stream.packets(frame / 60, {"pages": 1, "joints": None}):
+        for packet in night.stream.packets(frame / 60, WANTS):
             counts[packet[1] if packet[0] == "text" else str(packet[1])] += 1
     assert 298 <= counts["1"] <= 302
     assert counts["2"] == 0
@@ -80,116 +104,123 @@ def test_they_come_thirty_times_a_second_at_most_and_the_clock_ten_times() -> No
     assert counts["dancers"] == 1
 
 
-def test_the_structure_comes_once_and_after_an_edit() -> None:
-    show = running(0.5)
-    stream = make_stream(show)
-    assert threading.active_count() < 50
-    seen: list[Any] = []
-    for turn in range(2000):
-        packets = list(stream.packets(turn / 30, {"pages": 1}))
-        if (text := text_of(packets, "structure")) is not None:
-            seen.append(text)
-            if len(seen) == 2:
-                break
-            stream.update_patch(show.patch.model_copy(update={"name": "edited"}))
-        for thread in threading.enumerate():
-            if thread.name == "structure":
-                thread.join(10.0)
-    assert [each["score"].get("name") for each in seen] == [show.patch.name, "edited"]
-    assert [group["name"] for group in seen[0]["groups"]] == ["ember", "tide"]
-    assert {"name": "groove", "measures": 1} in seen[0]["library"]
-    assert seen[0]["revision"] == 7
+def test_the_clock_has_elements_with_their_measures_and_the_lateness(night: StreamedShow) -> None:
+    night.run(4.5)
+    event = REGISTRY.call("/dance/attract", [1.0, -0.5, 1.5, 2.0], night.clock.now(), "osc")
+    assert isinstance(event, ControlEvent)
+    night.inbox.put(event)
+    night.run(1.0)
+    night.stream._count = 1  # the next but one has a clock
+    list(night.stream.packets(100.0, WANTS))
+    packets = [packet for turn in range(4) for packet in night.stream.packets(100.25 + turn / 30, WANTS)]
+    clock = texts_of(packets, "clock")[0]
+    assert clock["late_frames"] == 3
+    assert clock["frame_ms"] == pytest.approx(250.0)
+    (element,) = clock["elements"]
+    assert (element["at"], element["strength"]) == ([1.0, -0.5], 1.5)
+    assert element["from"] < clock["measure"] + 1 <= element["to"] + 1
+    assert element["to"] - element["from"] == pytest.approx(2.0, abs=0.3)
 
 
-async def look(port: int, say: dict[str, Any], key: str = KEY) -> Counter[str]:
-    """Return what a page got until it has ten frames of positions, and a clock."""
-    found: Counter[str] = Counter()
-    url = f"http://127.0.0.1:{port}/studio/stream"
-    headers = {"Authorization": f"Bearer {key}"}
-    async with aiohttp.ClientSession() as session:  # noqa: SIM117
-        async with session.ws_connect(url, headers=headers, max_msg_size=1 << 24) as page:
-            await page.send_str(json.dumps(say))
-            while found["1"] < 10 or not found["clock"] or not found["structure"]:
-                message = await page.receive(timeout=30.0)
-                if message.type is aiohttp.WSMsgType.BINARY:
-                    found[str(message.data[0])] += 1
-                elif message.type is aiohttp.WSMsgType.TEXT:
-                    told = json.loads(message.data)
-                    found[told.get("kind", "refused")] += 1
-                    if "refused" in told:
-                        break
-                else:
-                    raise AssertionError(message)
-    return found
+def test_the_structure_comes_once_and_when_it_is_wanted_again(night: StreamedShow) -> None:
+    night.run(0.5)
+    (structure,) = texts_of(night.packets(), "structure")
+    assert structure["score"] == json.loads(patch_json(night.show.patch))
+    assert [group["name"] for group in structure["groups"]] == ["ember", "tide"]
+    assert {"name": "groove", "measures": 1} in structure["library"]
+    assert structure["revision"] == 0
+    assert texts_of(night.packets(), "structure") == []
+    assert len(texts_of(night.packets(WANTS | {"structure": 2}), "structure")) == 1
+    night.packets({})  # another process shows pages now
+    assert len(texts_of(night.packets(WANTS | {"structure": 2}), "structure")) == 1
 
 
-def test_a_real_page_sees_the_stage() -> None:
-    show = running(0.5)
-    clock = SystemClock()
-    service = WebService(("127.0.0.1", 0), KEY, ("127.0.0.1", 9), show, clock, stage=make_stream(show))
-    service.start()
-    stop = threading.Event()
-
-    def frames() -> None:
-        while not stop.wait(1 / 60):
-            service.frame()
-
-    thread = threading.Thread(target=frames)
-    thread.start()
-    try:
-        both = asyncio.run(look(service.port, {"positions": 30, "joints": 30}))
-        assert both["2"] > 0
-        assert both["structure"] == both["dancers"] == 1
-        few = asyncio.run(look(service.port, {"positions": 30, "joints": 0, "clock": 5}))
-        assert few["2"] == 0
-        for wrong in ({"positions": 1e9}, {"nonsense": 1}, {"dancers": ["x"]}):
-            assert asyncio.run(look(service.port, wrong))["refused"] == 1
-        with pytest.raises(aiohttp.WSServerHandshakeError):
-            asyncio.run(look(service.port, {}, key="another-key-of-nobody"))
-    finally:
-        stop.set()
-        thread.join()
-        service.stop()
+def test_an_edit_is_told_at_once_as_a_change(night: StreamedShow) -> None:
+    night.run(0.5)
+    night.packets()
+    night.send({"id": "e", "by": "ana", "do": "set", "at": ["segment", 2, "formation"], "value": "line"})
+    (change,) = texts_of(night.packets(), "change")
+    assert (change["revision"], change["by"], change["what"]) == (1, "ana", "edit")
+    assert change["edit"] == {"do": "set", "at": ["segment", 2, "formation"], "value": "line"}
+    assert change["entries"] == [{"at": ["segment", 2], "value": {"measure": 8, "measures": 2, "formation": "line"}}]
+    night.run(4.0)  # the show takes it: that is no news
+    assert texts_of(night.packets(), "structure") == []
+    night.undo("ana")
+    assert texts_of(night.packets(), "change")[0]["what"] == "undo"
+    night.send({"do": "set", "at": ["segment", 2, "formation"], "value": "nonsense"})
+    assert texts_of(night.packets(), "change") == []
 
 
-def test_a_page_that_does_not_read_gets_fewer_frames_and_no_queue() -> None:
-    from live.control.web.stage_subscribers import MAX_UNSENT_BYTES, StageSubscriber, StageSubscribers
+def test_what_a_text_editor_saves_comes_as_a_whole(night: StreamedShow) -> None:
+    night.run(0.5)
+    night.packets()
+    night.path.write_text(PATCH.replace('formation = "circle"', 'formation = "line"'))
+    night.watch.poll()
+    night.watch.poll()
+    night.run(4.0)
+    (structure,) = texts_of(night.packets(), "structure")
+    assert structure["revision"] == 1
+    assert structure["score"]["segment"][1]["formation"] == "line"
+    night.send({"do": "set", "at": ["segment", 1, "measures"], "value": 3})
+    assert texts_of(night.packets(), "change")[0]["revision"] == 2
 
-    class Transport:
-        unsent = 0
 
-        def get_write_buffer_size(self) -> int:
-            return self.unsent
+def applied(score: dict[str, Any], change: dict[str, Any]) -> None:
+    """Apply a change to a score, as a page does."""
+    for shift in change["shifts"]:
+        rows = score.setdefault(shift["list"], [])
+        row = rows.pop(shift["from"] - 1) if shift["from"] is not None else None
+        if shift["to"] is not None:
+            rows.insert(shift["to"] - 1, row)
+    for entry in change["entries"]:
+        name, *number = entry["at"]
+        if number:
+            score[name][number[0] - 1] = entry["value"]
+        elif entry["value"] is None:
+            score.pop(name, None)
+        else:
+            score[name] = entry["value"]
 
-    class Request:
-        transport = Transport()
 
-    class Socket:
-        sent: ClassVar[list[bytes]] = []
+@pytest.mark.parametrize("seed", range(4))
+def test_changes_applied_to_a_score_give_the_next_one(tmp_path: Path, seed: int) -> None:
+    more = "".join(
+        f'[[element]]\nkind = "attract"\nmeasure = {measure}\n[[signal]]\nname = "s{measure}"\nmeasure = {measure}\n'
+        f'[[at]]\nmeasure = {measure}\ncall = "/dance/spread"\nvalues = [1]\n'
+        for measure in range(1, 9)
+    )
+    path = tmp_path / "show.toml"
+    path.write_text(PATCH.replace('steps = "moves"\n', "") + more)
+    store, rng = DocumentStore(path), random.Random(seed)
+    score, described = json.loads(patch_json(store.document.patch)), 0
+    for turn in range(150):
+        before = store.revision
+        try:
+            accepted = store.undo() if rng.random() < 0.2 and turn else store.edit(random_edit(rng, store.document))
+        except EditRefused:
+            continue
+        if store.revision == before:
+            continue
+        change = json.loads(json.dumps(change_values(accepted.revision, store.document.patch)))
+        fresh = json.loads(patch_json(store.document.patch))
+        if change["entries"] is None:
+            score = fresh
+            continue
+        described += 1
+        applied(score, change)
+        score = {name: value for name, value in score.items() if value not in ([], {})}
+        assert score == {name: value for name, value in fresh.items() if value not in ([], {})}, change
+    assert described > 30
 
-        async def send_bytes(self, data: bytes) -> None:
-            self.sent.append(data)
 
-    now = [0.0]
-    pages = StageSubscribers(lambda: now[0])
-    page = StageSubscriber(Socket(), Request())  # type: ignore[arg-type]
-
-    async def frames(count: int) -> None:
-        for _ in range(count):
-            now[0] += 1 / 30
-            await pages.take(["frame", 1, b"12345678"])
-
-    async def run() -> None:
-        await pages.add(page)
-        await frames(30)
-        assert len(Socket.sent) >= 29
-        Request.transport.unsent = MAX_UNSENT_BYTES + 1
-        await frames(30)
-        Request.transport.unsent = 0
-        assert page.missed == 30
-        page.choose('{"positions": 10}')
-        Socket.sent.clear()
-        await frames(90)
-        assert 29 <= len(Socket.sent) <= 32
-
-    asyncio.run(run())
+def test_a_change_of_very_many_entries_is_no_change(tmp_path: Path) -> None:
+    path = tmp_path / "show.toml"
+    path.write_text(
+        PATCH.replace('steps = "moves"\n', "")
+        + "".join(
+            f'[[segment]]\nmeasure = {20 + one}\ngroup = "ember"\nformation = "line"\n' for one in range(MAX_ENTRIES)
+        )
+    )
+    store = DocumentStore(path)
+    accepted = store.edit(Edit("rename", ("group", "ember"), "glow"))
+    assert change_values(accepted.revision, store.document.patch)["entries"] is None
