@@ -126,7 +126,9 @@ KIND_COUNT: Final = 1 + max(PARTICIPANT, *KIND_NAMES.values())
 """Length of an array that has a place for each number."""
 EVERYBODY: Final = (1 << 64) - 1
 """Group mask that addresses all dancers, including those of no group."""
-MAX_VERTICES: Final = 64
-"""Largest number of vertices kept for a drawn line; longer lines are simplified."""
+MAX_VERTICES: Final = 512
+"""Largest number of vertices of a drawn line that dancers follow; longer lines are simplified."""
+OUTLINE_VERTICES: Final = 64
+"""Largest number of vertices of a drawn line in the picture, and of a flow along it."""
 MAX_POINTS: Final = 4096
 """Largest number of points of a drawn line."""

@@ -131,10 +131,11 @@ class Element:
         """Decay length [m] of the fall-off."""
         return self.decay if self.decay is not None else DECAYS[self.kind]
 
-    def table_row(self, separation: float, corners: int) -> dict[int, float]:
+    def table_row(self, separation: float, corners: int, outline: int) -> dict[int, float]:
         """Return the numbers of the element by column of the element table.
 
-        `separation` [m]: the field's default; `corners`: number of vertices in the table.
+        `separation` [m]: the field's default; `corners`, `outline`: numbers of vertices in the table, for dancers and
+        in the picture.
         """
         usual = CROSSING_SEPARATION if self.kind == CROSSING else separation
         flock = self.kind == FLOCK
@@ -144,6 +145,7 @@ class Element:
             column.KIND: self.table_kind,
             column.STRENGTH: self.strength,
             column.CORNERS: corners,
+            column.OUTLINE: outline,
             column.CLOSED: self.closed and corners > 2,
             column.RADIUS: self.radius,
             column.DECAY: self.decay_length,

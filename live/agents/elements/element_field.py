@@ -225,7 +225,7 @@ class ElementField:
         """
         table = self._table
         view.element_count = copy_active_elements(
-            table.rows, table.active, table.vertices,
+            table.rows, table.active, table.outlines,
             view.element_kind, view.element_position, view.element_level, view.element_radius, view.element_strength,
             view.element_flow, view.element_first, view.element_corners, view.element_corner,
         )  # fmt: skip

@@ -8,7 +8,7 @@ from live.agents.elements import element_table_kernels
 from live.agents.elements.element import FADE_BEATS, Element
 from live.agents.elements.polyline_flow import GRID_COLUMNS, GRID_ROWS, flow_grid_along, simplified_vertices
 from live.base.arrays import Float32, Float64, Int32, UInt64
-from live.base.element_kinds import DRAWN, FLOW, GRID, KIND_COUNT, MAX_VERTICES
+from live.base.element_kinds import DRAWN, FLOW, GRID, KIND_COUNT, MAX_VERTICES, OUTLINE_VERTICES
 
 GRID_SLOTS: Final = 8
 """Largest number of drawn flows; the oldest is replaced."""
@@ -24,6 +24,7 @@ class ElementTable:
         self._all_rows: Float64 = np.zeros((2 * capacity, element_table_kernels.COLUMNS))
         self._all_masks: UInt64 = np.zeros(2 * capacity, np.uint64)
         self._all_vertices: Float32 = np.zeros((2 * capacity, MAX_VERTICES, 2), np.float32)
+        self._all_outlines: Float32 = np.zeros((2 * capacity, OUTLINE_VERTICES, 2), np.float32)
         self._first = 0
         self._serials: dict[int, int] = {}  # by id() of the element
         self._voice_count = 0
@@ -42,6 +43,7 @@ class ElementTable:
         self.rows: Float64 = self._all_rows[window]
         self.masks: UInt64 = self._all_masks[window]
         self.vertices: Float32 = self._all_vertices[window]
+        self.outlines: Float32 = self._all_outlines[window]
 
     def rebuild_index(self) -> None:
         """Rebuild the identity index after unpickling, which creates new element objects."""
@@ -110,10 +112,12 @@ class ElementTable:
 
     def _write_row(self, row: int, element: Element) -> None:
         points = element.points
-        corners = simplified_vertices(points) if len(points) > MAX_VERTICES else np.array(points, np.float32)
+        corners = simplified_vertices(points, MAX_VERTICES)
+        outline = corners if len(corners) <= OUTLINE_VERTICES else simplified_vertices(points, OUTLINE_VERTICES)
         self.vertices[row, : len(corners)] = corners
+        self.outlines[row, : len(outline)] = outline
         own = self.rows[row]
-        for column, value in element.table_row(self._separation, len(corners)).items():
+        for column, value in element.table_row(self._separation, len(corners), len(outline)).items():
             own[column] = value
         self.masks[row] = element.groups
 
@@ -143,10 +147,10 @@ class ElementTable:
         if row == 0 and self._first < self._capacity:
             self._slide(self._first + 1)
             return
-        for array in (self.rows, self.masks, self.vertices):
+        for array in (self.rows, self.masks, self.vertices, self.outlines):
             array[row : last - 1] = array[row + 1 : last]
         if row == 0:  # the window has reached the end of the array
-            for array in (self._all_rows, self._all_masks, self._all_vertices):
+            for array in (self._all_rows, self._all_masks, self._all_vertices, self._all_outlines):
                 array[: last - 1] = array[self._first : self._first + last - 1]
             self._slide(0)
 

@@ -21,8 +21,8 @@ UInt64 = npt.NDArray[np.uint64]
 START, END, LEVEL, KIND, STRENGTH = 0, 1, 2, 3, 4
 CORNERS, CLOSED, RADIUS, DECAY, SEPARATION = 5, 6, 7, 8, 9
 ALIGNMENT, COHESION, FLOW_KIND, SLOT, TARGET = 10, 11, 12, 13, 14
-TARGET_GROUP, WEDGE, SERIAL, X, Z = 15, 16, 17, 18, 19
-COLUMNS = 20
+TARGET_GROUP, WEDGE, SERIAL, X, Z, OUTLINE = 15, 16, 17, 18, 19, 20
+COLUMNS = 21
 
 # columns of the sums that the passes over the agents share (A, SUM_COLUMNS), float64
 SUM_X, SUM_Z, REMAINING_SPEED, INFLUENCE, ADDRESSED_LEVEL = 0, 1, 2, 3, 4
@@ -155,13 +155,13 @@ def refresh_table(table: Float64, count: int, beat: float, fade: float, active: 
     " f4[:,::1])"
 )
 def copy_active_elements(
-    table: Float64, active: Int32, vertices: Float32,
+    table: Float64, active: Int32, outlines: Float32,
     kind: Int32, position: Float32, level: Float32, radius: Float32, strength: Float32, flow: Int32,
     first: Int32, corners: Int32, corner: Float32,
 ) -> int:  # fmt: skip
     """Copy the acting rows into the arrays of a `StageView`, up to their capacity; return their number.
 
-    `table`, `active`, `vertices` as in `ElementTable`. A line or region whose corners exceed the capacity of `corner`
+    `table`, `active`, `outlines` as in `ElementTable`. A line or region whose corners exceed the capacity of `corner`
     stays a point; a closed one repeats its first corner at the end.
     """
     count: int = min(active[KIND_COUNT], kind.shape[0])
@@ -172,12 +172,12 @@ def copy_active_elements(
         position[k, 0], position[k, 1] = table[row, X], table[row, Z]
         level[k], radius[k], strength[k] = table[row, LEVEL], table[row, RADIUS], table[row, STRENGTH]
         corners[k] = 0
-        size, closed = int(table[row, CORNERS]), int(table[row, CLOSED])
+        size, closed = int(table[row, OUTLINE]), int(table[row, CLOSED])
         if size <= 1 or used + size + closed > corner.shape[0]:
             continue
         first[k], corners[k] = used, size + closed
         for n in range(size + closed):
             place = n if n < size else 0
-            corner[used + n, 0], corner[used + n, 1] = vertices[row, place, 0], vertices[row, place, 1]
+            corner[used + n, 0], corner[used + n, 1] = outlines[row, place, 0], outlines[row, place, 1]
         used += size + closed
     return count

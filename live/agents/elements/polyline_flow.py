@@ -7,7 +7,7 @@ from shapely import LineString, simplify
 
 from live.agents.elements.element import Points
 from live.base.arrays import Float32, Float64
-from live.base.element_kinds import MAX_VERTICES
+from live.base.element_kinds import OUTLINE_VERTICES
 
 GRID_ROWS: Final = 24
 GRID_COLUMNS: Final = 32
@@ -15,11 +15,11 @@ FLOW_REACH: Final = 1.0
 """Distance [m] within which the flow follows the line; farther away it leads back to the line."""
 
 
-def simplified_vertices(points: Points) -> Float32:
-    """Return at most 64 vertices that approximate the drawn points, shape (V, 2) (Douglas & Peucker 1973)."""
+def simplified_vertices(points: Points, most: int) -> Float32:
+    """Return the drawn points, shape (V, 2), or at most `most` that approximate them (Douglas & Peucker 1973)."""
     corners: Float64 = np.array(points, np.float64)
     tolerance = 0.002
-    while len(corners) > MAX_VERTICES:
+    while len(corners) > most:
         corners = np.array(simplify(LineString(points), tolerance, preserve_topology=False).coords)
         tolerance *= 1.5
     return corners.astype(np.float32)
@@ -31,7 +31,7 @@ def flow_grid_along(points: Points, half_width: float, half_depth: float) -> Flo
     On the line it is the tangent; with distance it increasingly leads towards the line. Where the line crosses itself
     the tangents of near segments are blended by distance.
     """
-    corners = simplified_vertices(points).astype(np.float64)
+    corners = simplified_vertices(points, OUTLINE_VERTICES).astype(np.float64)
     start, way = corners[:-1], np.diff(corners, axis=0)
     length = np.hypot(*way.T)
     start, way, length = start[length > 1e-6], way[length > 1e-6], length[length > 1e-6]

@@ -18,7 +18,7 @@ from live.agents.evolutions.intention import Places
 from live.agents.evolutions.planned_segment import PlannedSegment
 from live.agents.evolutions.segment_start import PlannedMotion, SegmentStart
 from live.agents.evolutions.trajectory import Locomotion
-from live.base.element_kinds import FLOW_NAMES, KIND_COUNT, MAX_POINTS, MAX_VERTICES
+from live.base.element_kinds import FLOW_NAMES, KIND_COUNT, MAX_POINTS, MAX_VERTICES, OUTLINE_VERTICES
 from live.motion.partner_live.hand_holds import LiveHandHolds
 from live.motion.partner_live.stage_partner import LeaderReader
 from live.motion.skeleton import JOINT_COUNT
@@ -64,6 +64,7 @@ def element_table(value: ElementTable) -> bool:
 _ROWS_WITHIN: Final = (
     (element_table_kernels.KIND, 0, KIND_COUNT - 1),
     (element_table_kernels.CORNERS, 0, MAX_VERTICES),
+    (element_table_kernels.OUTLINE, 0, OUTLINE_VERTICES),
     (element_table_kernels.FLOW_KIND, -1, max(FLOW_NAMES.values())),
     (element_table_kernels.SLOT, -1, GRID_SLOTS - 1),
     (element_table_kernels.TARGET_GROUP, -1, 63),

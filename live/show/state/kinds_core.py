@@ -152,9 +152,9 @@ KINDS: Final = [
         separation:float|none alignment:float cohesion:float
     """, is_consistent=whole.element),
     Kind("element-table", ElementTable, """
-        elements:list[element] _all_rows:f8~ _all_masks:u8 _all_vertices:f4 _first:int _voice_count:int grids:f4
-        active:i4 _half_size:tuple[float,float] _separation:float _capacity:int _serial:int _slot_use:list[int] rows:f8~
-        masks:u8 vertices:f4
+        elements:list[element] _all_rows:f8~ _all_masks:u8 _all_vertices:f4 _all_outlines:f4 _first:int _voice_count:int
+        grids:f4 active:i4 _half_size:tuple[float,float] _separation:float _capacity:int _serial:int _slot_use:list[int]
+        rows:f8~ masks:u8 vertices:f4 outlines:f4
     """, factories={"_serials": dict}, after_read=ElementTable.rebuild_index, is_consistent=whole.element_table),
     Kind("element-field", ElementField, """
         _table:element-table influence:f4 _memory:f8 _sums:f8 _nearest:f8~ _spreading:f8 _places:f8 _audience:u8

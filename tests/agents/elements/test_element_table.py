@@ -4,7 +4,7 @@ import numpy as np
 
 from live.agents.elements.element import Element
 from live.agents.elements.element_table import ElementTable
-from live.agents.elements.element_table_kernels import CORNERS, END, SERIAL, X
+from live.agents.elements.element_table_kernels import CORNERS, END, OUTLINE, SERIAL, X
 from live.base.element_kinds import ATTRACTOR, PATH
 
 CAPACITY = 12
@@ -26,6 +26,7 @@ def check_table(table, elements, serials):
     np.testing.assert_array_equal(rows[:, CORNERS], [len(element.points) for element in elements])
     for row, element in enumerate(elements):
         np.testing.assert_array_equal(table.vertices[row, : len(element.points)], np.float32(element.points))
+        np.testing.assert_array_equal(table.outlines[row, : len(element.points)], np.float32(element.points))
         assert table.row_of(element) == row
 
 
@@ -62,3 +63,15 @@ def test_rows_keep_order_after_any_eviction():
         check_table(table, elements, serials)
     assert number > 300
     assert all(table.row_of(element) is None for element in gone)
+
+
+def test_dancers_follow_all_512_points_of_a_stroke_and_the_picture_fewer():
+    """A zigzag, of which no point can be left out."""
+    stroke = tuple((0.02 * k - 5.0, 2.0 * (k % 2)) for k in range(512))
+    table = ElementTable(2, half_width=6.0, half_depth=4.0, separation=1.0)
+    assert table.add(Element(PATH, stroke))
+    assert table.rows[0, CORNERS] == 512
+    np.testing.assert_array_equal(table.vertices[0], np.float32(stroke))
+    assert 2 <= table.rows[0, OUTLINE] <= 64
+    assert table.add(Element(PATH, tuple((0.01 * k - 5.0, 2.0 * (k % 2)) for k in range(1024))))
+    assert 2 <= table.rows[1, CORNERS] <= 512

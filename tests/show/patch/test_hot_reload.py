@@ -268,6 +268,18 @@ def test_watch_thread_starts_and_stops_twice(patch):
     night.watch.stop()
 
 
+def test_a_stage_on_which_dancers_would_stand_outside_never_reaches_the_show(patch):
+    patch.write_text(PATCH + '[stage]\nwidth = 12\n[[segment]]\nmeasure = 9\nformation = "circle"\n')
+    night = WatchedShow(patch)
+    night.run(1.0)
+    assert not night.edit("width = 12", "width = 4")
+    assert "line 14: segment.1.formation: 2 dancers of 'circle' would stand outside the stage" in night.watch.problem
+    assert not night.edit("width = 4", "width = 4\ndepth = 4")
+    assert "4 dancers of 'circle' would stand outside the stage of 4 x 4 m" in night.watch.problem
+    assert night.edit("width = 4\ndepth = 4", "width = 8")
+    assert night.watch.problem == ""
+
+
 @pytest.mark.long
 def test_replay_starts_after_edits_of_patch_and_steps(patch):
     night = WatchedShow(patch)
