@@ -159,7 +159,7 @@ def _frames(
     watch.update_patch(session.show.patch)  # of a show that goes on, it may have been edited
 
     shaders = watch_shaders(session, picture.reload_shaders)
-    card = JoinCard(session, picture)
+    card = JoinCard(session.audience, picture)
 
     def draw(view: StageView) -> None:
         watch.update_graph(view)

@@ -1,6 +1,6 @@
 """Test card with the audience's join link."""
 
-from live.app.session import Session
+from live.app.services.audience_service import AudienceService
 from live.render.outputs.projection import Projection
 from live.render.outputs.test_card import JOIN_CARD, join_card
 
@@ -8,8 +8,8 @@ from live.render.outputs.test_card import JOIN_CARD, join_card
 class JoinCard:
     """Redraws the card with the join link when the link changes, while an output shows it."""
 
-    def __init__(self, session: Session, picture: Projection) -> None:
-        self._audience, self._picture = session.audience, picture
+    def __init__(self, audience: AudienceService | None, picture: Projection) -> None:
+        self._audience, self._picture = audience, picture
         self._link = ""
 
     def frame(self) -> None:
