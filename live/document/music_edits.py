@@ -1,22 +1,24 @@
 """Another piece of music for a show: the edits that replace it with its measure map, as one revision (T007)."""
 
 from dataclasses import replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from live.clock.measure_map import MeasureMap
 from live.document.document import Document
-from live.document.document_store import Accepted, DocumentStore
 from live.document.edit import Edit, Fault
 from live.document.place import refuse
 from live.rehearse.music_lint import music_notes
 from live.show.patch.patch import Patch
 from live.show.patch.toml_model import key_text
 
+if TYPE_CHECKING:
+    from live.document.document_store import Accepted, DocumentStore
+
 MAX_NOTES: Final = 100
 """Maximum number of notes in an answer."""
 
 
-def replace_music(store: DocumentStore, file: str | None, measures: MeasureMap | None, by: str) -> Accepted:
+def replace_music(store: "DocumentStore", file: str | None, measures: MeasureMap | None, by: str) -> "Accepted":
     """Replace the music's file (None: it stays) and its measure lines as one revision, and tell what of the score does
     not fit them; EditRefused with all faults changes nothing."""
 
