@@ -1,7 +1,7 @@
 # The house's front door. `make help` lists what there is; ARGS goes to the command behind a target:
 #   make play ARGS="--audio song.wav --monitor 1 --fullscreen"
 .DEFAULT_GOAL := help
-.PHONY: help play test test-long test-bounds check check-fast format references soak clean
+.PHONY: help play test test-long test-bounds check check-fast format references studio soak clean
 BIN := .venv/bin
 ARGS ?=
 
@@ -48,6 +48,9 @@ references: ## write docs/osc.md and docs/patch.md anew
 	@tools/setup.sh test
 	@$(BIN)/python tools/write_osc_reference.py
 	@$(BIN)/python tools/write_patch_reference.py
+
+studio: ## build the studio's page anew from studio/ (needs Node; users need none)
+	@cd studio && npm ci --ignore-scripts --no-audit --no-fund --silent && npx tsc --noEmit && node build.mjs
 
 soak: ## some minutes of all that may happen to a show, and of chaos (ARGS="--hours 24 --seed 3": that instead)
 	@tools/setup.sh test

@@ -273,6 +273,15 @@ if [ -n "$dry_run" ] || [ ! -e "$stamp" ] || ! venv_works; then
   [ -z "$system_ready" ] || : >"$stamp"
 fi
 
+# The studio's page is in the repository as it was built; only its tests need Node.
+if [ "$mode" = test ] && [ -z "$dry_run" ] && command -v npm >/dev/null 2>&1; then
+  built=studio/node_modules/.package-lock.json
+  if [ ! -e "$built" ] || [ studio/package-lock.json -nt "$built" ]; then
+    (cd studio && npm ci --ignore-scripts --no-audit --no-fund --silent >&2) ||
+      say "setup: npm could not install what builds the studio; the tests of its sources are skipped"
+  fi
+fi
+
 # Python's compiled files of the project itself, also where PYTHONDONTWRITEBYTECODE keeps Python from writing them: a
 # show must not wait for its compiler at each start.
 if [ ! -e .venv/.compiled ] || [ -n "$(find live -name '*.py' -newer .venv/.compiled)" ]; then

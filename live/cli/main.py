@@ -33,6 +33,7 @@ app = typer.Typer(
 )
 
 app.command("play")(play.play)
+app.command("studio")(play.studio)
 app.command("render")(render.render)
 app.command("replay")(replay.replay)
 app.command("check")(check.check)

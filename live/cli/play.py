@@ -1,9 +1,12 @@
-"""`live play`: the show, live; on a machine without a screen its film.
+"""`live play`: the show, live; on a machine without a screen its film. `live studio`: the same with the studio's page.
 
 Its options are those of `LaunchOptions` and of the bridges.
 """
 
 import inspect
+import socket
+import threading
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import Field, fields
 from typing import Annotated, Any, get_type_hints
@@ -122,3 +125,45 @@ def play(*, new_web_key: NewWebKey = False, **written: Any) -> None:
     from live.app.headless_loop import play_show
 
     play_show(options)
+
+
+STUDIO_PORT = 8010
+START_TIMEOUT = 120.0
+"""Longest wait for the engine to answer the browser [s]."""
+
+
+def studio(
+    patch: Annotated[
+        str, typer.Argument(metavar="[SHOW]", help="A patch: a file, a folder, or a name.")
+    ] = "first_show",
+    web: Annotated[str, typer.Option(help="Where the page is served.", metavar="[HOST:]PORT")] = str(STUDIO_PORT),
+    browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
+) -> None:
+    """Make a show where it is seen: the studio in the browser; the show runs here without a projector.
+
+    `live play SHOW --web` serves the same page beside a projector.
+    """
+    from live.app.option_values import parse_endpoint
+    from live.app.services.http_services import stored_key
+
+    key = stored_key()
+    if browser:
+        threading.Thread(target=_open_browser, args=(parse_endpoint(web, "--web"), key), daemon=True).start()
+    written = {each.name: None for kind in _option_classes() for each, _ in _options(kind)}
+    play(**{**written, "patch": patch, "web": web, "web_key": key, "headless": True})
+
+
+def _open_browser(where: tuple[str, int], key: str) -> None:
+    """Open the studio in the browser as soon as the engine answers."""
+    import webbrowser
+
+    host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(where[0], where[0])
+    end = time.monotonic() + START_TIMEOUT
+    while time.monotonic() < end:
+        try:
+            socket.create_connection((host, where[1]), timeout=1.0).close()
+        except OSError:
+            time.sleep(0.2)
+            continue
+        webbrowser.open(f"http://{f'[{host}]' if ':' in host else host}:{where[1]}/studio#key={key}")
+        return

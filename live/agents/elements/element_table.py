@@ -36,7 +36,6 @@ class ElementTable:
         self._capacity = capacity
         self._serial = 0
         self._slot_use: list[int] = [0] * GRID_SLOTS
-        self._outdated: list[int] = []  # serials of drawn flows that were computed for another size of the stage
         self._slide(0)
 
     def _slide(self, first: int) -> None:
@@ -61,21 +60,17 @@ class ElementTable:
         )  # rows are in order of their serials
 
     def resize(self, half_width: float, half_depth: float) -> None:
-        """Set the stage's half sizes [m]; drawn flows are computed again, one in each `refresh`: that takes 5 ms."""
+        """Set the stage's half sizes [m] and recompute drawn flows."""
         self._half_size = (half_width, half_depth)
-        self._outdated = [
-            int(self.rows[row, element_table_kernels.SERIAL])
-            for row, element in enumerate(self.elements)
-            if element.kind == FLOW and element.flow_kind == DRAWN
-        ]
-
-    def _update_flow(self) -> None:
-        """Compute the next outdated flow, if it is still there."""
-        serials = self.rows[: len(self.elements), element_table_kernels.SERIAL]
-        for row in np.flatnonzero(serials == self._outdated.pop(0)).tolist():
-            slot = int(self.rows[row, element_table_kernels.SLOT])
-            if slot >= 0:
-                self.grids[slot] = flow_grid_along(self.elements[row].points, *self._half_size)
+        for row, element in enumerate(self.elements):
+            if (
+                element.kind == FLOW
+                and element.flow_kind == DRAWN
+                and self.rows[row, element_table_kernels.SLOT] >= 0.0
+            ):
+                self.grids[int(self.rows[row, element_table_kernels.SLOT])] = flow_grid_along(
+                    element.points, *self._half_size
+                )
 
     def __len__(self) -> int:
         return len(self.elements)
@@ -161,8 +156,6 @@ class ElementTable:
 
     def refresh(self, beat: float) -> None:
         """Update levels and the list of acting rows at `beat`; remove rows that have ended."""
-        if self._outdated:
-            self._update_flow()
         if element_table_kernels.refresh_table(self.rows, len(self.elements), beat, FADE_BEATS, self.active):
             for row in reversed(range(len(self.elements))):
                 if self.elements[row].end_beat <= beat:

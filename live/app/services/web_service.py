@@ -111,8 +111,10 @@ class WebService(HttpService):
     def start(self) -> None:
         """Listen, start the process and print the link; raise PersonError if that fails."""
         super().start()
-        link = f"http://{_link_host(self._bind_address[0])}:{self.port}/#key={self._key}"
-        Console(stderr=True, highlight=False).print(f"operator's page: {link}", soft_wrap=True, markup=False)
+        link, key = f"http://{_link_host(self._bind_address[0])}:{self.port}", f"#key={self._key}"
+        console = Console(stderr=True, highlight=False)
+        console.print(f"operator's page: {link}/{key}", soft_wrap=True, markup=False)
+        console.print(f"studio: {link}/studio{key}", soft_wrap=True, markup=False)
 
 
 def _link_host(host: str) -> str:

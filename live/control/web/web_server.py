@@ -37,6 +37,7 @@ from live.control.web.preview_client import PreviewClient
 from live.control.web.preview_pages import PreviewPages
 from live.control.web.rate_limit import RateLimit
 from live.control.web.stage_subscribers import StageSubscribers
+from live.control.web.studio_files import StudioFiles
 from live.control.web.surface import make_surface
 from live.control.web.task_guard import guarded, keep_task
 
@@ -94,6 +95,7 @@ class WebServer:
         self._osc_socket.setblocking(False)
         self._surface = _surface_json(plan)
         self._text = PAGE.read_text(encoding="utf-8")
+        self._studio = StudioFiles()
         self.values = Values()
         self._clients: set[Client] = set()
         files = plan.get("preview") or {"module": ""}  # without them there is no preview
@@ -142,7 +144,8 @@ class WebServer:
         with the key."""
         if not is_same_origin(request, self._hosts):
             return self._refuse(403)
-        if request.path not in ("/", "/surface.json", "/ws", STAGE_PATH, PREVIEW_PATH):
+        path = request.path
+        if path not in ("/", "/surface.json", "/ws", STAGE_PATH, PREVIEW_PATH) and path not in self._studio:
             return self._refuse(404)
         if request.path == PREVIEW_PATH and not self._preview.module:
             return self._refuse(404)
@@ -151,6 +154,8 @@ class WebServer:
         if request.path == "/":
             headers = page_headers(self._text, request.headers["Host"].casefold())
             return web.Response(text=self._text, content_type="text/html", headers=headers)
+        if path in self._studio:
+            return self._studio.answer(request)
         if not self._has_key(request):
             self._refused += 1
             return await self._failed.answer(request)

@@ -153,8 +153,7 @@ KINDS: Final = [
     """, is_consistent=whole.element),
     Kind("element-table", ElementTable, """
         elements:list[element] _all_rows:f8~ _all_masks:u8 _all_vertices:f4 _all_outlines:f4 _first:int _voice_count:int
-        grids:f4 active:i4 _half_size:tuple[float,float] _separation:float _capacity:int _serial:int
-        _slot_use:list[int] _outdated:list[int]
+        grids:f4 active:i4 _half_size:tuple[float,float] _separation:float _capacity:int _serial:int _slot_use:list[int]
         rows:f8~ masks:u8 vertices:f4 outlines:f4
     """, factories={"_serials": dict}, after_read=ElementTable.rebuild_index, is_consistent=whole.element_table),
     Kind("element-field", ElementField, """

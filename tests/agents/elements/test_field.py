@@ -229,16 +229,3 @@ def test_ten_drawn_flows_share_eight_grids_by_eviction():
     assert (stage.wish() == 0.0).all()  # the oldest was evicted
     stage.groups[0] = 1 << 9
     assert stage.wish()[0] == pytest.approx(np.array([10.0, 1.0]) / np.hypot(10, 1), abs=0.02)
-
-
-def test_drawn_flows_of_a_resized_stage_are_computed_one_in_a_tick():
-    """They end as on a stage of that size from the beginning, at the same places [m]."""
-    flows = [Element(FLOW, ((0.0, float(k)), (2.0, 1.0), (-3.0, 2.0)), flow_kind=DRAWN) for k in range(3)]
-    resized, fresh = StageHarness([[0, 0]], *flows), StageHarness([[0, 0]], *flows, size=(20.0, 10.0))
-    before = resized.field._table.grids.copy()
-    resized.field.resize(10.0, 5.0)
-    for done in range(1, 4):
-        resized.wish()
-        grids = resized.field._table.grids
-        assert [bool((grids[k] == fresh.field._table.grids[k]).all()) for k in range(3)] == [k < done for k in range(3)]
-        assert (grids[done:3] == before[done:3]).all()

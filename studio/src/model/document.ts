@@ -1,0 +1,218 @@
+// The show that all pages edit: its structure, edits that are sent and answered, and undo.
+import { computed, signal } from "@preact/signals";
+import { Link } from "../net/link";
+import { frameKind, JOINTS, POSITIONS, readJoints, readPositions, type Joints, type Positions } from "../net/frames";
+import { applyChange, type Change, type Structure } from "./score";
+
+export interface Clock {
+  time: number;
+  measure: number;
+  beat: number;
+  bpm: number;
+  section: string | null;
+  score_measure: number;
+  source: string;
+  elements: StageElement[];
+  late_frames: number;
+  frame_ms: number;
+}
+
+export interface StageElement {
+  kind: string;
+  at: [number, number];
+  radius: number;
+  strength: number;
+  level: number;
+  from: number | null;
+  to: number | null;
+}
+
+export interface Person {
+  name: string;
+  segment: number | null;
+  measures: [number, number] | null;
+  dancers: number[];
+}
+
+export interface Fault {
+  what: string;
+  remedy?: string;
+  file?: string;
+  line?: number | null;
+  field?: string;
+  measure?: number | null;
+  dancers?: string | null;
+}
+
+export interface Ways {
+  from: number;
+  to: number;
+  dancers: number[];
+  /** Of each dancer the places (x, z) [m], 32 in each measure. */
+  ways: [number, number][][];
+  segment: number | null;
+}
+
+export interface Answer {
+  id: string;
+  revision?: number;
+  refused?: Fault[];
+  waits?: string[];
+  notes?: Fault[];
+}
+
+export type Edit = { do: "insert" | "change" | "move" | "resize" | "copy" | "delete" | "rename" | "set"; at: (string | number)[]; value?: unknown };
+
+export interface Notice {
+  id: number;
+  tone: "refused" | "told";
+  title: string;
+  faults: Fault[];
+}
+
+const MOST_NOTICES = 4;
+const ANSWER_WAIT = 65_000;
+
+/** One show, seen through its stream. */
+export class ShowDocument {
+  readonly structure = signal<Structure | null>(null);
+  readonly clock = signal<Clock | null>(null);
+  readonly positions = signal<Positions | null>(null);
+  readonly joints = signal<Joints | null>(null);
+  readonly ways = signal<Ways | null>(null);
+  readonly people = signal<Person[]>([]);
+  readonly doubts = signal<{ measure: number | null; what: string }[]>([]);
+  readonly notices = signal<Notice[]>([]);
+  readonly lastChange = signal<Change | null>(null);
+  /** Edits that wait for their answers, in order. */
+  readonly waiting = signal<{ id: string; edit: Edit }[]>([]);
+  readonly link: Link;
+  readonly revision = computed(() => this.structure.value?.revision ?? 0);
+  private wants: Record<string, unknown> = { positions: 30, clock: 10, joints: 0, notes: true };
+  private answers = new Map<string, (answer: Answer) => void>();
+  private count = 0;
+  private noticeCount = 0;
+  private page = Math.random().toString(36).slice(2, 8);
+
+  constructor(key: string, readonly by: string) {
+    this.link = new Link("/studio/stream", key);
+    this.link.onOpen = () => {
+      this.link.send({ ...this.wants, name: by });
+      for (const { id, edit } of this.waiting.value) this.sendEdit(id, edit); // once more: it may have been lost
+    };
+    this.link.onText = (told) => this.take(told);
+    this.link.onBinary = (data) => {
+      const kind = frameKind(data);
+      if (kind === POSITIONS) this.positions.value = { ...readPositions(data) };
+      else if (kind === JOINTS) this.joints.value = readJoints(data);
+    };
+  }
+
+  /** Say what this page wants to see; see docs/web.md. */
+  want(wants: Record<string, unknown>): void {
+    this.wants = { ...this.wants, ...wants };
+    this.link.send(wants);
+  }
+
+  /** Send an edit; the promise is kept with the engine's answer. A refusal is told as a notice, too. */
+  edit(edit: Edit, quiet = false): Promise<Answer> {
+    const id = `${this.page} ${++this.count}`;
+    this.waiting.value = [...this.waiting.value, { id, edit }];
+    return this.asked(id, () => this.sendEdit(id, edit), quiet);
+  }
+
+  /** Send edits one after the other; the first refused one ends them. */
+  async edits(list: Edit[]): Promise<Answer[]> {
+    const answers: Answer[] = [];
+    for (const edit of list) {
+      const answer = await this.edit(edit);
+      answers.push(answer);
+      if (answer.refused) break;
+    }
+    return answers;
+  }
+
+  undo(): Promise<Answer> {
+    return this.back("undo");
+  }
+
+  redo(): Promise<Answer> {
+    return this.back("redo");
+  }
+
+  tell(tone: Notice["tone"], title: string, faults: Fault[] = []): void {
+    const notice = { id: ++this.noticeCount, tone, title, faults };
+    this.notices.value = [...this.notices.value, notice].slice(-MOST_NOTICES);
+  }
+
+  dismiss(id: number): void {
+    this.notices.value = this.notices.value.filter((notice) => notice.id !== id);
+  }
+
+  private back(word: "undo" | "redo"): Promise<Answer> {
+    const id = `${this.page} ${++this.count}`;
+    return this.asked(id, () => this.link.send({ do: word, id, by: this.by }), false);
+  }
+
+  private sendEdit(id: string, edit: Edit): boolean {
+    return this.link.send({ ...edit, value: edit.value ?? null, id, by: this.by, base: this.revision.value || null });
+  }
+
+  private asked(id: string, send: () => boolean, quiet: boolean): Promise<Answer> {
+    return new Promise((resolve) => {
+      const timer = window.setTimeout(() => this.answered({ id, refused: [{ what: "the engine did not answer" }] }, quiet), ANSWER_WAIT);
+      this.answers.set(id, (answer) => {
+        clearTimeout(timer);
+        resolve(answer);
+        if (answer.refused && !quiet) this.tell("refused", "Not changed", answer.refused);
+        if (answer.notes?.length) this.tell("told", "What no longer fits", answer.notes);
+        if (answer.waits?.length) this.tell("told", `From the next start on: ${answer.waits.join(", ")}`);
+      });
+      send();
+    });
+  }
+
+  private answered(answer: Answer, _quiet: boolean): void {
+    this.waiting.value = this.waiting.value.filter((one) => one.id !== answer.id);
+    const how = this.answers.get(answer.id);
+    this.answers.delete(answer.id);
+    how?.(answer);
+  }
+
+  private take(told: Record<string, unknown>): void {
+    switch (told["kind"]) {
+      case "structure":
+        this.structure.value = told as unknown as Structure;
+        break;
+      case "change": {
+        const change = told as unknown as Change;
+        const before = this.structure.value;
+        const after = before && applyChange(before, change);
+        if (after) this.structure.value = after;
+        this.lastChange.value = change;
+        break;
+      }
+      case "replacement":
+        this.lastChange.value = told as unknown as Change;
+        break;
+      case "clock":
+        this.clock.value = told as unknown as Clock;
+        break;
+      case "ways":
+        this.ways.value = told["ways"] ? (told as unknown as Ways) : null;
+        break;
+      case "notes":
+        this.doubts.value = (told["notes"] as { measure: number | null; what: string }[]) ?? [];
+        break;
+      case "people":
+        this.people.value = (told["people"] as Person[]) ?? [];
+        break;
+      case "answer":
+        this.answered(told as unknown as Answer, false);
+        break;
+      case "refused":
+        this.tell("refused", String(told["refused"]));
+        break;
+    }
+  }
+}

@@ -1,0 +1,128 @@
+// What one person sees and does in this page: the show, what is selected, and where the timeline stands.
+import { computed, effect, signal } from "@preact/signals";
+import { Preview, type PreviewAnswer } from "../net/preview";
+import { Values } from "../net/values";
+import { ShowDocument, type Edit } from "./document";
+import { allBoxes, beatsPerMeasure, planRows, scoreLength, sectionSpans, type Box, type Mode } from "./plan";
+import { entries, type Entry } from "./score";
+
+export type View = "make" | "play" | "show" | "storyboard";
+export type Panel = "steps" | "formations" | "elements" | "people";
+export type Snap = "measure" | "beat" | "none";
+
+export interface Selected {
+  list: string;
+  /** From 1. */
+  number: number;
+}
+
+export class Studio {
+  readonly view = signal<View>("make");
+  readonly panel = signal<Panel>("steps");
+  readonly mode = signal<Mode>("motion");
+  readonly snap = signal<Snap>("measure");
+  readonly selected = signal<Selected[]>([]);
+  /** Dancers that are selected on the stage, from 1. */
+  readonly dancers = signal<number[]>([]);
+  /** Pixels of a measure in the timeline. */
+  readonly scale = signal(64);
+  /** The measure of the written score (from 0) that is looked at; null: the one that is danced. */
+  readonly cursor = signal<number | null>(null);
+  readonly preview: Preview;
+  readonly values: Values;
+  readonly doc: ShowDocument;
+
+  readonly score = computed(() => this.doc.structure.value?.score ?? {});
+  readonly boxes = computed(() => (this.doc.structure.value ? allBoxes(this.doc.structure.value) : []));
+  readonly rows = computed(() => (this.doc.structure.value ? planRows(this.doc.structure.value, this.mode.value) : []));
+  readonly spans = computed(() => sectionSpans(this.score.value));
+  readonly length = computed(() => (this.doc.structure.value ? scoreLength(this.doc.structure.value) : 16));
+  readonly beats = computed(() => beatsPerMeasure(this.score.value));
+  /** Where the show is danced now, in measures of the written score from 0; null before it begins. */
+  readonly playhead = computed(() => {
+    const clock = this.doc.clock.value;
+    return clock && clock.measure >= 1 ? clock.score_measure - 1 + (clock.beat - 1) / this.beats.value : null;
+  });
+
+  constructor(readonly key: string, readonly by: string) {
+    this.doc = new ShowDocument(key, by);
+    this.preview = new Preview(key);
+    this.values = new Values(key);
+    effect(() => {
+      const chosen = this.selected.value.filter((one) => one.list === "segment");
+      this.doc.want({ segment: chosen.length === 1 ? chosen[0]?.number : null });
+      if (chosen.length !== 1) this.doc.ways.value = null;
+    });
+    effect(() => {
+      // an entry that was selected may be another one after a change, or gone
+      const change = this.doc.lastChange.value;
+      if (change?.shifts.length) this.selected.value = this.selected.peek().flatMap((one) => shifted(one, change.shifts));
+    });
+  }
+
+  open(): void {
+    this.doc.link.open();
+    this.values.link.open();
+  }
+
+  /** The entry of a selected one; undefined if it is gone. */
+  entry(one: Selected): Entry | undefined {
+    return entries(this.score.value, one.list)[one.number - 1];
+  }
+
+  box(one: Selected): Box | undefined {
+    return this.boxes.value.find((box) => box.list === one.list && box.number === one.number);
+  }
+
+  isSelected(box: Selected): boolean {
+    return this.selected.value.some((one) => one.list === box.list && one.number === box.number);
+  }
+
+  select(one: Selected | null, more = false): void {
+    if (!one) this.selected.value = [];
+    else if (!more) this.selected.value = [{ list: one.list, number: one.number }];
+    else if (this.isSelected(one)) this.selected.value = this.selected.value.filter((each) => each.list !== one.list || each.number !== one.number);
+    else this.selected.value = [...this.selected.value, { list: one.list, number: one.number }];
+  }
+
+  /** Insert an entry and select it. */
+  async insert(list: string, value: Entry): Promise<boolean> {
+    const answer = await this.doc.edit({ do: "insert", at: [list], value });
+    if (answer.refused) return false;
+    this.select({ list, number: entries(this.score.peek(), list).length });
+    return true;
+  }
+
+  async removeSelected(): Promise<void> {
+    const chosen = [...this.selected.value].sort((a, b) => b.number - a.number);
+    this.selected.value = [];
+    await this.doc.edits(chosen.map((one): Edit => ({ do: "delete", at: [one.list, one.number] })));
+  }
+
+  async copySelected(later: number): Promise<void> {
+    const chosen = [...this.selected.value].sort((a, b) => b.number - a.number);
+    await this.doc.edits(chosen.map((one): Edit => {
+      const measure = Number(this.entry(one)?.["measure"] ?? 1);
+      return { do: "copy", at: [one.list, one.number], value: { measure: measure + later } };
+    }));
+  }
+
+  /** What edits would do, before they are sent. */
+  try(edits: Edit[], from: number, to: number): Promise<PreviewAnswer> {
+    return this.preview.ask({ from, to, with: edits, positions: "none", notes: true });
+  }
+}
+
+function shifted(one: Selected, shifts: { list: string; from: number | null; to: number | null }[]): Selected[] {
+  let { number } = one;
+  for (const { list, from, to } of shifts) {
+    if (list !== one.list) continue;
+    if (from === null) number += to !== null && to <= number ? 1 : 0;
+    else if (to === null) {
+      if (from === number) return [];
+      number -= from < number ? 1 : 0;
+    } else if (from === number) number = to;
+    else number += (to <= number && number < from ? 1 : 0) - (from < number && number <= to ? 1 : 0);
+  }
+  return [{ list: one.list, number }];
+}

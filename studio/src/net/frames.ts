@@ -1,0 +1,51 @@
+// Binary frames of the stage: u8 kind, u8 flags, u16 count, u32 tick, then int16, all little-endian (docs/web.md).
+
+export const POSITIONS = 1;
+export const JOINTS = 2;
+export const JOINT_COUNT = 22;
+const HEAD = 8;
+const METRES = 1e-3;
+const TURN = (2 * Math.PI) / 10_000;
+
+export interface Positions {
+  tick: number;
+  count: number;
+  /** x, z [m] and heading [rad] of each dancer. */
+  rows: Float32Array;
+  /** Who is on the stage. */
+  present: Uint8Array;
+}
+
+export interface Joints {
+  tick: number;
+  count: number;
+  /** Whether only the chosen dancers are in it. */
+  chosen: boolean;
+  /** x, y, z [m] of each joint. */
+  rows: Float32Array;
+}
+
+export function frameKind(data: DataView): number {
+  return data.byteLength >= HEAD ? data.getUint8(0) : 0;
+}
+
+export function readPositions(data: DataView, into?: Positions): Positions {
+  const count = Math.min(data.getUint16(2, true), Math.floor((data.byteLength - HEAD) / 8));
+  const found = into?.count === count ? into : { tick: 0, count, rows: new Float32Array(3 * count), present: new Uint8Array(count) };
+  found.tick = data.getUint32(4, true);
+  for (let row = 0, at = HEAD; row < count; row++, at += 8) {
+    found.rows[3 * row] = data.getInt16(at, true) * METRES;
+    found.rows[3 * row + 1] = data.getInt16(at + 2, true) * METRES;
+    found.rows[3 * row + 2] = data.getInt16(at + 4, true) * TURN;
+    found.present[row] = data.getInt16(at + 6, true) > 0 ? 1 : 0;
+  }
+  return found;
+}
+
+export function readJoints(data: DataView): Joints {
+  const size = 3 * JOINT_COUNT;
+  const count = Math.min(data.getUint16(2, true), Math.floor((data.byteLength - HEAD) / (2 * size)));
+  const rows = new Float32Array(count * size);
+  for (let index = 0; index < rows.length; index++) rows[index] = data.getInt16(HEAD + 2 * index, true) * METRES;
+  return { tick: data.getUint32(4, true), count, chosen: data.getUint8(1) === 1, rows };
+}
