@@ -28,7 +28,7 @@ from live.document.history import (
     texts_at,
     texts_hash,
 )
-from live.document.place import refuse
+from live.document.place import as_written, refuse
 from live.library.disk_cache import read_regular_file
 from live.library.whole_file import write_atomically
 from live.show.patch.patch import Patch
@@ -303,6 +303,9 @@ class DocumentStore:
             if not applied.splices:  # nothing changed
                 return Accepted(replace(revision, number=self.revision))
             self._save(applied.splices, revision)
+        except EditRefused as refused:
+            self._take_back(applied.splices, former)
+            raise as_written(refused, self.document, applied.shifts) from None
         except BaseException:
             self._take_back(applied.splices, former)
             raise

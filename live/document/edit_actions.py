@@ -9,7 +9,7 @@ from live.base.toml import KeyPath
 from live.document.block_editor import BlockEditor
 from live.document.document import LIST_SECTIONS, Document, Names, Splice
 from live.document.edit import Applied, Edit, EditRefused, Fault, shifted_key
-from live.document.place import Place, find_place, folded, path_text, refuse, value_at
+from live.document.place import Place, as_written, find_place, folded, path_text, refuse, value_at
 from live.document.references import references
 from live.document.toml_blocks import EDIT_ERRORS, Block, edit_block, joined_tail
 from live.show.patch.section_stage import ItemSection
@@ -50,7 +50,7 @@ def apply_edits(document: Document, edits: Sequence[Edit]) -> Applied:
         document.patch = former
         if refusal is error:
             raise
-        raise refusal from None
+        raise (as_written(refusal, document, whole.shifts) if isinstance(refusal, EditRefused) else refusal) from None
     return whole
 
 

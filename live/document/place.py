@@ -1,11 +1,13 @@
 """Paths of edits: an entry by name or number, a key of it, a table, or a new entry's place in a list."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from live.base.toml import KeyPath
 from live.document.document import LIST_SECTIONS, Document, Entry, Names
-from live.document.edit import EditRefused, Fault
+from live.document.edit import EditRefused, Fault, Shift, shifted_key
+from live.show.patch.toml_model import key_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -35,6 +37,26 @@ class Place:
 def refuse(at: tuple[str | int, ...], what: str, remedy: str = "") -> EditRefused:
     """Return the refusal of an edit at a path."""
     return EditRefused(Fault(what, field=path_text(at), remedy=remedy))
+
+
+def as_written(refused: EditRefused, document: Document, shifts: Sequence[Shift]) -> EditRefused:
+    """Return the refusal of an edit with lines and numbers of the `document` as it is without it.
+
+    `shifts` are those of the edit. An entry that it inserts has no line, and keeps its number.
+    """
+    back = [(names, end, begin) for names, begin, end in reversed(shifts)]
+    faults = []
+    for fault in refused.faults:
+        key = tuple(int(part) - 1 if part.isdecimal() else part for part in fault.field.split("."))
+        former = shifted_key(key, back)
+        if fault.line is None or not fault.field:
+            faults.append(fault)
+        elif former is None:
+            faults.append(replace(fault, line=None))
+        else:
+            file, line = document.location(former)
+            faults.append(replace(fault, file=file, line=line, field=key_text(former)))
+    return EditRefused(*faults)
 
 
 def path_text(at: tuple[str | int, ...]) -> str:

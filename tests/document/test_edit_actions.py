@@ -8,7 +8,7 @@ import pytest
 from live.base.errors import PersonError
 from live.document.document import Document
 from live.document.edit import Edit, EditRefused, parse_edit, parse_edits
-from live.document.edit_actions import apply_edit
+from live.document.edit_actions import apply_edit, apply_edits
 
 TEXT = """name = "x"
 seed = 3
@@ -252,6 +252,19 @@ def test_a_refusal_names_all_faults_with_file_line_field_and_measure(document: D
     assert one.line is not None
     assert TEXT.split("\n")[one.line - 1].startswith("measures = 2")
     assert (one.measure, one.dancers) == (7.0, "ember & left + pair")
+
+
+def test_a_refusal_counts_lines_and_entries_of_the_files_as_they_are(document: Document) -> None:
+    """The new entry has no line; segment 2 of the file is named so, though it would become the third."""
+    new = {"measure": 1, "measures": 0, "formation": "no such formation", "hold": True}
+    with pytest.raises(EditRefused) as caught:
+        apply_edits(document, [Edit("insert", ("segment", 1), new), Edit("set", ("segment", 3, "measures"), 0)])
+    faults = {fault.field: fault.line for fault in caught.value.faults}
+    assert faults.pop("segment.1.measures") is None
+    ((field, line),) = faults.items()
+    assert field == "segment.2.measures"
+    assert line is not None
+    assert TEXT.split("\n")[line - 1].startswith("measures = 2")
 
 
 @pytest.mark.parametrize(
