@@ -12,7 +12,7 @@ from live.base.element_kinds import (
     FLOW,
     FOLLOW,
     GRID,
-    MAX_VERTICES,
+    OUTLINE_VERTICES,
     PATH,
     PURSUE,
     RADIAL,
@@ -48,7 +48,7 @@ def test_vortex_moves_dancers_around_its_center():
 def test_drawn_flow_leads_dancers_along_its_line():
     t = np.linspace(0.0, np.pi, 500)
     arc = tuple(map(tuple, np.stack([-4 * np.cos(t), 3 - 4 * np.sin(t)], 1)))
-    assert len(simplified_vertices(arc)) <= MAX_VERTICES
+    assert len(simplified_vertices(arc, OUTLINE_VERTICES)) <= OUTLINE_VERTICES
     start = [[-4.5, 2.5], [-2.0, 0.5], [-3.0, 2.8]]
     stage = StageHarness(start, Element(FLOW, arc, flow_kind=DRAWN, start_beat=-9.0))
     kept = stage.run(7.0)
