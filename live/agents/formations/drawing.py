@@ -145,6 +145,15 @@ def drawing_of(spec: FormationSpec) -> Drawing:
     return Drawing(with_end_gaps(curves), region, middle)
 
 
+def places_by_hand(spec: FormationSpec) -> Float64:
+    """Return the written places of shape "places", (S, 2) [m]: as drawn lines they are fitted into a size, rotated
+    about their middle and moved by the centre. PersonError if they leave the floor."""
+    places = _placed(spec, [(np.array(spec.points[0], np.float64), False)])[0][0]
+    if np.abs(places).max() > MAX_DISTANCE:
+        spec.refuse("points", f"reach {np.abs(places).max():.4g} m from the middle of the stage; give a size")
+    return places
+
+
 def _invalid_field(spec: FormationSpec) -> str:
     """Return the field to change if the shape is unusable."""
     return {"path": "path", "polyline": "points", "text": "text"}.get(spec.shape, "points" if spec.points else "size")

@@ -17,7 +17,7 @@ from live.agents.formations.casting import (
     sections_in_area,
     soloist_places,
 )
-from live.agents.formations.drawing import Drawing, drawing_of
+from live.agents.formations.drawing import Drawing, drawing_of, places_by_hand
 from live.agents.formations.formation_spec import MAX_DANCERS, FormationSpec
 from live.agents.formations.line_placement import place_on_lines
 from live.agents.formations.region_placement import PlacementRegion, count_by_spacing, place_inside, placement_region
@@ -81,6 +81,8 @@ def formation_of(spec: FormationSpec, count: int, seed: int = 0) -> Formation:
     There are as many places as dancers, unless the spec has a count, density or spacing; then `waiting` and `empty`
     give the difference. PersonError, naming the field, if the shape cannot be used.
     """
+    if spec.shape == "places":
+        return _by_hand(spec, count)
     drawing, line, room, ground = _prepare(spec)
     places_wanted = _place_count(spec, drawing, count)
     soloists = min(spec.soloists, places_wanted)
@@ -115,6 +117,36 @@ def formation_of(spec: FormationSpec, count: int, seed: int = 0) -> Formation:
     for array in (formation.slots, formation.heading, formation.section, formation.soloist):
         array.setflags(write=False)
     return formation
+
+
+def _by_hand(spec: FormationSpec, count: int) -> Formation:
+    """Return the formation of places that are written one by one: as many as dancers, the first ones."""
+    written = places_by_hand(spec)
+    slots = np.ascontiguousarray(written[: max(count, 0)])
+    size, waiting = len(slots), max(0, count - len(written))
+    soloists = min(spec.soloists, size)
+    middle = (written.min(axis=0) + written.max(axis=0)) / 2
+    if spec.headings_deg:
+        turned = np.radians(np.array(spec.headings_deg) + spec.rotation_deg)[:size]
+        heading = np.asarray(np.mod(turned + math.pi, 2.0 * math.pi) - math.pi)
+    else:
+        heading = place_headings(spec, slots, None, middle, ())
+    section = np.full(size, NO_SECTION)
+    if spec.sections:
+        section[soloists:] = sections_along(section_sizes(spec.sections, size - soloists))
+    names, closest = spec.section_names, _min_distance(slots)
+    found = [f"{waiting} dancers have no place: add places for them"] if waiting else []
+    if closest < TOUCH_DISTANCE:
+        found.append(f"two dancers are only {closest:.2f} m apart, bodies touch: move one of them")
+    for array in (slots, heading, section):
+        array.setflags(write=False)
+    soloist = np.arange(size) < soloists
+    soloist.setflags(write=False)
+    return Formation(
+        name=spec.name, slots=slots, heading=heading, section=section, soloist=soloist, min_distance=closest,
+        unplaced_dancers=waiting, empty_places=0, warnings=tuple(found), lines=(), symmetry=None,
+        marks=tuple(SOLOIST if n < soloists else names[section[n]] if names else "" for n in range(size)),
+    )  # fmt: skip
 
 
 def _place_count(spec: FormationSpec, drawing: Drawing, dancers: int) -> int:

@@ -25,6 +25,7 @@ SHAPES: Final = (
     "text",
     "path",
     "polyline",
+    "places",
 )
 PATTERNS: Final = ("even", "weighted", "grid", "diagonal", "concentric", "poisson")
 INSIDE_PATTERNS: Final = ("grid", "diagonal", "concentric", "poisson")
@@ -135,7 +136,11 @@ def _check_shape(spec: Any) -> None:
 def _check_points(spec: Any) -> None:
     if spec.shape == "polyline" and not spec.points:
         spec.refuse("points", "a list of points [x, z] expected", "points = [[-3, 0], [0, -2], [3, 0]]")
-    if spec.points and spec.shape not in ("polyline", "polygon"):
+    if spec.shape == "places":
+        _check_places(spec)
+    elif spec.headings_deg:
+        spec.refuse("headings_deg", "are for shape = 'places'", "heading = 'angle' with heading_deg turns all")
+    if spec.points and spec.shape not in ("polyline", "polygon", "places"):
         spec.refuse(
             "points",
             f"points draw a line or an outline, and the shape is {spec.shape!r} (grid, if none is written)",
@@ -148,10 +153,27 @@ def _check_points(spec: Any) -> None:
     if spec.shape == "polygon" and len(spec.points) > 1:
         spec.refuse("points", "a polygon has one line", "several lines are shape = 'polyline'")
     for line in spec.points:
-        if len(line) < 2:
+        if len(line) < 2 and spec.shape != "places":
             spec.refuse("points", "a line needs two points at least")
         for point in line:
             _check_point(spec, "points", point, MAX_DISTANCE)
+
+
+def _check_places(spec: Any) -> None:
+    if len(spec.points) != 1:
+        spec.refuse("points", "a list of places [x, z] expected", "points = [[-1, 0], [1, 0]]")
+    if isinstance(spec.points[0], tuple) and len(spec.points[0]) > MAX_DANCERS:
+        spec.refuse("points", f"more than {MAX_DANCERS} places")
+    headings = spec.headings_deg
+    if not isinstance(headings, tuple) or not all(_is_number(each) and abs(each) <= 3600 for each in headings):
+        spec.refuse("headings_deg", "numbers from -3600 to 3600 expected")
+    if headings and len(headings) != len(spec.points[0]):
+        spec.refuse("headings_deg", f"{len(headings)} headings for {len(spec.points[0])} places")
+    for field in ("dancers", "pattern", "weights", "focus", "count", "density", "spacing", "mirror"):
+        if getattr(spec, field) not in (None, ()):
+            spec.refuse(field, "is for lines and areas; places stand where they are written", f"leave {field} out")
+    if spec.heading == "along":
+        spec.refuse("heading", "there is no line along which places could face", "give headings_deg")
 
 
 def _check_pattern(spec: Any) -> None:
@@ -210,7 +232,19 @@ def _is_number(value: object) -> bool:
 
 Point = tuple[float, float]
 Shape = Literal[
-    "grid", "line", "arc", "circle", "ellipse", "polygon", "rectangle", "star", "spiral", "text", "path", "polyline"
+    "grid",
+    "line",
+    "arc",
+    "circle",
+    "ellipse",
+    "polygon",
+    "rectangle",
+    "star",
+    "spiral",
+    "text",
+    "path",
+    "polyline",
+    "places",
 ]
 Pattern = Literal["even", "weighted", "grid", "diagonal", "concentric", "poisson"]
 
@@ -249,7 +283,7 @@ class FormationSpec:
     path: tuple[str, ...] = ()
     """SVG paths (the text of `d`); their y points to the public."""
     points: tuple[tuple[Point, ...], ...] = ()
-    """Drawn lines, each a tuple of points (x, z) [m]; a polygon has one."""
+    """Drawn lines, each a tuple of points (x, z) [m]; a polygon has one. Of "places": one tuple, the places."""
     closed: bool | None = None
     """Whether drawn lines are closed; default: if the last point equals the first, or dancers are inside."""
     dancers: Literal["on", "inside"] | None = None
@@ -296,6 +330,8 @@ class FormationSpec:
     """Facing direction: the public, the middle, away from it, along the line, or `heading_deg`."""
     heading_deg: float = 0.0
     """Heading for "angle": 0 faces the public, positive towards +x."""
+    headings_deg: tuple[float, ...] = ()
+    """Of "places": the heading of each; empty: as `heading` says."""
 
     def __post_init__(self) -> None:
         check_spec(self)

@@ -110,6 +110,7 @@ _SHAPES: Final[dict[str, Callable[[FormationSpec], list[Line]]]] = {
     "text": _text,
     "path": _path,
     "polyline": _polyline,
+    "places": _polyline,
 }
 
 

@@ -130,6 +130,7 @@ KINDS: Final = [
         density:float|none spacing:float|none mirror:str|float|tuple[tuple[float,float],tuple[float,float]]|none
         mirror_at:tuple[float,float]|none mirror_keep:str|none soloists:int soloist_place:str soloist_gap:float
         sections:row[int] section_names:row[str] heading:str heading_deg:float
+        headings_deg:row[float]
     """),
     Kind("relations.line", Line, "x:float z:float heading:float"),
     Kind("roster", Roster, "attributes:row[frozenset[str]] groups:dict[str,str] known:frozenset[str]"),

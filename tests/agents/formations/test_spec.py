@@ -3,6 +3,7 @@
 import math
 import tomllib
 
+import numpy as np
 import pytest
 
 from live.agents.formations.formation import check_formation, formation_of
@@ -141,3 +142,37 @@ def test_formation_expression_sets_shape_parameters():
 def test_invalid_formation_expression_is_refused(words):
     with pytest.raises(PersonError):
         check_formation(parse_formation(words))
+
+
+def test_places_stand_where_they_are_written():
+    table = {"shape": "places", "points": [[-1, 0.5], [1, 0], [0, 2]], "headings_deg": [90, 0, -90], "centre": [1, 0]}
+    formation = formation_of(spec_from_table(table), 3)
+    assert formation.slots.tolist() == [[0, 0.5], [2, 0], [1, 2]]
+    assert np.degrees(formation.heading) == pytest.approx([90, 0, -90])
+    fewer, more = (formation_of(spec_from_table(table), count) for count in (2, 5))
+    assert len(fewer.slots) == 2
+    assert fewer.empty_places == 0
+    assert more.unplaced_dancers == 2
+    assert "2 dancers have no place" in more.warnings[0]
+    turned = formation_of(spec_from_table({**table, "centre": [0, 0], "rotation_deg": 90}), 3)
+    assert np.degrees(turned.heading) == pytest.approx([-180, 90, 0])
+    assert formation_of(spec_from_table({"shape": "places", "points": [[2, 1]]}), 1).slots.tolist() == [[2, 1]]
+
+
+@pytest.mark.parametrize(
+    ("more", "field"),
+    [
+        ({"points": []}, "points"),
+        ({"points": [[[0, 0], [1, 1]], [[2, 2], [3, 3]]]}, "points"),
+        ({"points": [[0, NAN]]}, "points"),
+        ({"headings_deg": [1]}, "headings_deg"),
+        ({"headings_deg": [1, NAN]}, "headings_deg"),
+        ({"count": 3}, "count"),
+        ({"mirror": "left-right"}, "mirror"),
+        ({"heading": "along"}, "heading"),
+        ({"shape": "polyline", "headings_deg": [0, 0]}, "headings_deg"),
+    ],
+)
+def test_places_that_cannot_stand_are_refused_by_name(more, field):
+    with pytest.raises(PersonError, match=f"formation: {field}"):
+        spec_from_table({"shape": "places", "points": [[0, 0], [1, 1]], **more})
