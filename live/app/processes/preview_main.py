@@ -1,11 +1,12 @@
 """Process that simulates measures aside: it answers the questions of pages, at low priority, while the show goes on.
 
 It reads the show's files for itself, so the show neither waits for it nor feeds it. A packet of the web server is a
-question, [number, question], or [number] alone, which ends the present answer. Answers are packets ["text" or "binary",
-number, part, parts, bytes], and ["end", number, text] as the last one.
+question as JSON, [number, text], or [number] alone, which ends the present answer. Answers are packets ["text" or
+"binary", number, part, parts, bytes], and ["end", number, text] as the last one.
 """
 
 import contextlib
+import json
 import os
 import select
 import sys
@@ -49,8 +50,8 @@ class PreviewMain:
             select.select([self._channel.socket], [], [])
             for packet in self._channel.packets():
                 match packet:
-                    case (int(number), question):
-                        self._serve(number, question)
+                    case (int(number), str(text)):
+                        self._serve(number, json.loads(text))  # a packet would make tuples of its lists
                     case _:
                         pass  # that answer has ended already
 

@@ -79,7 +79,7 @@ class PreviewClient:
 
         `deliver` gets the frames of the answer; the last one is of the kind `done`, `refused` or `replaced`.
         """
-        if len(encode_packet(question)) > MAX_QUESTION_BYTES:
+        if len(json.dumps(question)) > MAX_QUESTION_BYTES:
             deliver(refused_text(question, "the question is too long", f"at most {MAX_QUESTION_BYTES} bytes"))
             return
         former = self._waiting.get(page)
@@ -141,7 +141,7 @@ class PreviewClient:
         """Pass a question on, and its answer back; _Lost if the process ends."""
         channel = self._started()
         self._number += 1
-        channel.send(encode_packet([self._number, asked.question]))
+        channel.send(encode_packet([self._number, json.dumps(asked.question)]))
         loop, parts, size = asyncio.get_running_loop(), list[bytes](), 0
         while True:
             try:

@@ -76,8 +76,10 @@ def with_client(loaded: LoadedShow, act: Callable[[PreviewClient], Awaitable[Non
 
 
 def test_it_answers_as_the_engine_here_and_at_low_priority(loaded: LoadedShow) -> None:
-    question = {"id": 1, "from": 7, "to": 9, "positions": "samples"}
+    tried = [{"do": "set", "at": ["group", 1, "colour"], "value": [0.1, 0.2, 0.3]}]
+    question = {"id": 1, "from": 7, "to": 9, "positions": "samples", "with": tried}
     wanted = list(open_answers(loaded).answer(question))
+    assert json.loads(wanted[-1])["kind"] == "done"
 
     async def act(client: PreviewClient) -> None:
         assert client.pid is None  # nobody has asked
