@@ -1,4 +1,4 @@
-"""Edits of a show's files: from the edit to the saved file, and to the running show's agreement."""
+"""Edits of a show's files: from the edit to the saved file, to the running show's agreement, and to pages."""
 
 import gc
 import random
@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from bench import _studio_rows
 from bench._document_score import score_text
 from live.cli.bench import Row
 from live.document.document_store import DocumentStore
@@ -29,13 +30,13 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     gc.freeze()
     gc.disable()
     try:
-        return _rows(200 if full else 40)
+        return _rows(200 if full else 40, 15 if full else 1)
     finally:
         gc.enable()
         gc.unfreeze()
 
 
-def _rows(count: int) -> list[Row]:
+def _rows(count: int, blocks: int) -> list[Row]:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "show.toml"
         path.write_text(score_text(MEASURES))
@@ -52,6 +53,7 @@ def _rows(count: int) -> list[Row]:
             store, [Edit("rename", ("group", "ember"), "glow"), Edit("rename", ("group", "glow"), "ember")]
         )
         preview = _preview_times(Path(folder))
+        studio = _studio_rows.rows(Path(folder), blocks)
     where = f"a score of {MEASURES:,} measures"
     return [
         Row(f"{where}: edit to saved file, CPU", saved, "ms", 10.0),
@@ -60,6 +62,7 @@ def _rows(count: int) -> list[Row]:
         Row(f"{where}: edit to accepted and saved, with the show's checks, CPU", accepted, "ms", 50.0),
         Row(f"{where}: a group's new name in 1,250 entries, accepted and saved, CPU", renamed, "ms"),
         *preview,
+        *studio,
     ]
 
 
