@@ -100,19 +100,25 @@ class PreviewEngine:
     def branch(self, patch: Patch) -> "PreviewEngine":
         """Return the preview of another patch beside this one, which stays as it is and shares the measures before the
         first change. PersonError if it does not start."""
-        beside = copy.copy(self)  # `set_patch` replaces what the two share
-        beside.set_patch(patch)
+        beside = copy.copy(self)
+        beside._take(patch)  # replaces what the two share
         return beside
 
     def set_patch(self, patch: Patch) -> None:
         """Preview another patch: measures before its first change stay. PersonError if it does not start."""
+        if _is_danced_alike(self._loaded.patch, patch):
+            loaded = replace(self._loaded, patch=patch)
+            loaded.start(seed=self._seed)
+            self._loaded = loaded
+            return
+        self._take(patch)
+
+    def _take(self, patch: Patch) -> None:
+        """Preview another patch with a show of its own."""
         first = first_change(self._loaded.patch, patch)
         loaded = replace(self._loaded, patch=patch)
         fresh = loaded.start(seed=self._seed)
         former = self._nearest(first - 2) if first is not None else None
-        if _is_danced_alike(self._loaded.patch, patch):
-            self._loaded = loaded
-            return
         if former is None:
             self._loaded = loaded
             self._begin(fresh)
@@ -187,6 +193,11 @@ class PreviewEngine:
             if (place.section, place.measure) == wanted:
                 return measure + 1, measure + entry.measures
         raise PersonError(f"segment {segment + 1} is never danced", "see its section and measure")
+
+    def dancers_of(self, segment: int) -> Bool:
+        """Return who dances a segment of the patch (from 0), as they stand at its beginning, (A,)."""
+        first, _ = self.measures_of(segment)
+        return self._show.casting.select(self.patch.segment[segment].group, self.at(first - 1.0).place)
 
     def at(self, measure: float) -> Positions:
         """Return where everybody stands after so many danced measures."""

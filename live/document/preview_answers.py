@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import replace
 from typing import Annotated, Any, Final, Literal
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from live.base.errors import PersonError
@@ -137,8 +138,13 @@ class PreviewAnswers:
         plan = engine.plan(first, last) if first and (question.ways or question.notes) else None
         head = {"id": question.id, "document": self._revision, "from": first, "to": last}
         if plan is not None and question.ways:
-            dancers = list(range(1, plan.ways.shape[1] + 1))
-            yield json.dumps({"kind": "ways", **head, "dancers": dancers, "ways": way_values(plan)})
+            who = np.ones(plan.ways.shape[1], np.bool_)
+            if question.segment is not None:
+                who = engine.dancers_of(question.segment - 1)
+            ways = way_values(plan)
+            dancers = np.flatnonzero(who).tolist()
+            rows = [ways[dancer] for dancer in dancers]
+            yield json.dumps({"kind": "ways", **head, "dancers": [dancer + 1 for dancer in dancers], "ways": rows})
         if first and question.division:
             yield json.dumps({"kind": "division", **head, "division": division_values(engine, first, last)})
         if question.notes or answers:
@@ -167,9 +173,8 @@ class PreviewAnswers:
         self._store.refresh()
         patch = self._store.document.patch
         if self._store.revision != self._revision:
-            self._engine, former = self._preview_of(patch), self._engine
-            if self._engine is not former:
-                self._branches = [one for one in self._branches if one is not self._engine]
+            self._engine = self._moved_to(patch)
+            self._branches = [one for one in self._branches if one is not self._engine]
             self._revision = self._store.revision
         if question.document not in (None, self._revision):
             patch = self._store.patch_at(question.document or 0)
@@ -185,12 +190,24 @@ class PreviewAnswers:
             patch, answers = self._store.attempt(edits)
         return self._preview_of(patch), answers
 
+    def _known(self, patch: Patch) -> PreviewEngine | None:
+        return next((engine for engine in (self._engine, *self._branches) if engine.patch == patch), None)
+
+    def _moved_to(self, written: Patch) -> PreviewEngine:
+        """Return the preview of the document as it is written now."""
+        patch = self._adapt(written)
+        if (known := self._known(patch)) is not None:
+            return known
+        if needs_loading(self._engine.patch, patch):
+            return PreviewEngine(self._with(written), seed=self._seed)
+        self._engine.set_patch(patch)
+        return self._engine
+
     def _preview_of(self, written: Patch) -> PreviewEngine:
         """Return the preview of a patch: one that is there, or a new one, which shares what it can."""
         patch = self._adapt(written)
-        for engine in (self._engine, *self._branches):
-            if engine.patch == patch:
-                return engine
+        if (known := self._known(patch)) is not None:
+            return known
         if needs_loading(self._engine.patch, patch):
             engine = PreviewEngine(self._with(written), seed=self._seed)
         else:

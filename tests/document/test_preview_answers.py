@@ -109,12 +109,27 @@ def test_an_accepted_edit_of_another_process_is_taken_in_and_earlier_measures_st
     assert asked(answers, from_=8, to=9)[1] == frames
 
 
+def test_documents_that_differ_in_the_music_alone_have_previews_of_their_own(loaded: LoadedShow) -> None:
+    answers = open_answers(loaded)
+    other = {"do": "insert", "at": ["music", "phrase"], "value": {"measure": 1, "name": "a"}}
+    plain = {measure: asked(answers, from_=measure)[1] for measure in (2, 4, 6, 8)}
+    answers = open_answers(loaded)
+    for measure, wanted in plain.items():  # each goes on in turn
+        edits = [other] if measure % 4 else []
+        assert asked(answers, from_=measure, with_=edits)[1] == wanted
+    assert "revision" in asked(answers, from_=1, with_=[other])[0]["notes"]["answers"][0]
+
+
 def test_a_segment_stands_for_its_measures(loaded: LoadedShow) -> None:
     answers = open_answers(loaded)
     texts, frames = asked(answers, segment=1, positions="none", notes=False)
     assert (texts["ways"]["from"], texts["ways"]["to"]) == (2, 4)
     assert not frames
     assert set(texts) == {"ways", "done"}
+    assert texts["ways"]["dancers"] == [1, 2, 3]
+    whole = asked(answers, from_=2, to=4, positions="none")[0]["ways"]
+    assert whole["dancers"] == [1, 2, 3, 4, 5, 6]
+    assert texts["ways"]["ways"] == whole["ways"][:3]
     assert "there is no segment 3" in asked(answers, segment=3)[0]["refused"]["refused"][0]["what"]
 
 

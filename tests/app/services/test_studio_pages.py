@@ -216,6 +216,7 @@ def test_chosen_ways_and_doubts_come_from_the_preview_and_follow_the_document(st
         ways = await ana.wait("ways")
         engine = PreviewEngine(load_show(studio.path))
         planned = engine.plan(8, 9).ways.transpose(1, 0, 2)
+        assert ways["dancers"] == list(range(1, len(planned) + 1))
         assert np.abs(np.array(ways["ways"]) - planned).max() < 0.001
         assert (ways["segment"], ways["from"], ways["to"]) == (2, 8, 9)
         if "notes" not in ana.got:
