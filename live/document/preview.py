@@ -5,6 +5,7 @@ a measure it goes on from the nearest one. An edited patch is taken as a running
 before the first measure that changed.
 """
 
+import contextlib
 import copy
 from bisect import bisect_right
 from collections.abc import Callable
@@ -37,6 +38,8 @@ MAX_SNAPSHOT_BYTES: Final = 200_000_000
 """Where snapshots take more memory, every second one is dropped; measures between are simulated again."""
 MAX_MEASURE: Final = 10_000
 """Last measure that can be asked for."""
+MAX_LOOK: Final = 1000
+"""Measures in which the first change of a score is looked for."""
 MAX_FOUND: Final = 200
 """Maximum number of meetings, and of ways that are too long, that are told."""
 SCORE_KINDS: Final = ("segment", "sequence", "element", "at", "signal", "regroup", "improvise", "curve")
@@ -275,23 +278,63 @@ def _is_danced_alike(old: Patch, new: Patch) -> bool:
 
 
 def first_change(old: Patch, new: Patch) -> int | None:
-    """Return the first measure of the whole score (from 1) in which two patches differ; None for anything else."""
+    """Return the measure (from 1) in which two patches are danced differently for the first time, or a late one if they
+    are danced alike soon; None if it cannot be told."""
+    shapes = _changed_formations(old, new)
     for name in Patch.model_fields:
-        if name not in (*SCORE_KINDS, "music") and getattr(old, name) != getattr(new, name):
+        if name in (*SCORE_KINDS, "music", "formation"):
+            continue
+        values = getattr(old, name)
+        if values != getattr(new, name) or (shapes and any(each in repr(values).casefold() for each in shapes)):
             return None
     if old.music.known_tempo != new.music.known_tempo:
         return None
-    measures: list[int] = []
+    changed: list[Any] = []
     for name in SCORE_KINDS:
         before, after = (set(map(repr, getattr(patch, name))) for patch in (old, new))
         for patch, other in ((old, after), (new, before)):
-            changed = [entry for entry in getattr(patch, name) if repr(entry) not in other]
-            if any(entry.section is not None or entry.measure is None for entry in changed):
-                return None  # it may come again and again
-            measures += [int(entry.measure) for entry in changed]
+            changed += [
+                entry
+                for entry in getattr(patch, name)
+                if repr(entry) not in other or (shapes and any(each in repr(entry).casefold() for each in shapes))
+            ]
         if [repr(one) for one in getattr(old, name)] != [repr(one) for one in getattr(new, name)] and before == after:
             return None  # another order
-    return min(measures) if measures and old.loop_measures is None else None
+    if any(entry.measure is None for entry in changed):
+        return None
+    if changed:
+        return _first_danced(new, changed)
+    return MAX_LOOK if shapes else None
+
+
+def _changed_formations(old: Patch, new: Patch) -> set[str]:
+    """Return the names, in small letters, of formations that one of two patches lacks or has otherwise."""
+    before, after = ({str(one.get("name", "")).casefold(): one for one in patch.formation} for patch in (old, new))
+    return {name for name in before.keys() | after.keys() if before.get(name) != after.get(name)}
+
+
+def _first_danced(patch: Patch, entries: list[Any]) -> int | None:
+    """Return the measure (from 1) in which the first of some entries is danced, while nobody leads elsewhere; a late
+    one if none is, soon."""
+    playhead = Playhead(section_timings(patch))
+    names = [section.name.casefold() for section in playhead.sections]
+    wanted = set[tuple[int, int]]()
+    for entry in entries:
+        measure = int(entry.measure) - 1
+        if entry.section is not None:
+            if entry.section.casefold() not in names:
+                return None
+            wanted.add((names.index(entry.section.casefold()), measure))
+            continue
+        with contextlib.suppress(ValueError):  # it never comes
+            place = playhead.place_of_written(measure)
+            wanted.add((place.section, place.measure))
+    for measure in range(MAX_LOOK if wanted else 0):
+        playhead.begin_measure(measure)
+        place = playhead.place(measure)
+        if (place.section, place.measure) in wanted:
+            return measure + 1
+    return MAX_LOOK
 
 
 def preview_values(engine: PreviewEngine, first: int, last: int) -> dict[str, Any]:

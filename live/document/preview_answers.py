@@ -17,7 +17,15 @@ from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.document.document_store import DocumentStore
 from live.document.edit import EditRefused, parse_edit
-from live.document.preview import MAX_MEASURE, Positions, PreviewEngine, division_values, plan_faults, way_values
+from live.document.preview import (
+    MAX_MEASURE,
+    Positions,
+    PreviewEngine,
+    division_values,
+    first_change,
+    plan_faults,
+    way_values,
+)
 from live.document.show_check import ShowCheck, needs_loading
 from live.show.loader import LoadedShow, adapt_edited_patch, load_from_patch
 from live.show.patch.patch import Patch
@@ -56,6 +64,8 @@ class Question(BaseModel):
     """Of a range: how the groups are divided."""
     ways: bool = True
     notes: bool = True
+    planned: bool = False
+    """Of a range with edits: only ways and faults as planned, from where everybody stands without the edits."""
 
 
 def parse_question(values: object) -> Question:
@@ -121,6 +131,9 @@ class PreviewAnswers:
         yield json.dumps(done)
 
     def _frames(self, question: Question) -> Iterator[str | bytes]:
+        if question.planned and question.edits and (found := self._planned(question)) is not None:
+            yield from found
+            return
         engine, answers = self._find(question)
         engine.on_tick = self.on_tick
         self._asked = question.id, engine
@@ -152,6 +165,26 @@ class PreviewAnswers:
             doubts = self._doubts(engine, first, last) if question.notes else []
             yield json.dumps({"kind": "notes", **head, **faults, "notes": doubts, "answers": answers})
 
+    def _planned(self, question: Question) -> list[str] | None:
+        """Return the frames of planned ways of an edited document from where everybody stands in the present one; None
+        if they stand elsewhere then, and have to be simulated."""
+        patch, answers = self._patch_of(question)
+        patch, engine = self._adapt(patch), self._engine
+        engine.on_tick = self.on_tick
+        self._asked = question.id, engine
+        first, last = self._range(engine, question)
+        change = first_change(engine.patch, patch)
+        if engine.patch != patch and (change is None or change < first or needs_loading(engine.patch, patch)):
+            return None
+        plan = engine.plan(first, last, patch)
+        head = {"id": question.id, "document": self._revision, "from": first, "to": last}
+        dancers = list(range(1, plan.ways.shape[1] + 1))
+        faults = plan_faults(engine, plan, first)
+        return [
+            json.dumps({"kind": "ways", **head, "dancers": dancers, "ways": way_values(plan)}),
+            json.dumps({"kind": "notes", **head, **faults, "notes": [], "answers": answers}),
+        ]
+
     def _range(self, engine: PreviewEngine, question: Question) -> tuple[int, int]:
         """Return the first and last measure (from 1) that are asked for; zeros for none. PersonError if it is wrong."""
         if question.segment is not None:
@@ -170,6 +203,11 @@ class PreviewAnswers:
 
     def _find(self, question: Question) -> tuple[PreviewEngine, list[dict[str, Any]]]:
         """Return the preview of the document that is asked for, and the answers of the edits."""
+        patch, answers = self._patch_of(question)
+        return self._preview_of(patch), answers
+
+    def _patch_of(self, question: Question) -> tuple[Patch, list[dict[str, Any]]]:
+        """Return the patch that is asked for, and the answers of the edits."""
         self._store.refresh()
         patch = self._store.document.patch
         if self._store.revision != self._revision:
@@ -188,7 +226,7 @@ class PreviewAnswers:
             if question.document not in (None, self._revision):
                 edits = [replace(edit, base=edit.base or question.document) for edit in edits]
             patch, answers = self._store.attempt(edits)
-        return self._preview_of(patch), answers
+        return patch, answers
 
     def _known(self, patch: Patch) -> PreviewEngine | None:
         return next((engine for engine in (self._engine, *self._branches) if engine.patch == patch), None)

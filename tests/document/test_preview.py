@@ -8,9 +8,10 @@ import pytest
 
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
-from live.document.preview import PreviewEngine, first_change, preview_values
+from live.document.preview import MAX_LOOK, PreviewEngine, first_change, preview_values
 from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch import Patch
+from live.show.patch.section_score import ScoreSection
 
 TEXT = """name = "x"
 reserve = 0
@@ -116,7 +117,17 @@ def test_the_first_change_is_found_and_anything_else_begins_anew(loaded: LoadedS
     assert first_change(patch, patch.model_copy(update={"segment": patch.segment[1:]})) == 2
     assert first_change(patch, patch.model_copy(update={"seed": 9})) is None
     looped = patch.model_copy(update={"loop_measures": 16})
-    assert first_change(looped, looped.model_copy(update={"segment": patch.segment[1:]})) is None
+    assert first_change(looped, looped.model_copy(update={"segment": patch.segment[1:]})) == 2
+    sections = (ScoreSection(name="a", measures=4, repeat=2), ScoreSection(name="b", measures=8))
+    there = tuple(one.model_copy(update={"section": "b", "measure": 3}) for one in patch.segment)
+    parts = patch.model_copy(update={"section": sections, "segment": there})
+    assert first_change(parts, parts.model_copy(update={"segment": there[1:]})) == 11
+    drawn = patch.model_copy(update={"formation": ({"name": "star", "shape": "circle"},)})
+    assert first_change(patch, drawn) == MAX_LOOK  # nobody is in it
+    used = drawn.model_copy(
+        update={"segment": (patch.segment[0], patch.segment[1].model_copy(update={"formation": "star"}))}
+    )
+    assert first_change(patch, used) == 8
 
 
 def test_it_tells_who_meets_and_whose_way_is_too_long(loaded: LoadedShow) -> None:

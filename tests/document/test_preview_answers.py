@@ -56,6 +56,20 @@ def test_a_range_is_what_the_engine_says(loaded: LoadedShow, positions: str) -> 
     assert texts["done"] == {"kind": "done", "id": 7, "document": 0}
 
 
+def test_planned_ways_of_an_edit_need_no_run(loaded: LoadedShow) -> None:
+    answers = open_answers(loaded)
+    asked(answers, id=1, from_=8, to=8)
+    tried = [{"do": "set", "at": ["segment", 2, "formation"], "value": "line"}]
+    quick, frames = asked(answers, id=2, from_=8, to=8, with_=tried, planned=True)
+    whole, _ = asked(answers, id=3, from_=8, to=8, with_=tried)
+    assert frames == []
+    planned, danced = (np.array(texts["ways"]["ways"]) for texts in (quick, whole))
+    assert np.abs(planned - danced).max() < 0.05  # who knows of the edit takes another last step before
+    assert (quick["notes"]["meetings"], quick["done"]["kind"]) == (whole["notes"]["meetings"], "done")
+    earlier = [{"do": "set", "at": ["segment", 1, "formation"], "value": "line"}]
+    assert "moments" in asked(answers, id=4, from_=8, to=8, with_=earlier, planned=True)[0]  # they stand elsewhere then
+
+
 def test_a_moment_has_positions_and_joints(loaded: LoadedShow) -> None:
     engine = PreviewEngine(loaded)
     answers = open_answers(loaded)
