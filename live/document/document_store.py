@@ -20,6 +20,7 @@ from live.document.history import (
     Revision,
     What,
     check_conflict,
+    check_order,
     differences,
     history_line,
     in_force,
@@ -233,7 +234,14 @@ class DocumentStore:
     def edit(self, edit: Edit) -> Accepted:
         """Apply, check and save an edit; EditRefused with all faults leaves document and files as they were."""
         self._take_in()
-        return self._commit([rebased(edit, self._since(edit.base))], "edit", by=edit.by)
+        return self._commit(self._rebased(edit), "edit", by=edit.by)
+
+    def _rebased(self, edit: Edit) -> list[Edit]:
+        """Return the parts of an edit as they are written now; EditRefused if nobody can say what they mean now."""
+        later = self._since(edit.base)
+        if len(edit.parts) > 1 and later:
+            check_order(edit.parts, later)
+        return [rebased(one, later) for one in edit.parts]
 
     def edit_together(self, make: MakeEdits, what: What, by: str) -> Accepted:
         """Apply edits as one revision, which is undone as one; EditRefused with all faults changes nothing."""
@@ -248,8 +256,7 @@ class DocumentStore:
         try:
             for edit in edits:
                 try:
-                    rebased_edit = rebased(edit, self._since(edit.base))
-                    answers.append(self._commit([rebased_edit], "edit", by=edit.by).to_json_values(edit.id))
+                    answers.append(self._commit(self._rebased(edit), "edit", by=edit.by).to_json_values(edit.id))
                 except EditRefused as error:
                     answers.append(refused_json_values(edit.id, error))
             return self.document.patch, answers
@@ -297,7 +304,8 @@ class DocumentStore:
             check_conflict(first, applied.keys, self._since(first.base))
             self._try_patch(former if what in ("edit", "keep", "music") and not first.exact else None)
             revision = self._revision(
-                what, by=by, of=of, edit=replace(first, exact=()), inverse=applied.inverse,
+                what, by=by, of=of, edit=replace(first, exact=()),
+                inverse=applied.inverse if len(edits) == 1 or what not in ("keep", "music") else None,
                 splices=tuple(applied.splices), keys=tuple(applied.keys), shifts=tuple(applied.shifts),
             )  # fmt: skip
             if not applied.splices:  # nothing changed
@@ -379,8 +387,7 @@ class DocumentStore:
         if target.inverse is None:
             return self._commit_texts(exact, what, by or "", target.number, target.reversed())
         inverse = replace(target.inverse, by=by or "", base=target.number, exact=exact)
-        edits = [rebased(inverse, self._since(target.number))]
-        return self._commit(edits, what, by=inverse.by, of=target.number)
+        return self._commit(self._rebased(inverse), what, by=inverse.by, of=target.number)
 
     def last_in_force(self, by: str | None) -> Revision | None:
         """Return a person's last revision that was not undone."""

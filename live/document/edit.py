@@ -3,7 +3,7 @@
 import json
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, Final, Literal, get_args
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
@@ -13,6 +13,10 @@ from live.document.document import Splice
 
 Action = Literal["insert", "change", "move", "resize", "copy", "delete", "rename", "set"]
 ACTIONS: Final[tuple[str, ...]] = get_args(Action)
+TOGETHER: Final = "together"
+"""Several edits that are one: they are checked, saved and undone as one."""
+MAX_TOGETHER: Final = 1000
+"""Maximum number of edits that are one."""
 MAX_EDIT_BYTES: Final = 1_000_000
 _Key = Annotated[str, Field(min_length=1, max_length=200)] | Annotated[int, Field(ge=1, le=1_000_000)]
 
@@ -36,12 +40,22 @@ class _EditForm(BaseModel):
     exact: Annotated[list[_SpliceForm], Field(max_length=1000)] | None = None
 
 
+class _TogetherForm(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+    do: Literal["together"]
+    edits: Annotated[list[Any], Field(min_length=1, max_length=MAX_TOGETHER)]
+    id: Annotated[str, Field(max_length=100)] | int | None = None
+    by: Annotated[str, Field(max_length=64)] | None = None
+    base: Annotated[int, Field(ge=0)] | None = None
+    exact: Annotated[list[_SpliceForm], Field(max_length=1000)] | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class Edit:
     """A change of a document, by one person."""
 
     do: str
-    """What it does, of `ACTIONS`."""
+    """What it does, of `ACTIONS`, or `TOGETHER`."""
     at: tuple[str | int, ...]
     """What it changes: keys from the outermost table inwards; entries by name, or by their number from 1."""
     value: Any = None
@@ -53,10 +67,24 @@ class Edit:
     """The revision that the sender saw; None: the present one."""
     exact: tuple[Splice, ...] = ()
     """Of an inverse: the texts that give the document back byte by byte, while nobody has changed them since."""
+    edits: tuple["Edit", ...] = ()
+    """Of `TOGETHER`: the edits, each as the document is after the one before."""
+
+    @property
+    def parts(self) -> tuple["Edit", ...]:
+        """The single edits that it consists of; the first one has the exact texts."""
+        if not self.edits:
+            return (self,)
+        first, *others = (replace(one, by=self.by, base=self.base) for one in self.edits)
+        return (replace(first, exact=self.exact), *others)
 
     def to_json_values(self) -> dict[str, Any]:
         """Return it as values for JSON."""
-        values: dict[str, Any] = {"do": self.do, "at": list(self.at), "value": self.value}
+        values: dict[str, Any] = {"do": self.do}
+        if self.edits:
+            values["edits"] = [{"do": one.do, "at": list(one.at), "value": one.value} for one in self.edits]
+        else:
+            values |= {"at": list(self.at), "value": self.value}
         values |= {key: value for key in ("id", "by", "base") if (value := getattr(self, key)) not in (None, "")}
         if self.exact:
             values["exact"] = [
@@ -67,18 +95,45 @@ class Edit:
 
 def parse_edit(values: object) -> Edit:
     """Return the edit that was sent; PersonError with its field and what is allowed."""
+    if isinstance(values, dict) and values.get("do") == TOGETHER:
+        return _parse_together(values)
     try:
         form = _EditForm.model_validate(values)
     except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        where = ".".join(str(part) for part in first["loc"][:2])
-        keys = ", ".join(_EditForm.model_fields)
-        words = "unknown key" if first["type"] == "extra_forbidden" else first["msg"][:1].lower() + first["msg"][1:]
-        remedy = f"allowed are {', '.join(ACTIONS)}" if where == "do" else f"an edit is an object of {keys}"
-        raise PersonError(f"{where or 'edit'}: {words}", remedy) from None
+        raise _form_error(error, _EditForm) from None
     _check_value(form.value, depth=0)
-    exact = tuple(Splice(one.file, one.block, tuple(one.old), tuple(one.new)) for one in form.exact or ())
-    return Edit(form.do, tuple(form.at), form.value, form.id, form.by or "", form.base, exact)
+    return Edit(form.do, tuple(form.at), form.value, form.id, form.by or "", form.base, _splices(form.exact))
+
+
+def _splices(forms: Sequence[_SpliceForm] | None) -> tuple[Splice, ...]:
+    return tuple(Splice(one.file, one.block, tuple(one.old), tuple(one.new)) for one in forms or ())
+
+
+def _parse_together(values: dict[str, Any]) -> Edit:
+    try:
+        form = _TogetherForm.model_validate(values)
+    except ValidationError as error:
+        raise _form_error(error, _TogetherForm) from None
+    edits = list[Edit]()
+    for number, inner in enumerate(form.edits, start=1):
+        if not isinstance(inner, dict) or not {*inner} <= {"do", "at", "value"}:
+            raise PersonError(f"edits: edit {number}: an object of do, at, value expected")
+        if inner.get("do") == TOGETHER:
+            raise PersonError(f"edits: edit {number}: {TOGETHER!r} within {TOGETHER!r}", "one list of edits expected")
+        try:
+            edits.append(parse_edit(inner))
+        except PersonError as error:
+            raise PersonError(f"edits: edit {number}: {error.message}", error.remedy) from None
+    return Edit(TOGETHER, (), None, form.id, form.by or "", form.base, _splices(form.exact), tuple(edits))
+
+
+def _form_error(error: ValidationError, form: type[BaseModel]) -> PersonError:
+    first = error.errors(include_url=False)[0]
+    where = ".".join(str(part) for part in first["loc"][:2])
+    keys = ", ".join(form.model_fields)
+    words = "unknown key" if first["type"] == "extra_forbidden" else first["msg"][:1].lower() + first["msg"][1:]
+    remedy = f"allowed are {', '.join((*ACTIONS, TOGETHER))}" if where == "do" else f"an edit is an object of {keys}"
+    return PersonError(f"{where or 'edit'}: {words}", remedy)
 
 
 def parse_edits(text: str, what: str) -> list[Edit]:

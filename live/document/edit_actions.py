@@ -8,7 +8,7 @@ from live.base.errors import PersonError
 from live.base.toml import KeyPath
 from live.document.block_editor import BlockEditor
 from live.document.document import LIST_SECTIONS, Document, Names, Splice
-from live.document.edit import Applied, Edit, EditRefused, Fault, shifted_key
+from live.document.edit import MAX_TOGETHER, TOGETHER, Applied, Edit, EditRefused, Fault, shifted_key
 from live.document.place import Place, as_written, find_place, folded, path_text, refuse, value_at
 from live.document.references import references
 from live.document.toml_blocks import EDIT_ERRORS, Block, edit_block, joined_tail
@@ -28,8 +28,8 @@ def apply_edit(document: Document, edit: Edit) -> Applied:
 
 
 def apply_edits(document: Document, edits: Sequence[Edit]) -> Applied:
-    """Apply edits as one; the document has to be valid after the last of them. The inverse is that of a single edit."""
-    former, whole = document.patch, Applied()
+    """Apply edits as one; the document has to be valid after the last of them."""
+    former, whole, inverses = document.patch, Applied(), list[Edit | None]()
     try:
         for edit in edits:
             action = BlockEditor(document, edit)
@@ -40,9 +40,10 @@ def apply_edits(document: Document, edits: Sequence[Edit]) -> Applied:
             kept = [shifted_key(key, action.applied.shifts) for key in whole.keys]
             whole.keys = [*(key for key in kept if key is not None), *action.applied.keys]
             whole.shifts += action.applied.shifts
-            whole.inverse = action.applied.inverse if len(edits) == 1 else None
+            inverses.append(action.applied.inverse)
+        whole.inverse = _together(inverses)
         document.patch = document.validate()
-        if len(edits) == 1 and edits[0].exact:
+        if edits[0].exact:
             whole.splices = _restore(document, edits[0], whole.splices)
     except BaseException as error:
         refusal = _refusal(document, edits, error)
@@ -52,6 +53,14 @@ def apply_edits(document: Document, edits: Sequence[Edit]) -> Applied:
             raise
         raise (as_written(refusal, document, whole.shifts) if isinstance(refusal, EditRefused) else refusal) from None
     return whole
+
+
+def _together(inverses: Sequence[Edit | None]) -> Edit | None:
+    """Return the inverse of edits from their own ones; None if one has none, or if they are too many."""
+    known = tuple(one for one in reversed(inverses) if one is not None)
+    if len(known) != len(inverses) or len(known) > MAX_TOGETHER:
+        return None
+    return known[0] if len(known) == 1 else Edit(TOGETHER, (), edits=known)
 
 
 def _refusal(document: Document, edits: Sequence[Edit], error: BaseException) -> BaseException:

@@ -20,6 +20,8 @@ from live.document.place import path_text, refuse
 from live.show.patch.toml_model import key_text
 
 MAX_HISTORY_BYTES: Final = 200_000_000
+MEASURED: Final = frozenset(("segment", "sequence", "improvise", "element", "signal", "curve", "at", "regroup"))
+"""Lists whose entries have a measure: to move one does not change their order."""
 What = Literal["edit", "keep", "music", "undo", "redo", "restore", "files"]
 
 
@@ -262,6 +264,22 @@ def check_conflict(edit: Edit, keys: Sequence[tuple[str | int, ...]], later: Seq
                 who = revision.by or "somebody else"
                 fault = Fault(f"{who} changed it meanwhile, in revision {revision.number}", field=key_text(there))
                 raise EditRefused(replace(fault, remedy="look at it, and change it again"))
+
+
+def check_order(edits: Sequence[Edit], later: Sequence[Revision]) -> None:
+    """Raise EditRefused if edits that are one count entries after they changed their numbers, of a list that somebody
+    changed in a later revision: then nobody can say which entries they mean."""
+    counted = set[str]()
+    for edit in reversed(edits):
+        name = str(edit.at[0])
+        moves = edit.do == "move" and (isinstance(edit.value, dict) or name in MEASURED)
+        changes_numbers = edit.do in ("insert", "copy", "delete", "move") and not moves
+        changes_numbers |= moves and isinstance(edit.value, dict) and "number" in edit.value
+        changed = any(key[0] == name for one in later for key in (*one.keys, *(names for names, _, _ in one.shifts)))
+        if changes_numbers and name in counted and changed:
+            raise refuse(edit.at, f"somebody changed entries of {name} meanwhile", "look again, and repeat it")
+        if len(edit.at) > 1:
+            counted.add(name)
 
 
 def _present_key(key: tuple[str | int, ...], later: Sequence[Revision]) -> tuple[str | int, ...] | None:

@@ -373,3 +373,51 @@ def test_two_programs_edit_one_show(path: Path) -> None:
     assert one.revisions == other.revisions
     one.restore(0)
     assert path.read_text() == TEXT
+
+
+def together(edits: list[dict[str, Any]], **more: Any) -> Edit:
+    return parse_edit({"do": "together", "edits": edits, **more})
+
+
+def test_edits_together_are_one_revision_and_are_undone_as_one(path: Path) -> None:
+    store, before = DocumentStore(path), tree(path)
+    edits = [
+        {"do": "delete", "at": ["segment", 1]},
+        {"do": "move", "at": ["segment", 1], "value": 12},
+        {"do": "insert", "at": ["segment"], "value": {"measure": 30, "formation": "star"}},
+    ]
+    assert store.edit(together(edits, by="ana")).revision.number == 1
+    assert [one.measure for one in store.document.patch.segment] == [12, 20, 30]
+    store.edit(Edit("set", ("group", "ember", "dancers"), 5, by="ben"))
+    store.undo("ana")
+    store.undo("ben")
+    assert tree(path) == before
+    with pytest.raises(EditRefused):  # the second cannot be: the first is not either
+        store.edit(together([{"do": "set", "at": ["seed"], "value": 9}, {"do": "set", "at": ["seed"], "value": "x"}]))
+    assert tree(path) == before
+    patch, answers = store.attempt([together(edits, id=4)])
+    assert (len(patch.segment), answers[0]["id"], len(store.document.patch.segment)) == (3, 4, 3)
+    assert tree(path) == before
+
+
+def test_edits_together_mean_what_their_sender_saw(path: Path) -> None:
+    store = DocumentStore(path)
+    seen = store.revision
+    store.edit(Edit("insert", ("segment", 1), {"measure": 5, "formation": "star"}, by="ben"))
+    moves = [{"do": "move", "at": ["segment", number], "value": 10 + number} for number in (1, 2)]
+    store.edit(together(moves, by="ana", base=seen))
+    assert [one.measure for one in store.document.patch.segment] == [5, 11, 12, 20]
+    with pytest.raises(EditRefused, match="look again"):
+        store.edit(together([{"do": "delete", "at": ["segment", 1]}, moves[1]], by="ana", base=seen))
+
+
+@pytest.mark.parametrize(
+    "edits",
+    [
+        [], {}, [7], [{"do": "together", "edits": []}], [{"do": "set", "at": ["seed"], "base": 4}],
+        [{"do": "set", "at": []}], [{"do": "delete", "at": ["segment", 1]}] * 1001,
+    ],
+)  # fmt: skip
+def test_edits_together_that_are_none_are_refused(edits: Any) -> None:
+    with pytest.raises(PersonError):
+        parse_edit({"do": "together", "edits": edits})

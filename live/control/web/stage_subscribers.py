@@ -16,7 +16,7 @@ KINDS: Final = {1: "positions", 2: "joints"}
 MAX_TEXT_BYTES: Final = 16_000_000
 MAX_KEPT_CHANGES: Final = 64
 """After so many changes the whole structure is asked for, for pages that come later."""
-EDIT_KEYS: Final = frozenset(("do", "at", "value", "id", "by", "base", "exact"))
+EDIT_KEYS: Final = frozenset(("do", "at", "value", "id", "by", "base", "exact", "edits"))
 RETURN_KEYS: Final = frozenset(("do", "id", "by", "revision"))
 RETURNS: Final = ("undo", "redo", "restore")
 NOTES: Final = "notes"

@@ -61,7 +61,9 @@ export interface Answer {
   notes?: Fault[];
 }
 
-export type Edit = { do: "insert" | "change" | "move" | "resize" | "copy" | "delete" | "rename" | "set"; at: (string | number)[]; value?: unknown };
+export type SingleEdit = { do: "insert" | "change" | "move" | "resize" | "copy" | "delete" | "rename" | "set"; at: (string | number)[]; value?: unknown };
+/** An edit, or several that are one. */
+export type Edit = SingleEdit | { do: "together"; edits: SingleEdit[] };
 
 export interface Notice {
   id: number;
@@ -121,15 +123,11 @@ export class ShowDocument {
     return this.asked(id, () => this.sendEdit(id, edit), quiet);
   }
 
-  /** Send edits one after the other; the first refused one ends them. */
-  async edits(list: Edit[]): Promise<Answer[]> {
-    const answers: Answer[] = [];
-    for (const edit of list) {
-      const answer = await this.edit(edit);
-      answers.push(answer);
-      if (answer.refused) break;
-    }
-    return answers;
+  /** Send edits that are one: all are taken or none, and one undo takes them back. */
+  edits(list: SingleEdit[], quiet = false): Promise<Answer> {
+    if (!list.length) return Promise.resolve({ id: "" });
+    if (list.length === 1) return this.edit(list[0] as SingleEdit, quiet);
+    return this.edit({ do: "together", edits: list }, quiet);
   }
 
   undo(): Promise<Answer> {
@@ -155,7 +153,8 @@ export class ShowDocument {
   }
 
   private sendEdit(id: string, edit: Edit): boolean {
-    return this.link.send({ ...edit, value: edit.value ?? null, id, by: this.by, base: this.revision.value || null });
+    const said = edit.do === "together" ? edit : { ...edit, value: edit.value ?? null };
+    return this.link.send({ ...said, id, by: this.by, base: this.revision.value || null });
   }
 
   private asked(id: string, send: () => boolean, quiet: boolean): Promise<Answer> {

@@ -2,7 +2,7 @@
 import { computed, effect, signal } from "@preact/signals";
 import { Preview, type PreviewAnswer } from "../net/preview";
 import { Values } from "../net/values";
-import { ShowDocument, type Edit } from "./document";
+import { ShowDocument, type Edit, type SingleEdit } from "./document";
 import { allBoxes, beatsPerMeasure, planRows, scoreLength, sectionSpans, type Box, type Mode } from "./plan";
 import { entries, type Entry } from "./score";
 
@@ -96,12 +96,12 @@ export class Studio {
   async removeSelected(): Promise<void> {
     const chosen = [...this.selected.value].sort((a, b) => b.number - a.number);
     this.selected.value = [];
-    await this.doc.edits(chosen.map((one): Edit => ({ do: "delete", at: [one.list, one.number] })));
+    await this.doc.edits(chosen.map((one): SingleEdit => ({ do: "delete", at: [one.list, one.number] })));
   }
 
   async copySelected(later: number): Promise<void> {
     const chosen = [...this.selected.value].sort((a, b) => b.number - a.number);
-    await this.doc.edits(chosen.map((one): Edit => {
+    await this.doc.edits(chosen.map((one): SingleEdit => {
       const measure = Number(this.entry(one)?.["measure"] ?? 1);
       return { do: "copy", at: [one.list, one.number], value: { measure: measure + later } };
     }));
