@@ -41,6 +41,8 @@ def refused_text(question: Any, what: str, remedy: str) -> str:
 class _Asked:
     page: Hashable
     question: dict[str, Any]
+    text: str
+    """The question as JSON."""
     deliver: Deliver
     wanted: bool = True
 
@@ -79,7 +81,12 @@ class PreviewClient:
 
         `deliver` gets the frames of the answer; the last one is of the kind `done`, `refused` or `replaced`.
         """
-        if len(json.dumps(question)) > MAX_QUESTION_BYTES:
+        try:
+            text = json.dumps(question)
+        except RecursionError:
+            deliver(refused_text(question, "its brackets are nested too deep", ""))
+            return
+        if len(text) > MAX_QUESTION_BYTES:
             deliver(refused_text(question, "the question is too long", f"at most {MAX_QUESTION_BYTES} bytes"))
             return
         former = self._waiting.get(page)
@@ -88,7 +95,7 @@ class PreviewClient:
             self._interrupt(former)
         if former is not None:
             former.deliver(json.dumps({"kind": "replaced", "id": former.question.get("id")}))
-        self._waiting[page] = _Asked(page, question, deliver)  # in the turn of the former one
+        self._waiting[page] = _Asked(page, question, text, deliver)  # in the turn of the former one
         self._wake.set()
 
     def forget(self, page: Hashable) -> None:
@@ -141,7 +148,7 @@ class PreviewClient:
         """Pass a question on, and its answer back; _Lost if the process ends."""
         channel = self._started()
         self._number += 1
-        channel.send(encode_packet([self._number, json.dumps(asked.question)]))
+        channel.send(encode_packet([self._number, asked.text]))
         loop, parts, size = asyncio.get_running_loop(), list[bytes](), 0
         while True:
             try:

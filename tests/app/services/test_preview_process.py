@@ -216,7 +216,8 @@ def test_pages_ask_over_the_web(web: WebService, loaded: LoadedShow) -> None:
                 await other.close()  # leaves while its question is served: the others need not wait for it
                 await one.send_str(json.dumps(question))
                 assert await answer_of(one) == wanted
-                for wrong in ("", "{", "[]", "5", "[" * 10_000, '{"from": "x"}', '{"x": 1}'):
+                deep = [f'{{"from": 1, "with": {"[" * depth}{"]" * depth}}}' for depth in range(880, 1000, 7)]
+                for wrong in ("", "{", "[]", "5", "[" * 10_000, '{"from": "x"}', '{"x": 1}', *deep):
                     await one.send_str(wrong)
                     assert json.loads((await answer_of(one))[-1])["kind"] == "refused"
                 await one.send_bytes(b"\x00")
