@@ -308,9 +308,9 @@ def first_change(old: Patch, new: Patch) -> int | None:
 
 
 def _changed_formations(old: Patch, new: Patch) -> set[str]:
-    """Return the names, in small letters, of formations that one of two patches lacks or has otherwise."""
+    """Return the names, quoted and in small letters, of formations that one of two patches lacks or has otherwise."""
     before, after = ({str(one.get("name", "")).casefold(): one for one in patch.formation} for patch in (old, new))
-    return {name for name in before.keys() | after.keys() if before.get(name) != after.get(name)}
+    return {repr(name) for name in before.keys() | after.keys() if before.get(name) != after.get(name)}
 
 
 def _first_danced(patch: Patch, entries: list[Any]) -> int | None:

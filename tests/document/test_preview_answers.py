@@ -66,7 +66,7 @@ def test_planned_ways_of_an_edit_need_no_run(loaded: LoadedShow) -> None:
     planned, danced = (np.array(texts["ways"]["ways"]) for texts in (quick, whole))
     assert np.abs(planned - danced).max() < 0.05  # who knows of the edit takes another last step before
     assert (quick["notes"]["meetings"], quick["done"]["kind"]) == (whole["notes"]["meetings"], "done")
-    earlier = [{"do": "set", "at": ["segment", 1, "formation"], "value": "line"}]
+    earlier = [{"do": "set", "at": ["segment", 1, "formation"], "value": "star"}]
     assert "moments" in asked(answers, id=4, from_=8, to=8, with_=earlier, planned=True)[0]  # they stand elsewhere then
 
 
