@@ -15,10 +15,12 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 
 from live.agents.evolutions.dry_run import DryRunResult, simulate_plan
+from live.agents.formations.formation import Formation
 from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.errors import PersonError
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
+from live.graph.motion_graph import MotionGraph
 from live.motion.editing.facing import heading_of
 from live.rehearse.lint import lint_show
 from live.show.group.dry_run import REACH_TOLERANCE
@@ -94,6 +96,24 @@ class PreviewEngine:
     def patch(self) -> Patch:
         """The patch that is previewed."""
         return self._loaded.patch
+
+    @property
+    def graph(self) -> MotionGraph:
+        """The motion graph of its steps."""
+        return self._show.graph
+
+    @property
+    def seed(self) -> int:
+        """The seed of the show."""
+        return self._show.seed
+
+    def formation(self, words: str, count: int) -> Formation:
+        """Return the formation with this name or notation for `count` dancers; PersonError if there is none."""
+        return self._show.motion.evolutions.formation(words, count)
+
+    def select(self, words: str, place: Float32) -> Bool:
+        """Return which dancers, at `place` (A, 2) [m], a selection means, (A,); PersonError for words without one."""
+        return self._show.casting.select(words, place)
 
     @property
     def measures(self) -> int:

@@ -8,75 +8,31 @@ import json
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Annotated, Any, Final, Literal
+from typing import Any, Final
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.document.document_store import DocumentStore
 from live.document.edit import EditRefused, parse_edit
-from live.document.preview import (
-    MAX_MEASURE,
-    Positions,
-    PreviewEngine,
-    division_values,
-    first_change,
-    plan_faults,
-    way_values,
-)
+from live.document.formation_answers import option_values, places_values
+from live.document.preview import Positions, PreviewEngine, division_values, first_change, plan_faults, way_values
+from live.document.preview_question import Question, parse_question
 from live.document.show_check import ShowCheck, needs_loading
+from live.document.step_answers import motion_frames, sequence_values, step_values
 from live.show.loader import LoadedShow, adapt_edited_patch, load_from_patch
 from live.show.patch.patch import Patch
-from live.show.view.stage_frames import MAX_JOINT_DANCERS, joints_frame, positions_frame
+from live.show.view.stage_frames import joints_frame, positions_frame
 
 MAX_RANGE: Final = 64
 """Maximum number of measures in an answer."""
-MAX_EDITS: Final = 200
 MAX_FAULTS: Final = 20
 """Maximum number of faults in a refusal."""
 MAX_BRANCHES: Final = 3
 """Edited documents whose simulated measures are kept."""
-_Measure = Annotated[int, Field(ge=1, le=MAX_MEASURE)]
 _MEASURE: Final = re.compile(r"\bmeasure (\d+)\b(?! of)")
 _RANGE: Final = PersonError('"from" and "to", "measure" or "segment" expected', '{"id": 1, "from": 57, "to": 60}')
-
-
-class Question(BaseModel):
-    """What a page asks; see docs/web.md."""
-
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
-    id: Annotated[str, Field(max_length=100)] | int | None = None
-    first: _Measure | None = Field(default=None, alias="from")
-    last: _Measure | None = Field(default=None, alias="to")
-    measure: Annotated[float, Field(ge=1, le=MAX_MEASURE + 1)] | None = None
-    """One moment: 57.5 is the middle of measure 57."""
-    segment: _Measure | None = None
-    """The measures of a segment of the document, by its number from 1."""
-    document: Annotated[int, Field(ge=0)] | None = None
-    edits: Annotated[list[Any], Field(max_length=MAX_EDITS)] = Field(default=[], alias="with")
-    positions: Literal["measures", "samples", "none"] = "measures"
-    """Of a range: at each measure line, or 16 times a second."""
-    joints: bool | Annotated[list[int], Field(max_length=MAX_JOINT_DANCERS)] = False
-    """Of one moment: the joints of all, or of these dancers."""
-    division: bool = False
-    """Of a range: how the groups are divided."""
-    ways: bool = True
-    notes: bool = True
-    planned: bool = False
-    """Of a range with edits: only ways and faults as planned, from where everybody stands without the edits."""
-
-
-def parse_question(values: object) -> Question:
-    """Return the question that was sent; PersonError with its field."""
-    try:
-        return Question.model_validate(values)
-    except ValidationError as error:
-        first = error.errors(include_url=False)[0]
-        where = ".".join(str(part) for part in first["loc"][:2]) or "question"
-        words = first["msg"][:1].lower() + first["msg"][1:]
-        raise PersonError(f"{where}: {words}", "docs/web.md has the form of questions") from None
 
 
 class PreviewAnswers:
@@ -137,6 +93,10 @@ class PreviewAnswers:
         engine, answers = self._find(question)
         engine.on_tick = self.on_tick
         self._asked = question.id, engine
+        library = list(self._library(engine, question))
+        if library:
+            yield from library
+            return
         if question.measure is not None:
             yield from self._moment(engine, question, question.measure - 1.0)
             return
@@ -184,6 +144,23 @@ class PreviewAnswers:
             json.dumps({"kind": "ways", **head, "dancers": dancers, "ways": way_values(plan)}),
             json.dumps({"kind": "notes", **head, **faults, "notes": [], "answers": answers}),
         ]
+
+    def _library(self, engine: PreviewEngine, question: Question) -> Iterator[str | bytes]:
+        """Yield the answer to a question about steps or formations; nothing if it asks for none."""
+        head = {"id": question.id, "document": self._revision}
+        if question.steps:
+            yield json.dumps({"kind": "steps", **head, "steps": step_values(engine.graph)})
+        if question.step is not None:
+            for frame in motion_frames(engine.graph, question.step, question.takes):
+                yield frame if isinstance(frame, bytes) else json.dumps(frame | head)
+        if question.sequence is not None:
+            yield json.dumps(sequence_values(engine.graph, question.sequence) | head)
+        if question.places:
+            yield json.dumps(places_values(engine, question.places) | head)
+        if question.options:
+            if question.segment is None:
+                raise PersonError('"options" are those of a segment', '{"id": 1, "segment": 3, "options": [{}]}')
+            yield json.dumps(option_values(engine, question.segment, question.options) | head)
 
     def _range(self, engine: PreviewEngine, question: Question) -> tuple[int, int]:
         """Return the first and last measure (from 1) that are asked for; zeros for none. PersonError if it is wrong."""

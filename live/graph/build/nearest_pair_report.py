@@ -6,8 +6,10 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Bool, Float64, Int64
-from live.graph.build.transitions import all_pairs, transition_windows
+from live.graph.build.metric import WINDOW_SAMPLES
+from live.graph.build.transitions import all_pairs, clouds, transition_windows
 from live.graph.motion_graph import MotionGraph
+from live.graph.step_library import window_samples
 from live.graph.structure_rules import initial_side, plain_pose
 
 _ROWS: Final = 512
@@ -70,3 +72,19 @@ class NearestPair:
         step = self._graph.library.node_step
         same = (step[u][:, None] == step[v][None]) & (self._side[u][:, None] == self._side[v][None])
         return np.asarray(same & self._transfers[u][:, None] & self._transfers[v][None])
+
+
+def joint_gaps(graph: MotionGraph, u: int, v: int) -> Float64:
+    """Return how far apart each joint is at the join of the nodes u and v [m], after the best alignment, shape (J,)."""
+    library, window, metric = graph.library, graph.window, graph.rule.metric
+    length = (library.node_last - library.node_first) * window
+    end = window_samples((library.node_last - length)[[u]], library.node_last[[u]], WINDOW_SAMPLES)
+    start = window_samples((library.node_first - length)[[v]], library.node_first[[v]], WINDOW_SAMPLES)
+    first = clouds(library, end)
+    second = clouds(library, np.maximum(start, library.node_lead[[v]][:, None]))
+    near = all_pairs(first, second, metric)
+    yaw, shift = float(near.yaw[0, 0]), near.shift[0, 0]
+    floor = (second[0, ..., 0] + 1j * second[0, ..., 2]) * np.exp(-1j * yaw) + complex(*shift)
+    there = np.stack([floor.real, second[0, ..., 1], floor.imag], axis=-1)
+    squared = ((first[0] - there) ** 2).sum(axis=-1)
+    return np.asarray(np.sqrt(metric.window @ squared), np.float64)
