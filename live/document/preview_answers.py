@@ -8,12 +8,15 @@ import json
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
+from live.control.audio.music_file import MusicFileError
+from live.control.audio.waveform import PEAKS_PER_SECOND, read_waveform
 from live.document.document_store import DocumentStore
 from live.document.edit import EditRefused, parse_edit
 from live.document.formation_answers import option_values, places_values
@@ -23,7 +26,8 @@ from live.document.show_check import ShowCheck, needs_loading
 from live.document.step_answers import motion_frames, sequence_values, step_values
 from live.show.loader import LoadedShow, adapt_edited_patch, load_from_patch
 from live.show.patch.patch import Patch
-from live.show.view.stage_frames import joints_frame, positions_frame
+from live.show.patch.patch_search_path import find_resource
+from live.show.view.stage_frames import joints_frame, positions_frame, waveform_frame
 
 MAX_RANGE: Final = 64
 """Maximum number of measures in an answer."""
@@ -47,6 +51,7 @@ class PreviewAnswers:
         self._asked: tuple[str | int | None, PreviewEngine] = (None, self._engine)
         self._branches: list[PreviewEngine] = []  # of other documents, the latest last
         self._notes: list[tuple[PreviewEngine, Patch, list[str]]] = []
+        self._waveform: tuple[tuple[Path, int, int], bytes] | None = None  # of a file as it was
         self.on_tick: Callable[[], None] = lambda: None
         """Called after each simulated tick; what it raises ends the answer."""
 
@@ -89,6 +94,9 @@ class PreviewAnswers:
     def _frames(self, question: Question) -> Iterator[str | bytes]:
         if question.planned and question.edits and (found := self._planned(question)) is not None:
             yield from found
+            return
+        if question.waveform:
+            yield self._music_waveform()
             return
         engine, answers = self._find(question)
         engine.on_tick = self.on_tick
@@ -229,6 +237,24 @@ class PreviewAnswers:
             engine = self._engine.branch(patch)
         self._branches = [*self._branches, engine][-MAX_BRANCHES:]
         return engine
+
+    def _music_waveform(self) -> bytes:
+        """Return the frame of the music's waveform; PersonError if there is no music."""
+        self._store.refresh()
+        music = self._store.document.patch.music
+        path = None if music.file is None else find_resource(music.file, self._loaded.path)
+        if path is None:
+            told = "this show has no music" if music.file is None else f"there is no file {music.file!r}"
+            raise PersonError(told, 'name it as `file` of `[music]`, or put the file into the folder "music"')
+        facts = path.stat()
+        key = path, facts.st_mtime_ns, facts.st_size
+        if self._waveform is None or self._waveform[0] != key:
+            try:
+                peaks = read_waveform(path, self.on_tick)
+            except MusicFileError as error:
+                raise PersonError(str(error)) from None
+            self._waveform = key, waveform_frame(PEAKS_PER_SECOND, peaks)
+        return self._waveform[1]
 
     def _moment(self, engine: PreviewEngine, question: Question, danced: float) -> Iterator[str | bytes]:
         there = engine.at(danced)

@@ -37,6 +37,8 @@ class Question(BaseModel):
     notes: bool = True
     planned: bool = False
     """Of a range with edits: only ways and faults as planned, from where everybody stands without the edits."""
+    waveform: bool = False
+    """Instead of measures: how loud the music is over its time."""
     steps: bool = False
     """Instead: what each step is like, and what may follow it."""
     step: Annotated[str, Field(max_length=100)] | None = None

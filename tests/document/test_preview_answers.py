@@ -13,6 +13,7 @@ from live.document.preview import PreviewEngine
 from live.document.preview_answers import MAX_RANGE, PreviewAnswers, open_answers
 from live.show.loader import LoadedShow, load_show
 from live.show.view.stage_frames import joints_frame, positions_frame
+from tests.control.audio.test_music_file import write_wav
 from tests.document.test_preview import TEXT
 
 
@@ -189,3 +190,17 @@ def test_wrong_questions_are_refused_with_words(loaded: LoadedShow, question: An
     assert told["kind"] == "refused"
     assert all(one["what"] for one in told["refused"])
     assert "done" in asked(answers, from_=1, id="a")[0]
+
+
+def test_the_waveform_of_the_music(loaded: LoadedShow) -> None:
+    texts, frames = asked(open_answers(loaded), id=1, waveform=True)
+    assert (frames, texts["refused"]["refused"][0]["what"]) == ([], "this show has no music")
+    sound = np.sin(np.arange(48_000) * 0.05).astype(np.float32)
+    write_wav(loaded.path.parent / "tune.wav", sound, 48_000)
+    loaded.path.write_text('music = {file = "tune.wav", bpm = 120}\n' + TEXT)
+    answers = open_answers(load_show(loaded.path))
+    texts, (frame,) = asked(answers, id=2, waveform=True)
+    assert (frame[0], int.from_bytes(frame[2:4], "little"), int.from_bytes(frame[4:8], "little")) == (3, 200, 200)
+    assert len(frame) == 8 + 200 and frame[8:].count(255) > 190
+    assert texts["done"]["id"] == 2
+    assert asked(answers, id=3, waveform=True)[1] == [frame]

@@ -2,7 +2,8 @@
 
 A frame is u8 kind, u8 flags, u16 count, u32 tick, then int16, all little-endian. Kind 1: x, z [mm], heading
 [1/10,000 turn] and state (1: on the stage) of each dancer. Kind 2: the joints of each dancer, x, y, z [mm]. What is too
-far away for an int16 stands at its border.
+far away for an int16 stands at its border. Kind 3, the waveform of the music: count is the number of peaks a second,
+tick their number, and each peak a u8.
 """
 
 import struct
@@ -13,7 +14,7 @@ import numpy.typing as npt
 
 from live.base.arrays import Bool, Float32, Float64
 
-POSITIONS, JOINTS = 1, 2
+POSITIONS, JOINTS, WAVEFORM = 1, 2, 3
 """Kinds of frames."""
 CHOSEN: Final = 1
 """Flag of a frame with joints of chosen dancers only, in the order in which they were asked for."""
@@ -47,3 +48,8 @@ def joints_frame(tick: int, joints: Float32, dancers: list[int] | None = None) -
     found = (joints if rows is None else joints[rows])[:MAX_JOINT_DANCERS]
     flags = 0 if rows is None else CHOSEN
     return _HEAD.pack(JOINTS, flags, len(found), tick & 0xFFFFFFFF) + _int16(found * 1e3)
+
+
+def waveform_frame(rate: int, peaks: npt.NDArray[np.uint8]) -> bytes:
+    """Return the frame of a waveform (n,) with `rate` peaks a second."""
+    return _HEAD.pack(WAVEFORM, 0, rate, len(peaks)) + peaks.tobytes()
