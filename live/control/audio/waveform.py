@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -46,7 +46,7 @@ def read_waveform(path: Path, on_block: Callable[[], None] = lambda: None) -> np
                 kept, count = [samples[end:]], len(samples) - end
                 on_block()
 
-            def keep(frame: object) -> None:
+            def keep(frame: Any) -> None:
                 nonlocal count
                 for part in resampler.resample(frame):
                     kept.append(part.to_ndarray().reshape(-1).astype(np.float32, copy=False))
