@@ -9,6 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import Field, fields
+from functools import partial
 from typing import Annotated, Any, get_type_hints
 
 import typer
@@ -145,10 +146,12 @@ def studio(
     """
     from live.app.option_values import parse_endpoint
     from live.app.services.http_services import stored_key
+    from live.base.fault_isolation import run_once
 
     key = stored_key()
     if browser:
-        threading.Thread(target=_open_browser, args=(parse_endpoint(web, "--web"), key), daemon=True).start()
+        task = "opening the browser", partial(_open_browser, parse_endpoint(web, "--web"), key)
+        threading.Thread(target=run_once, args=task, daemon=True).start()
     written = {each.name: None for kind in _option_classes() for each, _ in _options(kind)}
     play(**{**written, "patch": patch, "web": web, "web_key": key, "headless": True})
 

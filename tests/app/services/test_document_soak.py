@@ -222,7 +222,7 @@ def test_three_people_edit_everything_while_the_show_runs(tmp_path: Path, seed: 
         if number % 200 == 199:
             show.run(4.0)  # no edit waits any more
             assert split_deferred(read_patch(show.path), show.show.patch)[0] == show.show.patch
-            print(number + 1, dict(told), flush=True)
+            print(number + 1, told["accepted"], flush=True)
     show.run(4.0)
     assert split_deferred(read_patch(show.path), show.show.patch)[0] == show.show.patch
     assert told["accepted"] > edits / 4
