@@ -1,4 +1,5 @@
 // Questions to the second engine: any measures, as written or with edits that are only tried (docs/web.md).
+import { signal } from "@preact/signals";
 import { Link } from "./link";
 import { frameKind, JOINTS, POSITIONS, readJoints, readPositions, type Joints, type Positions } from "./frames";
 import type { Edit, Fault } from "../model/document";
@@ -31,62 +32,86 @@ export interface Question {
   ways?: boolean;
   notes?: boolean;
   division?: boolean;
+  planned?: boolean;
   [more: string]: unknown;
 }
 
-/** One question at a time: a newer one replaces one that is not answered yet. */
+interface Asked {
+  id: number;
+  topic: string;
+  question: Question;
+  answer: PreviewAnswer;
+  resolve: (answer: PreviewAnswer) => void;
+}
+
+/** One question at a time. A newer one of the same topic replaces one that waits; those of other topics have their turns. */
 export class Preview {
+  /** How many measures are simulated, while an answer takes long; null: none does. */
+  readonly progress = signal<number | null>(null);
   private readonly link: Link;
   private count = 0;
-  private present: { id: number; answer: PreviewAnswer; resolve: (answer: PreviewAnswer) => void } | null = null;
-  private unsent: object | null = null;
+  private present: Asked | null = null;
+  private waiting: Asked[] = [];
   private opened = false;
-  /** Called while measures are simulated, with their number. */
-  onProgress: (measures: number) => void = () => {};
 
   constructor(key: string) {
     this.link = new Link("/studio/preview", key);
     this.link.onOpen = () => {
-      if (this.unsent) this.link.send(this.unsent);
+      if (this.present) this.link.send({ ...this.present.question, id: this.present.id }); // once more: it was lost
     };
     this.link.onText = (told) => this.takeText(told);
     this.link.onBinary = (data) => this.takeBinary(data);
   }
 
-  ask(question: Question): Promise<PreviewAnswer> {
+  /** Ask; an urgent question interrupts what another topic has asked, which is asked again after it. */
+  ask(question: Question, topic = "", urgent = false): Promise<PreviewAnswer> {
     if (!this.opened) {
       this.opened = true;
       this.link.open();
     }
-    if (this.present) {
-      this.present.answer.replaced = true;
-      this.present.resolve(this.present.answer);
+    for (const old of this.waiting.filter((one) => one.topic === topic)) {
+      old.answer.replaced = true;
+      old.resolve(old.answer);
     }
-    const id = ++this.count;
-    this.unsent = { ...question, id };
+    this.waiting = this.waiting.filter((one) => one.topic !== topic);
     return new Promise((resolve) => {
-      this.present = { id, resolve, answer: { moments: [], positions: [], joints: null, texts: {}, refused: null, replaced: false } };
-      this.link.send(this.unsent);
+      const asked = { id: ++this.count, topic, question, resolve, answer: emptyAnswer() };
+      if (urgent) this.waiting.unshift(asked);
+      else this.waiting.push(asked);
+      if (urgent && this.present && this.present.topic !== topic) {
+        this.waiting.splice(1, 0, { ...this.present, id: ++this.count, answer: emptyAnswer() });
+        this.present = null; // the engine ends the former question when it gets this one
+      }
+      this.next();
     });
+  }
+
+  private next(): void {
+    const asked = this.present ? undefined : this.waiting.shift();
+    if (!asked) return;
+    this.present = asked;
+    this.link.send({ ...asked.question, id: asked.id });
   }
 
   private takeText(told: Record<string, unknown>): void {
     const { present } = this;
     if (!present) return;
     const kind = String(told["kind"]);
+    if (told["id"] !== undefined && told["id"] !== present.id) return;
     if (kind === "progress") {
-      this.onProgress(Number(told["measures"]));
+      this.progress.value = Number(told["measures"]);
       return;
     }
-    if (told["id"] !== undefined && told["id"] !== present.id) return;
     if (kind === "moments") present.answer.moments = told["moments"] as Moment[];
     else if (kind === "refused") present.answer.refused = told["refused"] as Fault[];
     else if (kind === "replaced") present.answer.replaced = true;
+    else if (kind === "dancers") present.answer.positions = []; // an answer begins
     present.answer.texts[kind] = told;
     if (kind === "done" || kind === "refused" || kind === "replaced") {
       this.present = null;
-      this.unsent = null;
+      this.progress.value = null;
       present.resolve(present.answer);
+      this.next();
     }
   }
 
@@ -96,4 +121,8 @@ export class Preview {
     if (kind === POSITIONS) this.present.answer.positions.push(readPositions(data));
     else if (kind === JOINTS) this.present.answer.joints = readJoints(data);
   }
+}
+
+function emptyAnswer(): PreviewAnswer {
+  return { moments: [], positions: [], joints: null, texts: {}, refused: null, replaced: false };
 }
