@@ -36,11 +36,10 @@ export function positionsAt(moments: Moment[], samples: Positions[], wanted: num
   return found;
 }
 
-/** The way of each dancer through samples, from a measure to another (from 1). */
-export function waysOf(moments: Moment[], samples: Positions[]): { dancers: number[]; ways: Place[][] } {
+/** The way of each dancer through samples. */
+export function waysOf(samples: Positions[]): { dancers: number[]; ways: Place[][] } {
   const count = samples[0]?.count ?? 0;
   const dancers = Array.from({ length: count }, (_, row) => row + 1).filter((one) => samples.every((each) => each.present[one - 1]));
-  void moments;
   return { dancers, ways: dancers.map((one) => samples.map((each) => [each.rows[3 * (one - 1)] ?? 0, each.rows[3 * (one - 1) + 1] ?? 0] as Place)) };
 }
 

@@ -1,9 +1,10 @@
 // The picture of the stage from above, drawn on a canvas.
 import type { Group, Score } from "../../model/score";
-import { entries, number, text } from "../../model/score";
 import type { StageElement, Ways } from "../../model/document";
+import type { Place } from "../../model/geometry";
 import type { Positions } from "../../net/frames";
 import { toPixels, type Camera2D } from "./camera2d";
+import { paintDistances, paintElements, paintMeetings, paintSet, paintSketch, type Written } from "./paint_marks";
 
 export interface Theme {
   floor: string;
@@ -14,6 +15,13 @@ export interface Theme {
   alarm: string;
 }
 
+/** What is drawn at this moment: a line, a shape, or the outline of a selection. */
+export interface Sketch {
+  points: Place[];
+  closed: boolean;
+  kind: "line" | "select";
+}
+
 export interface Scene {
   camera: Camera2D;
   stage: { width: number; depth: number };
@@ -22,17 +30,32 @@ export interface Scene {
   /** Group of each dancer. */
   groupOf: Int16Array;
   positions: Positions | null;
+  /** Where everybody will be. */
   ghost: Positions | null;
+  /** The stage's own picture, while a preview is shown; pale. */
+  compared: Positions | null;
   ways: Ways | null;
+  /** Those that act now, and those that are selected in the score. */
   elements: StageElement[];
+  written: Written[];
   chosen: ReadonlySet<number>;
   /** Dancers who would meet somebody, or cannot get there, from 1. */
   alarmed: ReadonlySet<number>;
+  meetings: [number, number][];
+  /** The dancer that the keyboard stands on; 0: none. */
+  focus: number;
   names: boolean;
+  distances: boolean;
+  /** A place that is dragged: its distances to the others are shown. */
+  held: Place | null;
+  /** Places that are put by hand, or of a formation that is thought of. */
+  places: Place[];
+  sketch: Sketch | null;
+  pen: Place | null;
   theme: Theme;
 }
 
-const BODY_M = 0.24;
+export const BODY_M = 0.24;
 
 export function colourOf(group: Group | undefined, alpha = 1): string {
   const [r, g, b] = group?.colour ?? [0.6, 0.6, 0.6];
@@ -46,9 +69,13 @@ export function paint(context: CanvasRenderingContext2D, scene: Scene): void {
   paintFloor(context, scene);
   paintSet(context, scene);
   paintElements(context, scene);
+  if (scene.compared) paintPale(context, scene, scene.compared);
   if (scene.ways) paintWays(context, scene, scene.ways);
-  if (scene.ghost) paintDancers(context, scene, scene.ghost, 0.28);
-  if (scene.positions) paintDancers(context, scene, scene.positions, 1);
+  if (scene.ghost) paintGhost(context, scene, scene.ghost);
+  if (scene.positions) paintDancers(context, scene, scene.positions);
+  if (scene.ghost) paintMeetings(context, scene);
+  paintDistances(context, scene);
+  paintSketch(context, scene);
 }
 
 function paintFloor(context: CanvasRenderingContext2D, { camera, stage, theme }: Scene): void {
@@ -87,53 +114,6 @@ function paintFloor(context: CanvasRenderingContext2D, { camera, stage, theme }:
   context.fillText("public", cx, top + height + 20);
 }
 
-function paintSet(context: CanvasRenderingContext2D, { camera, score, theme }: Scene): void {
-  context.strokeStyle = theme.dim;
-  context.fillStyle = theme.line;
-  for (const entry of entries(score, "obstacle")) {
-    const [x, z] = (entry["at"] as [number, number]) ?? [0, 0];
-    const [px, py] = toPixels(camera, x, z);
-    const wall = entry["wall_to"] as [number, number] | undefined;
-    context.beginPath();
-    if (wall) {
-      context.lineWidth = 4;
-      context.moveTo(px, py);
-      context.lineTo(...toPixels(camera, wall[0], wall[1]));
-      context.stroke();
-    } else {
-      context.arc(px, py, number(entry, "radius", 0.3) * camera.scale, 0, 2 * Math.PI);
-      context.fill();
-    }
-  }
-  context.lineWidth = 3;
-  context.strokeStyle = theme.accent;
-  for (const entry of entries(score, "gate")) {
-    const at = entry["at"] as [number, number] | undefined;
-    if (!at) continue;
-    const [px, py] = toPixels(camera, at[0], at[1]);
-    context.beginPath();
-    context.arc(px, py, 7, 0, 2 * Math.PI);
-    context.stroke();
-    context.fillStyle = theme.dim;
-    context.textAlign = px < camera.width / 2 ? "left" : "right";
-    context.fillText(text(entry, "name"), px + (px < camera.width / 2 ? 11 : -11), py + 4);
-  }
-  context.lineWidth = 1;
-}
-
-function paintElements(context: CanvasRenderingContext2D, { camera, elements, theme }: Scene): void {
-  for (const element of elements) {
-    const [px, py] = toPixels(camera, element.at[0], element.at[1]);
-    const radius = Math.max(element.radius, 0.3) * camera.scale;
-    context.globalAlpha = 0.15 + 0.5 * Math.min(1, Math.max(0, element.level));
-    context.strokeStyle = theme.accent;
-    context.beginPath();
-    context.arc(px, py, radius, 0, 2 * Math.PI);
-    context.stroke();
-    context.globalAlpha = 1;
-  }
-}
-
 function paintWays(context: CanvasRenderingContext2D, scene: Scene, ways: Ways): void {
   const { camera } = scene;
   context.lineWidth = 2;
@@ -168,42 +148,84 @@ function paintWays(context: CanvasRenderingContext2D, scene: Scene, ways: Ways):
   context.lineWidth = 1;
 }
 
-function paintDancers(context: CanvasRenderingContext2D, scene: Scene, positions: Positions, alpha: number): void {
+/** Where they are now, while the stage shows another moment: small pale circles. */
+function paintPale(context: CanvasRenderingContext2D, scene: Scene, positions: Positions): void {
+  const radius = Math.max(0.6 * BODY_M * scene.camera.scale, 2);
+  context.globalAlpha = 0.3;
+  for (let row = 0; row < positions.count; row++) {
+    if (!positions.present[row]) continue;
+    const [px, py] = toPixels(scene.camera, positions.rows[3 * row] ?? 0, positions.rows[3 * row + 1] ?? 0);
+    context.fillStyle = colourOf(scene.groups[scene.groupOf[row] ?? 0]);
+    context.beginPath();
+    context.arc(px, py, radius, 0, 2 * Math.PI);
+    context.fill();
+  }
+  context.globalAlpha = 1;
+}
+
+/** Where they will be: outlines. */
+function paintGhost(context: CanvasRenderingContext2D, scene: Scene, positions: Positions): void {
+  const radius = Math.max(BODY_M * scene.camera.scale, 3);
+  context.lineWidth = 1.5;
+  context.setLineDash([3, 2.5]);
+  for (let row = 0; row < positions.count; row++) {
+    if (!positions.present[row]) continue;
+    const [px, py] = toPixels(scene.camera, positions.rows[3 * row] ?? 0, positions.rows[3 * row + 1] ?? 0);
+    context.strokeStyle = scene.alarmed.has(row + 1) ? scene.theme.alarm : colourOf(scene.groups[scene.groupOf[row] ?? 0]);
+    context.globalAlpha = 0.85;
+    context.beginPath();
+    context.arc(px, py, radius, 0, 2 * Math.PI);
+    context.stroke();
+    triangle(context, px, py, positions.rows[3 * row + 2] ?? 0, 0.8 * radius);
+    context.stroke();
+  }
+  context.setLineDash([]);
+  context.globalAlpha = 1;
+  context.lineWidth = 1;
+}
+
+/** The path of a triangle that points where they look; heading 0 faces the public, positive towards +x. */
+function triangle(context: CanvasRenderingContext2D, px: number, py: number, heading: number, radius: number): void {
+  const dx = Math.sin(heading) * radius;
+  const dy = Math.cos(heading) * radius;
+  context.beginPath();
+  context.moveTo(px + dx * 0.9, py + dy * 0.9);
+  context.lineTo(px - dx * 0.45 + dy * 0.6, py - dy * 0.45 - dx * 0.6);
+  context.lineTo(px - dx * 0.45 - dy * 0.6, py - dy * 0.45 + dx * 0.6);
+  context.closePath();
+}
+
+function ring(context: CanvasRenderingContext2D, px: number, py: number, radius: number, colour: string, width: number): void {
+  context.strokeStyle = colour;
+  context.lineWidth = width;
+  context.beginPath();
+  context.arc(px, py, radius, 0, 2 * Math.PI);
+  context.stroke();
+  context.lineWidth = 1;
+}
+
+function paintDancers(context: CanvasRenderingContext2D, scene: Scene, positions: Positions): void {
   const { camera, theme } = scene;
   const radius = Math.max(BODY_M * camera.scale, 3);
-  context.font = `600 ${Math.round(Math.max(9, Math.min(13, radius)))}px system-ui, sans-serif`;
+  context.font = `600 ${Math.round(Math.max(10, Math.min(13, radius)))}px system-ui, sans-serif`;
   context.textAlign = "center";
   for (let row = 0; row < positions.count; row++) {
     if (!positions.present[row]) continue;
     const [px, py] = toPixels(camera, positions.rows[3 * row] ?? 0, positions.rows[3 * row + 1] ?? 0);
-    const heading = positions.rows[3 * row + 2] ?? 0;
-    const group = scene.groups[scene.groupOf[row] ?? 0];
-    context.globalAlpha = alpha;
-    context.fillStyle = colourOf(group);
+    const dancer = row + 1;
+    context.fillStyle = colourOf(scene.groups[scene.groupOf[row] ?? 0]);
     context.beginPath();
     context.arc(px, py, radius, 0, 2 * Math.PI);
     context.fill();
-    if (alpha === 1 && (scene.chosen.has(row + 1) || scene.alarmed.has(row + 1))) {
-      context.strokeStyle = scene.alarmed.has(row + 1) ? theme.alarm : theme.ink;
-      context.lineWidth = 2.5;
-      context.beginPath();
-      context.arc(px, py, radius + 3, 0, 2 * Math.PI);
-      context.stroke();
-      context.lineWidth = 1;
-    }
-    // a triangle within the circle: where they look; heading 0 faces the public, positive towards +x
-    const dx = Math.sin(heading);
-    const dy = Math.cos(heading);
+    if (scene.alarmed.has(dancer)) ring(context, px, py, radius + 2.5, theme.alarm, 2.5);
+    if (scene.chosen.has(dancer)) ring(context, px, py, radius + (scene.alarmed.has(dancer) ? 6 : 3), theme.ink, 2.5);
+    if (scene.focus === dancer) ring(context, px, py, radius + 8, theme.accent, 2);
     context.fillStyle = "rgb(0 0 0 / 0.72)";
-    context.beginPath();
-    context.moveTo(px + dx * radius * 0.86, py + dy * radius * 0.86);
-    context.lineTo(px - dx * radius * 0.45 + dy * radius * 0.55, py - dy * radius * 0.45 - dx * radius * 0.55);
-    context.lineTo(px - dx * radius * 0.45 - dy * radius * 0.55, py - dy * radius * 0.45 + dx * radius * 0.55);
+    triangle(context, px, py, positions.rows[3 * row + 2] ?? 0, radius);
     context.fill();
-    if (scene.names && alpha === 1) {
-      context.fillStyle = theme.dim;
-      context.fillText(String(row + 1), px, py - radius - 5);
+    if (scene.names) {
+      context.fillStyle = theme.ink;
+      context.fillText(String(dancer), px, py - radius - 6);
     }
   }
-  context.globalAlpha = 1;
 }

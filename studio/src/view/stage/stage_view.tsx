@@ -1,23 +1,34 @@
 import { effect, useSignal } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useMemo, useRef } from "preact/hooks";
+import { StageState } from "../../model/stage_state";
 import type { Studio } from "../../model/studio";
 import { stageSize } from "../../model/plan";
-import { fit, toMetres, toPixels, type Camera2D } from "./camera2d";
-import { paint, type Scene, type Theme } from "./paint";
+import { fit, toMetres, type Camera2D } from "./camera2d";
+import { DancerList } from "./dancer_list";
+import { Drawing } from "./drawing";
+import { Faults } from "./faults";
 import { Handles } from "./handles";
-
-const GRAB_M = 0.4;
+import { MomentBar } from "./moment_bar";
+import { paint, type Scene, type Theme } from "./paint";
+import { beginPlacing, PlaceHandles, PlacingBar } from "./placing";
+import { SolidStage } from "./solid_stage";
+import { StrokeForm } from "./stroke_form";
+import { ToolBar, ToolOptions } from "./tool_bar";
+import "./stage.css";
 
 /** The stage from above, with everybody on it; and in 3D. */
 export function StageView({ studio }: { studio: Studio }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const camera = useSignal<Camera2D>({ width: 1, height: 1, scale: 1 });
-  const names = useSignal(false);
-  const solid = useSignal(false);
+  const stage = useMemo(() => new StageState(studio), [studio]);
+  const drawing = useMemo(() => new Drawing(studio, stage), [stage]);
 
+  useEffect(() => stage.watch(), [stage]);
   useEffect(() => {
     const element = canvas.current as HTMLCanvasElement;
     const context = element.getContext("2d") as CanvasRenderingContext2D;
+    const dark = matchMedia("(prefers-color-scheme: dark)");
+    const theme = { value: themeOf(element) };
     let asked = 0;
     const resize = (): void => {
       const box = element.getBoundingClientRect();
@@ -30,71 +41,84 @@ export function StageView({ studio }: { studio: Studio }) {
     const watch = new ResizeObserver(resize);
     watch.observe(element);
     const stop = effect(() => {
-      const scene = sceneOf(studio, camera.value, names.value);
+      const scene = sceneOf(studio, stage, drawing, camera.value);
       cancelAnimationFrame(asked);
-      asked = requestAnimationFrame(() => paint(context, { ...scene, theme: themeOf(element) }));
+      asked = requestAnimationFrame(() => {
+        performance.mark("paint");
+        paint(context, { ...scene, theme: theme.value });
+        performance.measure("stage", "paint");
+      });
     });
     const stopSize = effect(() => {
       void studio.score.value["stage"];
       resize();
     });
+    const recolour = (): void => {
+      theme.value = themeOf(element);
+      camera.value = { ...camera.value };
+    };
+    dark.addEventListener("change", recolour);
     return () => {
       stop();
       stopSize();
       watch.disconnect();
+      dark.removeEventListener("change", recolour);
     };
   }, [studio]);
 
+  const placeAt = (event: PointerEvent | MouseEvent): [number, number] => {
+    const box = (canvas.current as HTMLElement).getBoundingClientRect();
+    return toMetres(camera.value, event.clientX - box.left, event.clientY - box.top);
+  };
+  const solid = stage.solid.value;
   return (
     <section class="stage" aria-label="Stage">
       <header class="strip">
         <h2>Stage</h2>
-        <label class="switch"><input type="checkbox" checked={names.value} onChange={() => { names.value = !names.value; }} /> numbers</label>
-        <label class="switch"><input type="checkbox" checked={solid.value} onChange={() => { solid.value = !solid.value; }} /> 3D</label>
-        <span class="hint">{hint(studio)}</span>
+        <ToolBar studio={studio} stage={stage} />
+        <button disabled={stage.placing.value !== null} title="A formation from where they stand, placed by hand" onClick={() => void beginPlacing(studio, stage)}>Place by hand</button>
+        <span class="hint">{chosenWords(studio)}</span>
       </header>
-      <div class="floor">
-        <canvas
-          ref={canvas}
-          role="img"
-          aria-label={`The stage from above with ${present(studio)} dancers`}
-          onPointerDown={(event) => {
-            const box = (event.currentTarget as HTMLElement).getBoundingClientRect();
-            choose(studio, toMetres(camera.value, event.clientX - box.left, event.clientY - box.top), event.shiftKey);
-          }}
-        />
-        <Handles studio={studio} camera={camera} />
+      <MomentBar studio={studio} stage={stage} />
+      <ToolOptions stage={stage} />
+      <PlacingBar studio={studio} stage={stage} />
+      <div class={`floor tool-${stage.tool.value}`}>
+        <DancerList studio={studio} stage={stage} drawing={drawing}>
+          <canvas
+            ref={canvas}
+            aria-hidden="true"
+            onPointerDown={(event) => {
+              if (event.button !== 0 || stage.placing.value) return;
+              event.currentTarget.setPointerCapture(event.pointerId);
+              drawing.down(placeAt(event), event.shiftKey, event.altKey);
+            }}
+            onPointerMove={(event) => {
+              for (const each of event.getCoalescedEvents?.() ?? [event]) drawing.move(placeAt(each));
+            }}
+            onPointerUp={(event) => drawing.up(placeAt(event))}
+            onPointerCancel={() => drawing.cancel()}
+            onDblClick={() => {
+              if (stage.tool.value === "line") drawing.finish();
+            }}
+          />
+        </DancerList>
+        {!solid && <Handles studio={studio} stage={stage} camera={camera} />}
+        {!solid && <PlaceHandles studio={studio} stage={stage} camera={camera} />}
+        {solid && <SolidStage studio={studio} stage={stage} />}
+        {stage.stroke.value && <StrokeForm studio={studio} stage={stage} stroke={stage.stroke.value} />}
+        <Faults stage={stage} />
       </div>
     </section>
   );
 }
 
-function hint(studio: Studio): string {
+function chosenWords(studio: Studio): string {
   const count = studio.dancers.value.length;
-  return count ? `${count} selected: ${studio.dancers.value.slice(0, 12).join(", ")}${count > 12 ? " …" : ""}` : "";
-}
-
-function present(studio: Studio): number {
-  return studio.doc.positions.value?.present.reduce((sum, one) => sum + one, 0) ?? 0;
-}
-
-function choose(studio: Studio, [x, z]: [number, number], more: boolean): void {
-  const positions = studio.doc.positions.value;
-  let nearest = 0;
-  let distance = GRAB_M;
-  for (let row = 0; row < (positions?.count ?? 0); row++) {
-    if (!positions?.present[row]) continue;
-    const away = Math.hypot((positions.rows[3 * row] ?? 0) - x, (positions.rows[3 * row + 1] ?? 0) - z);
-    if (away < distance) [nearest, distance] = [row + 1, away];
-  }
-  const known = studio.dancers.value;
-  if (!nearest) studio.dancers.value = more ? known : [];
-  else if (!more) studio.dancers.value = [nearest];
-  else studio.dancers.value = known.includes(nearest) ? known.filter((one) => one !== nearest) : [...known, nearest].sort((a, b) => a - b);
+  return count ? `${count} selected` : "";
 }
 
 export function groupOf(studio: Studio, count: number): Int16Array {
-  const found = new Int16Array(count);
+  const found = new Int16Array(count).fill(-1);
   let at = 0;
   studio.doc.structure.value?.groups.forEach((group, index) => {
     found.fill(index, at, at + group.dancers);
@@ -103,18 +127,34 @@ export function groupOf(studio: Studio, count: number): Int16Array {
   return found;
 }
 
-function sceneOf(studio: Studio, camera: Camera2D, names: boolean): Omit<Scene, "theme"> {
-  const positions = studio.doc.positions.value;
+function sceneOf(studio: Studio, stage: StageState, drawing: Drawing, camera: Camera2D): Omit<Scene, "theme"> {
+  const positions = stage.shown.value;
+  const placing = stage.placing.value;
+  const faults = stage.faults.value;
   return {
-    camera, names, positions, ghost: null,
+    camera, positions,
+    ghost: placing ? null : stage.ghost.value,
+    compared: stage.compared.value,
     stage: stageSize(studio.score.value),
     score: studio.score.value,
     groups: studio.doc.structure.value?.groups ?? [],
     groupOf: groupOf(studio, positions?.count ?? 0),
-    ways: studio.doc.ways.value,
-    elements: studio.doc.clock.value?.elements ?? [],
+    ways: stage.ways.value,
+    elements: stage.looked.value === null && !stage.played.value ? (studio.doc.clock.value?.elements ?? []) : [],
+    written: studio.selected.value.flatMap((one) => {
+      const entry = one.list === "element" || one.list === "segment" ? studio.entry(one) : undefined;
+      return entry ? [{ kind: one.list === "segment" ? "formation" : String(entry["kind"] ?? ""), entry }] : [];
+    }),
     chosen: new Set(studio.dancers.value),
-    alarmed: new Set(),
+    alarmed: stage.alarmed.value,
+    meetings: faults.meetings.map((one) => one.dancers),
+    focus: stage.focus.value,
+    names: stage.names.value,
+    distances: stage.distances.value,
+    held: stage.held.value,
+    places: placing ? placing.places : stage.thought.value,
+    sketch: drawing.sketch.value ?? (stage.stroke.value ? { points: stage.stroke.value.points, closed: stage.stroke.value.closed, kind: "line" } : null),
+    pen: drawing.pen.value,
   };
 }
 
@@ -123,5 +163,3 @@ function themeOf(element: HTMLElement): Theme {
   const read = (name: string): string => style.getPropertyValue(name).trim();
   return { floor: read("--floor"), line: read("--line"), ink: read("--ink"), dim: read("--dim"), accent: read("--accent"), alarm: read("--alarm") };
 }
-
-export { toPixels };

@@ -1,0 +1,296 @@
+// What one person sees and holds on the stage: the measure that is looked at, ways and ghosts, tools, and changes that are tried.
+import { computed, effect, signal } from "@preact/signals";
+import type { Positions } from "../net/frames";
+import type { PreviewAnswer, Question } from "../net/preview";
+import type { SingleEdit, Ways } from "./document";
+import { dancedMeasure, writtenStart } from "./danced";
+import { numbersInWords, type Place } from "./geometry";
+import { endsOfWays, positionsAt, waysOf } from "./playback";
+import type { Studio } from "./studio";
+
+export type Tool = "select" | "lasso" | "line" | "curve" | "shape" | "attract" | "repel" | "spread" | "cross";
+
+/** A drawn line that waits for what becomes of it. */
+export interface Stroke {
+  points: Place[];
+  closed: boolean;
+}
+
+/** A formation whose places are put by hand: place k belongs to dancer k of the list. */
+export interface Placing {
+  name: string;
+  /** Its number in the document, from 1; 0: a new one. */
+  number: number;
+  dancers: number[];
+  places: Place[];
+  /** [degrees], 0 to the public, positive towards +x. */
+  headings: number[];
+}
+
+export interface Meeting {
+  measure: number;
+  dancers: [number, number];
+  distance: number;
+}
+
+export interface TooFar {
+  measure: number;
+  dancer: number;
+  distance: number;
+  reach: number;
+}
+
+export interface Played {
+  answer: PreviewAnswer;
+  /** The same measures without the changes that are tried, for comparison. */
+  before: PreviewAnswer | null;
+  from: number;
+  to: number;
+}
+
+const MOST_MEASURES = 64;
+
+export class StageState {
+  readonly tool = signal<Tool>("select");
+  readonly names = signal(false);
+  readonly distances = signal(false);
+  readonly solid = signal(false);
+  /** Whether elements that are put act at once, in the show that is danced. */
+  readonly live = signal(false);
+  readonly strength = signal(1);
+  readonly measures = signal(4);
+  readonly stroke = signal<Stroke | null>(null);
+  readonly placing = signal<Placing | null>(null);
+  /** Where a place is that is dragged: its distances are shown. */
+  readonly held = signal<Place | null>(null);
+  /** The dancer that the keyboard stands on, from 1; 0: none. */
+  readonly focus = signal(0);
+  /** Whether changes are tried in the preview, and sent together. */
+  readonly trying = signal(false);
+  readonly tried = signal<SingleEdit[]>([]);
+  /** Without the changes that are tried, to compare. */
+  readonly without = signal(false);
+  readonly played = signal<Played | null>(null);
+  readonly playedPositions = signal<Positions | null>(null);
+  readonly playedBefore = signal<Positions | null>(null);
+  /** The played measure, from 1, with a fraction. */
+  readonly playedMeasure = signal(0);
+  /** Places of a formation that is only thought of. */
+  readonly thought = signal<Place[]>([]);
+  readonly momentAnswer = signal<PreviewAnswer | null>(null);
+  readonly segmentAnswer = signal<PreviewAnswer | null>(null);
+  readonly dragAnswer = signal<PreviewAnswer | null>(null);
+  readonly waits = signal(false);
+
+  /** The danced measure (from 1) at the cursor; null: now. */
+  readonly looked = computed(() => {
+    const cursor = this.studio.cursor.value;
+    return cursor === null ? null : dancedMeasure(this.studio.score.value, cursor);
+  });
+  /** Where everybody stands at the cursor, by the preview. */
+  readonly momentPositions = computed(() => {
+    const answer = this.momentAnswer.value;
+    const cursor = this.studio.cursor.value;
+    const looked = this.looked.value;
+    if (!answer || cursor === null || looked === null || answer.texts["ways"]?.["from"] !== looked) return null;
+    return positionsAt(answer.moments, answer.positions, looked + (cursor % 1), "measure");
+  });
+  readonly shown = computed(() => this.playedPositions.value ?? (this.looked.value === null ? this.studio.doc.positions.value : this.momentPositions.value));
+  /** The stage's own picture, pale, while something else is shown. */
+  readonly compared = computed(() => {
+    if (this.playedPositions.value) return this.playedBefore.value;
+    return this.looked.value === null ? null : this.studio.doc.positions.value;
+  });
+  readonly ways = computed((): Ways | null => {
+    if (this.played.value) return null;
+    const drag = this.dragAnswer.value;
+    if (drag) return waysIn(drag);
+    const chosen = this.segmentAnswer.value;
+    if (this.studio.doc.ways.value) return this.studio.doc.ways.value;
+    if (chosen) return waysIn(chosen);
+    return this.looked.value === null ? null : waysIn(this.momentAnswer.value);
+  });
+  /** Where everybody stands at the end of the chosen measures. */
+  readonly ghost = computed((): Positions | null => {
+    if (this.played.value) return null;
+    const drag = this.dragAnswer.value;
+    const chosen = this.segmentAnswer.value ?? (this.looked.value === null ? null : this.momentAnswer.value);
+    const like = chosen?.positions.at(-1) ?? this.shown.value;
+    const ways = drag && waysIn(drag);
+    if (ways && like) return endsOfWays(ways.ways, ways.dancers, like);
+    return chosen?.positions.at(-1) ?? null;
+  });
+  readonly faults = computed(() => {
+    const answer = this.played.value?.answer ?? this.dragAnswer.value ?? this.segmentAnswer.value ?? (this.looked.value === null ? null : this.momentAnswer.value);
+    const notes = answer?.texts["notes"];
+    return {
+      meetings: (notes?.["meetings"] as Meeting[] | undefined) ?? [],
+      tooFar: (notes?.["too_far"] as TooFar[] | undefined) ?? [],
+      notes: (notes?.["notes"] as { measure: number | null; what: string }[] | undefined) ?? [],
+      refused: [...(answer?.refused ?? []), ...refusedEdits(notes)],
+    };
+  });
+  readonly alarmed = computed(() => {
+    const { meetings, tooFar } = this.faults.value;
+    return new Set([...meetings.flatMap((one) => one.dancers), ...tooFar.map((one) => one.dancer)]);
+  });
+  /** Words of a selection for what is drawn or put: the chosen dancers, or everybody. */
+  readonly whom = computed(() => {
+    const { dancers, doc } = this.studio;
+    const chosen = dancers.value;
+    if (!chosen.length) return "*";
+    let at = 0;
+    for (const group of doc.structure.value?.groups ?? []) {
+      if (chosen.length === group.dancers && chosen[0] === at + 1 && chosen.at(-1) === at + group.dancers) return group.name;
+      at += group.dancers;
+    }
+    return numbersInWords(chosen);
+  });
+  private playing = 0;
+
+  constructor(readonly studio: Studio) {}
+
+  /** Ask the preview whenever what is looked at changes; returns what ends it. */
+  watch(): () => void {
+    const stops = [
+      effect(() => {
+        const measure = this.looked.value;
+        this.about(measure === null ? null : { from: measure, to: measure, positions: "samples" }, "moment", this.momentAnswer);
+      }),
+      effect(() => {
+        const chosen = this.studio.selected.value.filter((one) => one.list === "segment");
+        const one = chosen.length === 1 ? chosen[0] : undefined;
+        if (!one) this.segmentAnswer.value = null;
+        this.about(one ? { segment: one.number } : null, "segment", this.segmentAnswer);
+      }),
+      effect(() => {
+        void this.studio.selected.value;
+        void this.studio.doc.revision.value;
+        this.dragAnswer.value = null;
+      }),
+    ];
+    return () => {
+      for (const stop of stops) stop();
+      this.stop();
+    };
+  }
+
+  private about(question: Question | null, topic: string, into: { value: PreviewAnswer | null }): void {
+    const { doc, preview } = this.studio;
+    const tried = this.without.value ? [] : this.tried.value;
+    void doc.revision.value;
+    if (!doc.structure.value || !question) {
+      into.value = null;
+      return;
+    }
+    this.waits.value = true;
+    void preview.ask({ ...question, ...(tried.length ? { with: tried } : {}) }, topic, topic === "moment").then((answer) => {
+      if (answer.replaced) return;
+      this.waits.value = false;
+      into.value = answer;
+    });
+  }
+
+  /** What edits would change in some danced measures, while they are dragged: planned ways, or simulated ones of elements. */
+  drag(edits: SingleEdit[], from: number, to: number, simulated = false): void {
+    const all = [...this.tried.value, ...edits];
+    const last = Math.min(to, from + MOST_MEASURES - 1);
+    const question: Question = { from, to: last, with: all, notes: true, ...(simulated ? { positions: "samples" } : { positions: "none", planned: true }) };
+    void this.studio.preview.ask(question, "drag", true).then((answer) => {
+      if (answer.replaced) return;
+      if (simulated && answer.positions.length) answer.texts["ways"] = { ...answer.texts["ways"], ...waysOf(answer.positions) };
+      this.dragAnswer.value = answer;
+    });
+  }
+
+  /** Send edits, or keep them to be tried. True: taken. */
+  async send(edits: SingleEdit[]): Promise<boolean> {
+    if (this.trying.value) {
+      this.tried.value = [...this.tried.value, ...edits];
+      return true;
+    }
+    const answer = await this.studio.doc.edits(edits);
+    this.dragAnswer.value = null;
+    return !answer.refused;
+  }
+
+  async sendTried(): Promise<void> {
+    const answer = await this.studio.doc.edits(this.tried.value);
+    if (!answer.refused) this.discard();
+  }
+
+  discard(): void {
+    this.tried.value = [];
+    this.without.value = false;
+    this.dragAnswer.value = null;
+    this.trying.value = false;
+    this.stop();
+  }
+
+  /** Danced measures (from 1) of an entry: its first and last; null if somebody has to lead there. */
+  measuresOf(list: string, number: number): [number, number] | null {
+    const entry = this.studio.entry({ list, number });
+    if (!entry) return null;
+    const first = dancedMeasure(this.studio.score.value, writtenStart(this.studio.score.value, entry, this.studio.beats.value));
+    return first === null ? null : [first, first + Math.max(0, Math.ceil(this.studio.box({ list, number })?.length ?? 1) - 1)];
+  }
+
+  /** The written measure (from 0) where something new begins: that of the cursor, or the next one. */
+  here(): number {
+    return Math.floor(this.studio.cursor.value ?? (this.studio.playhead.value ?? -1) + 1);
+  }
+
+  /** Play danced measures of the preview, on the beat, again and again. */
+  async play(from: number, to: number): Promise<void> {
+    this.stop();
+    const last = Math.min(to, from + MOST_MEASURES - 1);
+    const question: Question = { from, to: last, positions: "samples" };
+    const tried = this.tried.value;
+    this.waits.value = true;
+    const ask = (edits: SingleEdit[], topic: string): Promise<PreviewAnswer> => this.studio.preview.ask({ ...question, ...(edits.length ? { with: edits } : {}) }, topic);
+    const [answer, before] = await Promise.all([ask(tried, "play"), tried.length ? ask([], "before") : null]);
+    this.waits.value = false;
+    if (answer.replaced) return;
+    if (answer.refused || !answer.positions.length) {
+      this.studio.doc.tell("refused", `Measures ${from} to ${last} cannot be played`, answer.refused ?? []);
+      return;
+    }
+    this.played.value = { answer, before, from, to: last };
+    const begun = performance.now();
+    const first = answer.moments[0]?.time_s ?? 0;
+    const length = (answer.moments.at(-1)?.time_s ?? first) - first;
+    const frame = (now: number): void => {
+      const time = first + (length > 0 ? (((now - begun) / 1000) % length) : 0);
+      const shown = this.without.value && before ? before : answer;
+      const other = this.without.value ? answer : before;
+      this.playedPositions.value = positionsAt(shown.moments, shown.positions, time, "time_s");
+      this.playedBefore.value = other ? positionsAt(other.moments, other.positions, time, "time_s") : null;
+      this.playedMeasure.value = from + ((time - first) / Math.max(length, 1e-6)) * (last - from + 1);
+      this.playing = requestAnimationFrame(frame);
+    };
+    this.playing = requestAnimationFrame(frame);
+  }
+
+  stop(): void {
+    cancelAnimationFrame(this.playing);
+    this.played.value = null;
+    this.playedPositions.value = null;
+    this.playedBefore.value = null;
+  }
+
+  /** Back to what is danced now. */
+  now(): void {
+    this.stop();
+    this.studio.cursor.value = null;
+  }
+}
+
+function waysIn(answer: PreviewAnswer | null): Ways | null {
+  const found = answer?.texts["ways"] as unknown as Ways | undefined;
+  return found?.ways ? found : null;
+}
+
+function refusedEdits(notes: Record<string, unknown> | undefined): { what: string; remedy?: string }[] {
+  const answers = (notes?.["answers"] as { refused?: { what: string; remedy?: string }[] }[] | undefined) ?? [];
+  return answers.flatMap((one) => one.refused ?? []);
+}
