@@ -2,6 +2,7 @@
 import { computed, effect, signal } from "@preact/signals";
 import { Preview, type PreviewAnswer } from "../net/preview";
 import { Values } from "../net/values";
+import { Library } from "./library";
 import { ShowDocument, type Edit, type SingleEdit } from "./document";
 import { allBoxes, beatsPerMeasure, planRows, scoreLength, sectionSpans, type Box, type Mode } from "./plan";
 import { entries, type Entry } from "./score";
@@ -31,6 +32,9 @@ export class Studio {
   readonly preview: Preview;
   readonly values: Values;
   readonly doc: ShowDocument;
+  readonly library: Library;
+  /** Whether the ways of the selected segments are looked at, to choose from. */
+  readonly choosing = signal(false);
 
   readonly score = computed(() => this.doc.structure.value?.score ?? {});
   readonly boxes = computed(() => (this.doc.structure.value ? allBoxes(this.doc.structure.value) : []));
@@ -48,6 +52,7 @@ export class Studio {
     this.doc = new ShowDocument(key, by);
     this.preview = new Preview(key);
     this.values = new Values(key);
+    this.library = new Library(this.preview, this.doc);
     effect(() => {
       const chosen = this.selected.value.filter((one) => one.list === "segment");
       this.doc.want({ segment: chosen.length === 1 ? chosen[0]?.number : null });

@@ -15,6 +15,8 @@ export interface PreviewAnswer {
   moments: Moment[];
   positions: Positions[];
   joints: Joints | null;
+  /** All frames of joints, in order. */
+  motions: Joints[];
   /** All other text frames, by kind. */
   texts: Record<string, Record<string, unknown>>;
   refused: Fault[] | null;
@@ -106,6 +108,7 @@ export class Preview {
     else if (kind === "refused") present.answer.refused = told["refused"] as Fault[];
     else if (kind === "replaced") present.answer.replaced = true;
     else if (kind === "dancers") present.answer.positions = []; // an answer begins
+    else if (kind === "motion") present.answer.motions = [];
     present.answer.texts[kind] = told;
     if (kind === "done" || kind === "refused" || kind === "replaced") {
       this.present = null;
@@ -119,10 +122,10 @@ export class Preview {
     if (!this.present) return;
     const kind = frameKind(data);
     if (kind === POSITIONS) this.present.answer.positions.push(readPositions(data));
-    else if (kind === JOINTS) this.present.answer.joints = readJoints(data);
+    else if (kind === JOINTS) this.present.answer.motions.push((this.present.answer.joints = readJoints(data)));
   }
 }
 
 function emptyAnswer(): PreviewAnswer {
-  return { moments: [], positions: [], joints: null, texts: {}, refused: null, replaced: false };
+  return { moments: [], positions: [], joints: null, motions: [], texts: {}, refused: null, replaced: false };
 }

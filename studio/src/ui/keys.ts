@@ -1,4 +1,5 @@
 // The keyboard of the studio: what each key does, in one table, which the help shows as well.
+import { gapOf } from "../model/gap";
 import type { Studio } from "../model/studio";
 
 export interface Shortcut {
@@ -47,6 +48,7 @@ export const SHORTCUTS: Shortcut[] = [
   { keys: "Tab", words: "next box, handle or button", run: () => {} },
   { keys: "1", words: "steps", run: (studio) => { studio.mode.value = "steps"; } },
   { keys: "2", words: "group motion", run: (studio) => { studio.mode.value = "motion"; } },
+  { keys: "W", words: "compare the ways into the selected formation", run: (studio) => { studio.choosing.value = gapOf(studio.boxes.value, studio.selected.value) !== null; } },
   { keys: "G", words: "GO: the next cue", run: (studio) => studio.values.send("/dance/go") },
 ];
 

@@ -3,7 +3,7 @@ import type { Studio } from "../model/studio";
 import { listen } from "../ui/keys";
 import { Header } from "./header";
 import { Inspector } from "./inspector";
-import { Library } from "./library";
+import { Library } from "./library/library";
 import { Notices } from "./notices";
 import { StageView } from "./stage/stage_view";
 import { Timeline } from "./timeline/timeline";
