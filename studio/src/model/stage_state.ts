@@ -108,7 +108,8 @@ export class StageState {
     const chosen = this.segmentAnswer.value;
     if (this.studio.doc.ways.value) return this.studio.doc.ways.value;
     if (chosen) return waysIn(chosen);
-    return this.looked.value === null ? null : waysIn(this.momentAnswer.value);
+    const moment = this.looked.value === null ? null : this.momentAnswer.value;
+    return moment?.positions.length ? { from: 0, to: 0, segment: null, ...waysOf(moment.positions) } : null; // as they are danced
   });
   /** Where everybody stands at the end of the chosen measures. */
   readonly ghost = computed((): Positions | null => {

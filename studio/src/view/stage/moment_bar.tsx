@@ -22,8 +22,9 @@ export function MomentBar({ studio, stage }: { studio: Studio; stage: StageState
               : `Measure ${Math.floor(cursor) + 1}, preview`}
       </strong>
       {played && <span class="hint counter">{stage.playedMeasure.value.toFixed(1)}</span>}
-      {stage.waits.value && progress !== null && <span class="hint" role="status">simulating, {progress} measures so far</span>}
+      {isPreview && stage.waits.value && <span class="hint">{progress === null ? "working …" : `simulated up to measure ${progress}`}</span>}
       {isPreview && <button onClick={() => stage.now()}>Back to now</button>}
+      {studio.dancers.value.length > 0 && <span class="hint">{studio.dancers.value.length} selected</span>}
       <PlayRange studio={studio} stage={stage} />
       <button
         aria-pressed={stage.trying.value}

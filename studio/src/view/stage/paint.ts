@@ -117,10 +117,11 @@ function paintFloor(context: CanvasRenderingContext2D, { camera, stage, theme }:
 function paintWays(context: CanvasRenderingContext2D, scene: Scene, ways: Ways): void {
   const { camera } = scene;
   context.lineWidth = 2;
-  context.lineCap = "round";
+  context.lineCap = "butt";
   ways.ways.forEach((way, index) => {
     const dancer = ways.dancers[index] ?? index + 1;
-    const group = scene.groups[scene.groupOf[dancer - 1] ?? 0];
+    const group = scene.groups[scene.groupOf[dancer - 1] ?? -1];
+    if (!group) return; // those who wait in the wings
     const first = way[0];
     const last = way.at(-1);
     if (!first || !last || Math.hypot(last[0] - first[0], last[1] - first[1]) < 0.02) return;
@@ -176,8 +177,10 @@ function paintGhost(context: CanvasRenderingContext2D, scene: Scene, positions: 
     context.beginPath();
     context.arc(px, py, radius, 0, 2 * Math.PI);
     context.stroke();
-    triangle(context, px, py, positions.rows[3 * row + 2] ?? 0, 0.8 * radius);
-    context.stroke();
+    triangle(context, px, py, positions.rows[3 * row + 2] ?? 0, 0.75 * radius);
+    context.fillStyle = context.strokeStyle;
+    context.globalAlpha = 0.5;
+    context.fill();
   }
   context.setLineDash([]);
   context.globalAlpha = 1;

@@ -14,8 +14,8 @@ const TURN_DEG = 15;
 const TIP_PX = 24;
 
 /** Begin to place dancers by hand: from where they stand now, or where a formation has them. */
-export async function beginPlacing(studio: Studio, stage: StageState): Promise<void> {
-  const positions = stage.shown.value;
+export function beginPlacing(studio: Studio, stage: StageState): void {
+  const positions = stage.shown.value ?? studio.doc.positions.value;
   if (!positions) return;
   const segment = studio.selected.value.length === 1 && studio.selected.value[0]?.list === "segment" ? studio.entry(studio.selected.value[0]) : undefined;
   const name = segment ? text(segment, "formation") : "";

@@ -75,14 +75,12 @@ export function StageView({ studio }: { studio: Studio }) {
     <section class="stage" aria-label="Stage">
       <header class="strip">
         <h2>Stage</h2>
-        <ToolBar studio={studio} stage={stage} />
-        <button disabled={stage.placing.value !== null} title="A formation from where they stand, placed by hand" onClick={() => void beginPlacing(studio, stage)}>Place by hand</button>
-        <span class="hint">{chosenWords(studio)}</span>
+        <ToolBar studio={studio} stage={stage} onPlace={() => beginPlacing(studio, stage)} />
       </header>
       <MomentBar studio={studio} stage={stage} />
       <ToolOptions stage={stage} />
       <PlacingBar studio={studio} stage={stage} />
-      <div class={`floor tool-${stage.tool.value}`}>
+      <div class={`floor tool-${stage.tool.value}${stage.stroke.value ? " with-form" : ""}`}>
         <DancerList studio={studio} stage={stage} drawing={drawing}>
           <canvas
             ref={canvas}
@@ -112,11 +110,6 @@ export function StageView({ studio }: { studio: Studio }) {
   );
 }
 
-function chosenWords(studio: Studio): string {
-  const count = studio.dancers.value.length;
-  return count ? `${count} selected` : "";
-}
-
 export function groupOf(studio: Studio, count: number): Int16Array {
   const found = new Int16Array(count).fill(-1);
   let at = 0;
@@ -138,7 +131,7 @@ function sceneOf(studio: Studio, stage: StageState, drawing: Drawing, camera: Ca
     stage: stageSize(studio.score.value),
     score: studio.score.value,
     groups: studio.doc.structure.value?.groups ?? [],
-    groupOf: groupOf(studio, positions?.count ?? 0),
+    groupOf: groupOf(studio, Math.max(positions?.count ?? 0, studio.doc.positions.peek()?.count ?? 0)),
     ways: stage.ways.value,
     elements: stage.looked.value === null && !stage.played.value ? (studio.doc.clock.value?.elements ?? []) : [],
     written: studio.selected.value.flatMap((one) => {
@@ -152,7 +145,7 @@ function sceneOf(studio: Studio, stage: StageState, drawing: Drawing, camera: Ca
     names: stage.names.value,
     distances: stage.distances.value,
     held: stage.held.value,
-    places: placing ? placing.places : stage.thought.value,
+    places: placing ? placing.places : stage.dragAnswer.value ? [] : stage.thought.value,
     sketch: drawing.sketch.value ?? (stage.stroke.value ? { points: stage.stroke.value.points, closed: stage.stroke.value.closed, kind: "line" } : null),
     pen: drawing.pen.value,
   };

@@ -78,8 +78,10 @@ export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: S
       )}
       {isElement && <Number words="Strength" value={now.strength} least={0.1} step={0.1} set={(strength) => set({ strength })} />}
       <label class="field">Who <input value={now.group} maxLength={250} onChange={(event) => set({ group: event.currentTarget.value.trim() || "*" })} /></label>
-      <Number words="From measure" value={now.start + 1} least={1} step={1} set={(value) => set({ start: Math.round(value) - 1 })} />
-      <Number words="Measures" value={now.measures} least={1} step={1} set={(measures) => set({ measures: Math.round(measures) })} />
+      <div class="pair">
+        <Number words="From measure" value={now.start + 1} least={1} step={1} set={(value) => set({ start: Math.round(value) - 1 })} />
+        <Number words="for" value={now.measures} least={1} step={1} set={(measures) => set({ measures: Math.round(measures) })} />
+      </div>
       <div class="buttons">
         <button class="primary">{stage.trying.value ? "Try it" : `Put it at measure ${now.start + 1}`}</button>
         {isElement && (

@@ -18,7 +18,7 @@ const TOOLS: [Tool, string, string][] = [
 ];
 
 /** Tools, and what is shown. */
-export function ToolBar({ studio, stage }: { studio: Studio; stage: StageState }) {
+export function ToolBar({ studio, stage, onPlace }: { studio: Studio; stage: StageState; onPlace: () => void }) {
   return (
     <>
       <div class="choice toolbox" role="radiogroup" aria-label="Tool">
@@ -34,6 +34,14 @@ export function ToolBar({ studio, stage }: { studio: Studio; stage: StageState }
             <svg viewBox="0 0 16 16" aria-hidden="true"><path d={path} /></svg>
           </button>
         ))}
+      </div>
+      <div class="toolbox">
+        <button
+          aria-pressed={stage.placing.value !== null} aria-label="Place by hand" disabled={stage.placing.value !== null}
+          title="Place by hand: a formation from where they stand" onClick={onPlace}
+        >
+          <svg viewBox="0 0 16 16" aria-hidden="true"><path d="M5 2.500a2.500 2.500 0 1 1 0 5 2.500 2.500 0 1 1 0-5zM12 9a2.500 2.500 0 1 1 0 5 2.500 2.500 0 1 1 0-5zM9 4h5M12 2l2 2-2 2" /></svg>
+        </button>
       </div>
       <Switch value={stage.names} words="Numbers" />
       <Switch value={stage.distances} words="Distances" />
