@@ -29,11 +29,15 @@ export interface Box {
 export interface Row {
   id: string;
   label: string;
-  kind: "music" | "signals" | "group" | "part" | "calls";
+  kind: "signals" | "curve" | "calls" | "group" | "part" | "danced";
+  /** Whom boxes of this row are for, as a selection; null: nobody. */
+  selection: string | null;
   /** Index of the group; -1: none, or several. */
   group: number;
   depth: number;
   boxes: Box[];
+  /** Of a part: where it stands apart from its row, [first, last) in measures. */
+  apart: [number, number][];
   /** Boxes that overlap lie in lanes below one another. */
   lanes: number;
   lane: Map<Box, number>;
@@ -159,6 +163,10 @@ export function allBoxes(structure: Structure): Box[] {
       });
     });
   }
+  entries(score, "cue").forEach((entry, index) => {
+    const span = spans.find((one) => one.name.toLowerCase() === text(entry, "section").toLowerCase());
+    if (span) boxes.push({ list: "cue", number: index + 1, entry, start: span.first, length: 0, label: text(entry, "name"), group: "*" });
+  });
   return boxes;
 }
 
@@ -167,14 +175,15 @@ export function planRows(structure: Structure, mode: Mode): Row[] {
   const boxes = allBoxes(structure);
   const shown = boxes.filter((box) => (mode === "steps" ? STEP_LISTS : MOTION_LISTS).includes(box.list));
   const rows: Row[] = [];
-  const add = (id: string, label: string, kind: Row["kind"], group: number, depth: number, own: Box[]): void => {
+  const add = (id: string, label: string, kind: Row["kind"], group: number, depth: number, own: Box[], selection: string | null = null): void => {
     const { lanes, lane } = laneOf(own);
-    rows.push({ id, label, kind, group, depth, boxes: own, lanes, lane });
+    rows.push({ id, label, kind, group, depth, boxes: own, lanes, lane, selection, apart: depth ? apartOf(own) : [] });
   };
-  add("signals", "signals", "signals", -1, 0, boxes.filter((box) => box.list === "signal" || box.list === "curve"));
-  add("calls", "calls", "calls", -1, 0, boxes.filter((box) => box.list === "at"));
+  add("signals", "Signals", "signals", -1, 0, boxes.filter((box) => box.list === "signal"));
+  for (const box of boxes) if (box.list === "curve") add(`curve ${box.number}`, box.label, "curve", -1, 0, [box]);
+  add("calls", "Calls and cues", "calls", -1, 0, boxes.filter((box) => box.list === "at" || box.list === "cue"));
   const everybody = shown.filter((box) => isEverybody(box.group));
-  if (everybody.length) add("all", "all", "part", -1, 0, everybody);
+  if (everybody.length) add("all", "Everybody", "part", -1, 0, everybody, "*");
   const names = structure.groups.map((group) => group.name.toLowerCase());
   const parts = new Map<string, Box[]>();
   for (const box of shown) {
@@ -184,16 +193,27 @@ export function planRows(structure: Structure, mode: Mode): Row[] {
   }
   structure.groups.forEach((group, index) => {
     const name = group.name.toLowerCase();
-    add(`group ${index}`, group.name, "group", index, 0, shown.filter((box) => box.group.trim().toLowerCase() === name));
+    add(`group ${index}`, group.name, "group", index, 0, shown.filter((box) => box.group.trim().toLowerCase() === name), group.name);
     for (const [words, own] of parts) {
       if (namedGroups(words, names).join() === String(index)) {
-        add(`part ${words}`, own[0]?.group ?? words, "part", index, 1, own);
+        add(`part ${words}`, own[0]?.group ?? words, "part", index, 1, own, own[0]?.group ?? words);
         parts.delete(words);
       }
     }
   });
-  for (const [words, own] of parts) add(`part ${words}`, own[0]?.group ?? words, "part", -1, 0, own);
+  for (const [words, own] of parts) add(`part ${words}`, own[0]?.group ?? words, "part", -1, 0, own, own[0]?.group ?? words);
   return rows;
+}
+
+/** The measures in which a part has boxes; gaps of less than a measure are none. */
+function apartOf(boxes: Box[]): [number, number][] {
+  const found: [number, number][] = [];
+  for (const box of [...boxes].sort((a, b) => a.start - b.start)) {
+    const last = found.at(-1);
+    if (last && box.start <= last[1] + 1) last[1] = Math.max(last[1], box.start + box.length);
+    else found.push([box.start, box.start + Math.max(box.length, 1)]);
+  }
+  return found;
 }
 
 function isEverybody(words: string): boolean {

@@ -4,13 +4,12 @@ import { Preview, type PreviewAnswer } from "../net/preview";
 import { Values } from "../net/values";
 import { Library } from "./library";
 import { ShowDocument, type Edit, type SingleEdit } from "./document";
+import { groundOf, type Copied, type Snap } from "./arrange";
 import { allBoxes, beatsPerMeasure, planRows, scoreLength, sectionSpans, type Box, type Mode } from "./plan";
 import { entries, type Entry } from "./score";
 
 export type View = "make" | "play" | "show" | "storyboard";
 export type Panel = "steps" | "formations" | "elements" | "people";
-export type Snap = "measure" | "beat" | "none";
-
 export interface Selected {
   list: string;
   /** From 1. */
@@ -29,6 +28,12 @@ export class Studio {
   readonly scale = signal(64);
   /** The measure of the written score (from 0) that is looked at; null: the one that is danced. */
   readonly cursor = signal<number | null>(null);
+  /** The chosen measures of the written score, [first, last) from 0: for preview and loop; null: none. */
+  readonly range = signal<[number, number] | null>(null);
+  /** The row of the timeline into which things are put: its id. */
+  readonly row = signal<string | null>(null);
+  /** What Ctrl+C kept. */
+  readonly clipboard = signal<Copied[]>([]);
   readonly preview: Preview;
   readonly values: Values;
   readonly doc: ShowDocument;
@@ -38,9 +43,20 @@ export class Studio {
 
   readonly score = computed(() => this.doc.structure.value?.score ?? {});
   readonly boxes = computed(() => (this.doc.structure.value ? allBoxes(this.doc.structure.value) : []));
+  /** What others have chosen: by key, who, and their colour. */
+  readonly lookedAt = computed(() => {
+    const found = new Map<string, { name: string; colour: string }>();
+    for (const person of this.doc.people.value) {
+      if (person.name !== this.by && person.segment !== null) found.set(`segment ${person.segment}`, { name: person.name, colour: personColour(person.name) });
+    }
+    return found;
+  });
+  private readonly boxesByKey = computed(() => new Map(this.boxes.value.map((box) => [keyOf(box), box])));
+  readonly selectedKeys = computed(() => new Set(this.selected.value.map(keyOf)));
   readonly rows = computed(() => (this.doc.structure.value ? planRows(this.doc.structure.value, this.mode.value) : []));
   readonly spans = computed(() => sectionSpans(this.score.value));
   readonly length = computed(() => (this.doc.structure.value ? scoreLength(this.doc.structure.value) : 16));
+  readonly ground = computed(() => groundOf(this.score.value, this.doc.structure.value?.library ?? []));
   readonly beats = computed(() => beatsPerMeasure(this.score.value));
   /** Where the show is danced now, in measures of the written score from 0; null before it begins. */
   readonly playhead = computed(() => {
@@ -76,11 +92,11 @@ export class Studio {
   }
 
   box(one: Selected): Box | undefined {
-    return this.boxes.value.find((box) => box.list === one.list && box.number === one.number);
+    return this.boxesByKey.value.get(keyOf(one));
   }
 
   isSelected(box: Selected): boolean {
-    return this.selected.value.some((one) => one.list === box.list && one.number === box.number);
+    return this.selectedKeys.value.has(keyOf(box));
   }
 
   select(one: Selected | null, more = false): void {
@@ -104,18 +120,28 @@ export class Studio {
     await this.doc.edits(chosen.map((one): SingleEdit => ({ do: "delete", at: [one.list, one.number] })));
   }
 
-  async copySelected(later: number): Promise<void> {
-    const chosen = [...this.selected.value].sort((a, b) => b.number - a.number);
-    await this.doc.edits(chosen.map((one): SingleEdit => {
-      const measure = Number(this.entry(one)?.["measure"] ?? 1);
-      return { do: "copy", at: [one.list, one.number], value: { measure: measure + later } };
-    }));
+  /** The boxes that are selected. */
+  chosenBoxes(): Box[] {
+    return this.selected.value.flatMap((one) => this.box(one) ?? []);
   }
 
   /** What edits would do, before they are sent. */
   try(edits: Edit[], from: number, to: number): Promise<PreviewAnswer> {
     return this.preview.ask({ from, to, with: edits, positions: "none", notes: true });
   }
+}
+
+const PERSON_COLOURS = 8;
+
+/** The colour of a person, the same in all pages. */
+export function personColour(name: string): string {
+  let sum = 7;
+  for (const letter of name) sum = (sum * 31 + (letter.codePointAt(0) ?? 0)) >>> 0;
+  return `var(--person-${sum % PERSON_COLOURS})`;
+}
+
+export function keyOf(one: Selected): string {
+  return `${one.list} ${one.number}`;
 }
 
 function shifted(one: Selected, shifts: { list: string; from: number | null; to: number | null }[]): Selected[] {

@@ -2,6 +2,7 @@
 
 export const POSITIONS = 1;
 export const JOINTS = 2;
+export const WAVEFORM = 3;
 export const JOINT_COUNT = 22;
 const HEAD = 8;
 const METRES = 1e-3;
@@ -48,4 +49,15 @@ export function readJoints(data: DataView): Joints {
   const rows = new Float32Array(count * size);
   for (let index = 0; index < rows.length; index++) rows[index] = data.getInt16(HEAD + 2 * index, true) * METRES;
   return { tick: data.getUint32(4, true), count, chosen: data.getUint8(1) === 1, rows };
+}
+
+/** How loud the music is over its time: peaks of full scale 255, so many a second. */
+export interface Waveform {
+  rate: number;
+  peaks: Uint8Array;
+}
+
+export function readWaveform(data: DataView): Waveform {
+  const count = Math.min(data.getUint32(4, true), data.byteLength - HEAD);
+  return { rate: Math.max(data.getUint16(2, true), 1), peaks: new Uint8Array(data.buffer, data.byteOffset + HEAD, count) };
 }

@@ -1,7 +1,7 @@
 // Questions to the second engine: any measures, as written or with edits that are only tried (docs/web.md).
 import { signal } from "@preact/signals";
 import { Link } from "./link";
-import { frameKind, JOINTS, POSITIONS, readJoints, readPositions, type Joints, type Positions } from "./frames";
+import { frameKind, JOINTS, POSITIONS, readJoints, readPositions, readWaveform, WAVEFORM, type Joints, type Positions, type Waveform } from "./frames";
 import type { Edit, Fault } from "../model/document";
 
 export interface Moment {
@@ -15,6 +15,7 @@ export interface PreviewAnswer {
   moments: Moment[];
   positions: Positions[];
   joints: Joints | null;
+  waveform: Waveform | null;
   /** All frames of joints, in order. */
   motions: Joints[];
   /** All other text frames, by kind. */
@@ -123,9 +124,10 @@ export class Preview {
     const kind = frameKind(data);
     if (kind === POSITIONS) this.present.answer.positions.push(readPositions(data));
     else if (kind === JOINTS) this.present.answer.motions.push((this.present.answer.joints = readJoints(data)));
+    else if (kind === WAVEFORM) this.present.answer.waveform = readWaveform(data);
   }
 }
 
 function emptyAnswer(): PreviewAnswer {
-  return { moments: [], positions: [], joints: null, motions: [], texts: {}, refused: null, replaced: false };
+  return { moments: [], positions: [], joints: null, waveform: null, motions: [], texts: {}, refused: null, replaced: false };
 }

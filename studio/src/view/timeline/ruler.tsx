@@ -1,38 +1,119 @@
-import { useComputed } from "@preact/signals";
+import { firstSectionEdits, freeName, phrases } from "../../model/arrange";
+import type { SectionSpan } from "../../model/plan";
 import type { Studio } from "../../model/studio";
+import type { TimelineState } from "./state";
+import { Wave } from "./wave";
 
-/** Sections, and numbers of measures; a click looks at a measure. */
-export function Ruler({ studio }: { studio: Studio }) {
-  const every = useComputed(() => {
-    const pixels = studio.scale.value;
-    return [1, 2, 4, 8, 16, 32, 64].find((count) => count * pixels >= 44) ?? 128;
-  });
-  const length = studio.length.value;
-  const numbers = Array.from({ length: Math.ceil(length / every.value) }, (_, index) => index * every.value);
+const NUMBER_PX = 40;
+const BEAT_PX = 26;
+
+/** Sections, phrases, numbers of measures and beats, and the music below them. Drag the numbers to choose measures. */
+export function Ruler({ studio, state }: { studio: Studio; state: TimelineState }) {
   return (
     <div class="ruler">
-      <div class="name"><span>measures</span></div>
-      <div
-        class="lane"
-        onPointerDown={(event) => {
-          if ((event.target as HTMLElement).closest("button")) return;
-          const left = (event.currentTarget as HTMLElement).getBoundingClientRect().left;
-          studio.cursor.value = Math.max(0, Math.floor((event.clientX - left) / studio.scale.value));
-        }}
-      >
-        {studio.spans.value.map((span) => (
-          <button
-            key={span.number}
-            class="section"
-            aria-pressed={studio.isSelected({ list: "section", number: span.number })}
-            style={{ "--start": span.first, "--length": span.measures }}
-            onClick={(event) => studio.select({ list: "section", number: span.number }, event.shiftKey)}
-          >
-            <span>{span.name}{span.wait || span.repeat === 0 ? " · waits" : span.repeat > 1 ? ` ×${span.repeat}` : ""}{span.then ? ` → ${span.then}` : ""}</span>
-          </button>
-        ))}
-        {numbers.map((measure) => <i key={measure} style={{ "--start": measure }}>{measure + 1}</i>)}
+      <div class="name"><span>Measures</span></div>
+      <div class="lane">
+        <Numbers studio={studio} state={state} />
+        {studio.spans.value.map((span) => <SectionBlock key={span.number} studio={studio} state={state} span={span} />)}
+        <Range studio={studio} />
       </div>
+      <Wave studio={studio} state={state} />
     </div>
   );
+}
+
+function Numbers({ studio, state }: { studio: Studio; state: TimelineState }) {
+  const scale = studio.scale.value;
+  const { left, width } = state.seen.value;
+  const every = [1, 2, 4, 8, 16, 32, 64].find((count) => count * scale >= NUMBER_PX) ?? 128;
+  const first = Math.max(0, Math.floor((left - 0.5 * width) / scale / every));
+  const last = Math.min(Math.ceil(studio.length.value / every), Math.ceil((left + 1.5 * width) / scale / every));
+  const numbers = Array.from({ length: Math.max(0, last - first) }, (_, index) => (first + index) * every);
+  const { value: beats } = studio.beats;
+  const showBeats = scale / beats >= BEAT_PX;
+  const eights = phrases(studio.score.value, studio.length.value).filter((one) => (one.start + one.measures) * scale >= left - width && one.start * scale <= left + 2 * width);
+  return (
+    <>
+      {eights.map((one) => <i key={`p${one.start}`} class="phrase" style={{ "--start": one.start, "--length": one.measures }}>{one.name}</i>)}
+      {numbers.map((measure) => <i key={measure} class="measure" style={{ "--start": measure }}>{measure + 1}</i>)}
+      {showBeats && numbers.flatMap((measure) =>
+        Array.from({ length: beats - 1 }, (_, beat) => <i key={`${measure}.${beat}`} class="beat" style={{ "--start": measure + (beat + 1) / beats }}>{beat + 2}</i>))}
+    </>
+  );
+}
+
+function SectionBlock({ studio, state, span }: { studio: Studio; state: TimelineState; span: SectionSpan }) {
+  const gesture = state.gesture.value;
+  const held = gesture?.kind === "section" && gesture.number === span.number ? gesture : null;
+  const style = { "--start": held ? held.start : span.first, "--length": held ? held.measures : span.measures };
+  if (state.naming.value === span.number) {
+    const done = (value: string): void => {
+      state.naming.value = null;
+      if (value.trim() && value !== span.name) void studio.doc.edit({ do: "rename", at: ["section", span.number], value: value.trim() });
+    };
+    return (
+      <input
+        class="section"
+        style={style}
+        aria-label={`New name of ${span.name}`}
+        value={span.name}
+        ref={(field) => field?.focus()}
+        onBlur={(event) => done(event.currentTarget.value)}
+        onKeyDown={(event) => {
+          if (event.key === "Enter") event.currentTarget.blur();
+          else if (event.key === "Escape") state.naming.value = null;
+          event.stopPropagation();
+        }}
+      />
+    );
+  }
+  const more = [span.repeat > 1 ? `×${span.repeat}` : "", span.wait || span.repeat === 0 ? "waits" : "", span.then ? `→ ${span.then}` : ""].filter(Boolean).join(" · ");
+  return (
+    <button
+      class={`section${held ? " held" : ""}${span.wait ? " waits" : ""}`}
+      aria-pressed={studio.isSelected({ list: "section", number: span.number })}
+      aria-label={`Section ${span.name}, measures ${span.first + 1} to ${span.first + span.measures}${more ? `, ${more}` : ""}`}
+      title={`${span.name}: drag it to its place, its end to make it longer; F2 or a double click renames it`}
+      style={style}
+      data-section={span.number}
+      onDblClick={() => { state.naming.value = span.number; }}
+      onKeyDown={(event) => {
+        const list = ["section", span.number];
+        if (event.key === "F2") state.naming.value = span.number;
+        else if (event.shiftKey && (event.key === "ArrowLeft" || event.key === "ArrowRight")) {
+          const measures = span.measures + (event.key === "ArrowRight" ? 1 : -1);
+          if (measures >= 1) void studio.doc.edit({ do: "resize", at: list, value: measures });
+        } else if (event.altKey && (event.key === "ArrowLeft" || event.key === "ArrowRight")) {
+          const number = span.number + (event.key === "ArrowRight" ? 1 : -1);
+          if (number >= 1 && number <= studio.spans.peek().length) void studio.doc.edit({ do: "move", at: list, value: { number } });
+        } else return;
+        event.preventDefault();
+        event.stopPropagation();
+      }}
+      onClick={(event) => { if (event.detail === 0) studio.select({ list: "section", number: span.number }); }}
+    >
+      <span>{span.name}{more ? <small> {more}</small> : null}</span>
+    </button>
+  );
+}
+
+function Range({ studio }: { studio: Studio }) {
+  const range = studio.range.value;
+  if (!range) return null;
+  return <i class="extent" style={{ "--start": range[0], "--length": range[1] - range[0] }} />;
+}
+
+/** Add a section behind the selected one, or at the end; the first one takes the whole score. */
+export async function addSection(studio: Studio): Promise<void> {
+  const score = studio.score.peek();
+  const spans = studio.spans.peek();
+  const name = freeName(score, "section", "part");
+  if (!spans.length) {
+    await studio.doc.edits(firstSectionEdits(score, name, studio.length.peek()));
+    return;
+  }
+  const chosen = studio.selected.peek().find((one) => one.list === "section");
+  const number = chosen ? chosen.number + 1 : spans.length + 1;
+  const answer = await studio.doc.edit({ do: "insert", at: number > spans.length ? ["section"] : ["section", number], value: { name, measures: 8 } });
+  if (!answer.refused) studio.select({ list: "section", number });
 }

@@ -1,144 +1,223 @@
-import { useSignal } from "@preact/signals";
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useMemo, useRef } from "preact/hooks";
+import { dancedFirst, hasDancers, placeKeys, type Snap } from "../../model/arrange";
+import { divisionRows, type Branch } from "../../model/division";
+import { sequenceLength, type Row } from "../../model/plan";
 import type { Studio } from "../../model/studio";
-import type { Row } from "../../model/plan";
-import { colourOf } from "../stage/paint";
-import { BoxView, LANE } from "./box_view";
-import { Ruler } from "./ruler";
+import { listenToGestures } from "./gestures";
+import { Overlay } from "./overlay";
+import { addSection, Ruler } from "./ruler";
+import { join, putAt, rowDancers, split } from "./shortcuts";
+import { timelineOf, type TimelineState } from "./state";
+import { Track } from "./track";
+import "./timeline.css";
+
+const FLASH_MS = 1600;
+const MOST_DIVIDED = 64;
 
 /** Measures from left to right: sections, music, signals, and a row for each group, with boxes that can be moved. */
 export function Timeline({ studio }: { studio: Studio }) {
   const scroller = useRef<HTMLDivElement>(null);
-  const follow = useSignal(true);
-  const length = studio.length.value;
+  const state = useMemo(() => timelineOf(studio), [studio]);
 
   useEffect(() => {
     const element = scroller.current as HTMLDivElement;
-    const onWheel = (event: WheelEvent): void => {
-      if (!event.ctrlKey && !event.metaKey) {
-        follow.value = false;
-        return;
-      }
-      event.preventDefault();
-      zoom(studio, element, event.clientX, Math.exp(-event.deltaY / 300));
+    const measureNames = (): void => {
+      state.names.value = parseFloat(getComputedStyle(element).getPropertyValue("--name")) || 132;
+      state.look();
     };
-    element.addEventListener("wheel", onWheel, { passive: false });
-    return () => element.removeEventListener("wheel", onWheel);
-  }, [studio]);
+    measureNames();
+    const onScroll = (): void => state.look();
+    element.addEventListener("scroll", onScroll, { passive: true });
+    const sizes = new ResizeObserver(measureNames);
+    sizes.observe(element);
+    const stop = listenToGestures(studio, state, element);
+    const onDragEnd = (): void => {
+      dragging.now = null;
+      if (state.gesture.peek()?.kind === "drop") void state.end(false);
+    };
+    document.addEventListener("dragend", onDragEnd);
+    return () => {
+      document.removeEventListener("dragend", onDragEnd);
+      element.removeEventListener("scroll", onScroll);
+      sizes.disconnect();
+      stop();
+    };
+  }, [studio, state]);
 
-  const playhead = studio.playhead.value;
-  useEffect(() => {
-    const element = scroller.current;
-    if (!element || playhead === null || !follow.value) return;
-    const at = playhead * studio.scale.value;
-    if (at < element.scrollLeft || at > element.scrollLeft + element.clientWidth - 220) element.scrollLeft = Math.max(0, at - 80);
-  }, [playhead]);
+  useEffect(() => studio.doc.lastChange.subscribe((change) => flash(studio, state, change)), [studio, state]);
+  useEffect(() => studio.playhead.subscribe((at) => {
+    const { element } = state;
+    if (!element || at === null || !state.follow.peek() || state.gesture.peek()) return;
+    const x = at * studio.scale.peek();
+    const room = element.clientWidth - state.names.peek();
+    if (x < element.scrollLeft || x > element.scrollLeft + 0.86 * room) element.scrollLeft = Math.max(0, x - 0.08 * room);
+  }), [studio, state]);
 
   return (
     <section class="timeline" aria-label="Timeline">
-      <header class="strip">
-        <h2>Timeline</h2>
-        <div class="choice" role="group" aria-label="What the rows show">
-          <button aria-pressed={studio.mode.value === "steps"} onClick={() => { studio.mode.value = "steps"; }}>Steps</button>
-          <button aria-pressed={studio.mode.value === "motion"} onClick={() => { studio.mode.value = "motion"; }}>Group motion</button>
-        </div>
-        <label class="field">
-          Snap
-          <select value={studio.snap.value} onChange={(event) => { studio.snap.value = event.currentTarget.value as "measure" | "beat" | "none"; }}>
-            <option value="measure">measure</option>
-            <option value="beat">beat</option>
-            <option value="none">off</option>
-          </select>
-        </label>
-        <button onClick={() => zoom(studio, scroller.current, null, 0.8)} aria-label="Zoom out">−</button>
-        <button onClick={() => zoom(studio, scroller.current, null, 1.25)} aria-label="Zoom in">+</button>
-        <button onClick={() => { studio.scale.value = Math.max(3, ((scroller.current?.clientWidth ?? 800) - 160) / length); }}>Whole show</button>
-        <label class="switch"><input type="checkbox" checked={follow.value} onChange={() => { follow.value = !follow.value; }} /> follow</label>
-        <span class="hint">{studio.selected.value.length > 1 ? `${studio.selected.value.length} selected` : ""}</span>
-      </header>
-      <div class="tracks" ref={scroller} style={{ "--px": `${studio.scale.value}px`, "--measures": length, "--beats": studio.beats.value }}>
-        <Ruler studio={studio} />
-        {studio.rows.value.map((row) => <Track key={row.id} studio={studio} row={row} />)}
-        {playhead !== null && <i class="playhead" style={{ "--at": playhead }} aria-hidden="true" />}
-        {studio.cursor.value !== null && <i class="playhead cursor" style={{ "--at": studio.cursor.value }} aria-hidden="true" />}
+      <Tools studio={studio} state={state} />
+      <div
+        class="tracks"
+        ref={(element) => {
+          scroller.current = element;
+          state.element = element;
+        }}
+        style={{ "--px": `${studio.scale.value}px`, "--measures": studio.length.value, "--beats": studio.beats.value }}
+        data-grid={studio.scale.value / studio.beats.value >= 14 ? "beats" : studio.scale.value >= 9 ? "measures" : "eights"}
+        onDblClick={(event) => {
+          const lane = (event.target as HTMLElement).closest<HTMLElement>("[data-lane]");
+          if (!lane || event.target !== lane) return;
+          const row = state.rows.value.find((one) => one.id === lane.dataset["lane"]);
+          if (row && row.kind !== "danced" && row.kind !== "curve") void addHere(studio, row, Math.floor(state.place(event).measure));
+        }}
+        onDragOver={(event) => dragOver(event, studio, state)}
+        onDragLeave={(event) => { if (!scroller.current?.contains(event.relatedTarget as Node | null)) void state.end(false); }}
+        onDrop={(event) => {
+          event.preventDefault();
+          const told = event.dataTransfer?.getData(DRAGGED);
+          const gesture = state.gesture.value;
+          void state.end(false);
+          if (!told) return;
+          const row = state.rows.value[gesture?.kind === "drop" ? gesture.row : state.place(event).row];
+          if (row) void drop(studio, row, Math.floor(state.place(event).measure), JSON.parse(told));
+        }}
+      >
+        <Ruler studio={studio} state={state} />
+        {state.rows.value.map((row) => <Track key={row.id} studio={studio} state={state} row={row} />)}
+        <Overlay studio={studio} state={state} />
       </div>
     </section>
   );
 }
 
-function Track({ studio, row }: { studio: Studio; row: Row }) {
-  const group = studio.doc.structure.value?.groups[row.group];
+function Tools({ studio, state }: { studio: Studio; state: TimelineState }) {
+  const count = studio.selected.value.length;
+  const range = studio.range.value;
   return (
-    <div class={`track ${row.kind}`} role="group" aria-label={row.label}>
-      <div class="name" style={{ paddingLeft: `${10 + 14 * row.depth}px` }} title={row.label}>
-        {row.group >= 0 && <i style={{ background: colourOf(group) }} />}
-        <span>{row.label}</span>
+    <header class="strip">
+      <h2>Timeline</h2>
+      <div class="choice" role="group" aria-label="What the rows show">
+        <button aria-pressed={studio.mode.value === "steps"} onClick={() => { studio.mode.value = "steps"; }}>Steps</button>
+        <button aria-pressed={studio.mode.value === "motion"} onClick={() => { studio.mode.value = "motion"; }}>Group motion</button>
       </div>
-      <div
-        class="lane"
-        style={{ height: `${row.lanes * LANE + 6}px` }}
-        onPointerDown={(event) => {
-          if (event.target === event.currentTarget) studio.select(null);
-        }}
-        onDblClick={(event) => {
-          if (event.target !== event.currentTarget) return;
-          const measure = Math.floor(event.offsetX / studio.scale.value);
-          void addHere(studio, row, measure);
-        }}
-        onDragOver={(event) => {
-          if (event.dataTransfer?.types.includes(DRAGGED)) event.preventDefault();
-        }}
-        onDrop={(event) => {
-          const told = event.dataTransfer?.getData(DRAGGED);
-          if (!told) return;
-          event.preventDefault();
-          const left = (event.currentTarget as HTMLElement).getBoundingClientRect().left;
-          void drop(studio, row, Math.floor((event.clientX - left) / studio.scale.value), JSON.parse(told));
-        }}
-      >
-        {row.boxes.map((box) => (
-          <BoxView key={`${box.list} ${box.number}`} studio={studio} box={box} lane={row.lane.get(box) ?? 0} colour={colourOf(group ?? undefined)} group={row.group} />
-        ))}
+      <label class="field">
+        Snap
+        <select value={studio.snap.value} onChange={(event) => { studio.snap.value = event.currentTarget.value as Snap; }}>
+          <option value="measure">measure</option>
+          <option value="beat">beat</option>
+          <option value="none">off</option>
+        </select>
+      </label>
+      <div class="choice" role="group" aria-label="Zoom">
+        <button onClick={() => state.zoom(0.8)} aria-label="Zoom out" title="Zoom out (−)">−</button>
+        <button onClick={() => state.zoom(1.25)} aria-label="Zoom in" title="Zoom in (+)">+</button>
+        <button onClick={() => state.fit(0, studio.length.value)} title="All measures (0)">Whole show</button>
       </div>
-    </div>
+      <label class="switch"><input type="checkbox" checked={state.follow.value} onChange={() => { state.follow.value = !state.follow.value; }} /> Follow</label>
+      <button onClick={() => void addSection(studio)} title="A new section behind the selected one">Add section</button>
+      {count > 0 && (
+        <div class="choice" role="group" aria-label="Selected boxes">
+          <button onClick={() => split(studio)} title="Split at the cursor (S)">Split</button>
+          {count > 1 && <button onClick={() => join(studio)} title="One box from several (J)">Join</button>}
+        </div>
+      )}
+      {range && (
+        <div class="choice" role="group" aria-label="Chosen measures">
+          <button onClick={() => state.fit(range[0], range[1] - range[0])}>Zoom to measures {Math.floor(range[0]) + 1}–{Math.ceil(range[1])}</button>
+          <button aria-pressed={state.danced.value.length > 0} onClick={() => void showDivision(studio, state)} title="Who dances together in these measures, as it is danced">As danced</button>
+        </div>
+      )}
+      <span class="hint" role="status">{count > 1 ? `${count} selected` : ""}</span>
+    </header>
   );
+}
+
+/** Show who dances together in the chosen measures, or hide it. */
+async function showDivision(studio: Studio, state: TimelineState): Promise<void> {
+  const range = studio.range.peek();
+  if (state.danced.peek().length || !range) {
+    state.danced.value = [];
+    return;
+  }
+  const first = Math.floor(range[0]);
+  const danced = dancedFirst(studio.spans.peek(), first);
+  const to = danced + Math.min(Math.ceil(range[1]) - first, MOST_DIVIDED) - 1;
+  const answer = await studio.preview.ask({ from: danced, to, positions: "none", ways: false, notes: false, division: true }, "division");
+  if (answer.refused) studio.doc.tell("refused", "Nothing to show", answer.refused);
+  const found = (answer.texts["division"]?.["division"] ?? {}) as Record<string, Branch[]>;
+  state.danced.value = divisionRows(found[studio.mode.peek() === "steps" ? "steps" : "motion"] ?? [], first, danced);
+}
+
+/** Show for a moment what somebody else changed, with their name. */
+function flash(studio: Studio, state: TimelineState, change: { by: string; entries: { at: [string] | [string, number] }[] | null } | null): void {
+  if (!change?.entries || !change.by || change.by === studio.by) return;
+  const keys = change.entries.flatMap(({ at }) => (at[1] === undefined ? [] : [`${at[0]} ${at[1]}`])).slice(0, 100);
+  if (!keys.length) return;
+  state.flashes.value = new Map([...state.flashes.peek(), ...keys.map((key): [string, string] => [key, change.by])]);
+  setTimeout(() => {
+    const left = new Map(state.flashes.peek());
+    for (const key of keys) left.delete(key);
+    state.flashes.value = left;
+  }, FLASH_MS);
 }
 
 /** Type of what is dragged from the library: {"list", "value"} as JSON. */
 export const DRAGGED = "application/x-live-entry";
 
+interface Dragged {
+  list: string;
+  value: Record<string, unknown>;
+}
+
+/** What is dragged from the library now; browsers tell it only when it is dropped. */
+export const dragging: { now: Dragged | null } = { now: null };
+
+function dragOver(event: DragEvent, studio: Studio, state: TimelineState): void {
+  if (!event.dataTransfer?.types.includes(DRAGGED)) return;
+  event.preventDefault();
+  const place = state.place(event);
+  const row = Math.max(place.row, 0);
+  const measure = Math.floor(place.measure);
+  const { now } = dragging;
+  const before = state.gesture.peek();
+  if (before?.kind === "drop" && before.row === row && before.start === measure) return;
+  const library = studio.ground.peek().library;
+  const length = now?.list === "sequence" ? sequenceLength(now.value["steps"], library) : Number(now?.value["measures"] ?? 1);
+  const target = state.rows.peek()[row];
+  state.gesture.value = {
+    kind: "drop", list: now?.list ?? "", value: now && target ? entryFor(studio, target, measure, now) : {}, start: measure, length, row,
+  };
+  if (now) state.ask();
+}
+
+function entryFor(studio: Studio, row: Row, measure: number, dragged: Dragged): Record<string, unknown> {
+  const group = row.selection !== null && row.selection !== "*" && hasDancers(dragged.list) ? { group: row.selection } : {};
+  return { ...dragged.value, ...placeKeys(dragged.list, measure, studio.ground.peek()), ...group };
+}
+
 /** Put an entry of the library where it was dropped. */
-export async function drop(studio: Studio, row: Row, measure: number, dragged: { list: string; value: Record<string, unknown> }): Promise<void> {
-  const group = row.kind === "group" || row.kind === "part" ? row.label : "";
-  const value = { ...dragged.value, ...placeOf(studio, measure), ...(group && group !== "all" && dragged.list !== "at" && dragged.list !== "signal" ? { group } : {}) };
-  await studio.insert(dragged.list, value);
+export async function drop(studio: Studio, row: Row, measure: number, dragged: Dragged): Promise<void> {
+  await studio.insert(dragged.list, entryFor(studio, row, measure, dragged));
+}
+
+/** Put an entry at the cursor, for the selected row, or the dancers that are selected on the stage. */
+export async function putEntry(studio: Studio, dragged: Dragged): Promise<boolean> {
+  const dancers = studio.dancers.peek();
+  const row = rowDancers(studio);
+  const group = !hasDancers(dragged.list) ? {} : dancers.length ? { group: dancers.join(" + ") } : row && row !== "*" ? { group: row } : {};
+  return studio.insert(dragged.list, { ...dragged.value, ...placeKeys(dragged.list, putAt(studio), studio.ground.peek()), ...group });
 }
 
 /** Where a measure of the written score (from 0) lies: in its section, if there are sections. */
 export function placeOf(studio: Studio, measure: number): { measure: number; section?: string } {
-  const span = studio.spans.value.find((one) => measure >= one.first && measure < one.first + one.measures);
-  return span ? { measure: measure - span.first + 1, section: span.name } : { measure: measure + 1 };
+  return placeKeys("segment", measure, studio.ground.peek()) as { measure: number; section?: string };
 }
 
 async function addHere(studio: Studio, row: Row, measure: number): Promise<void> {
   const place = placeOf(studio, measure);
-  const group = row.kind === "group" || row.kind === "part" ? { group: row.label === "all" ? "*" : row.label } : {};
+  const group = row.selection === null ? {} : { group: row.selection };
   if (row.kind === "signals") await studio.insert("signal", { ...place, name: `signal ${measure + 1}` });
   else if (row.kind === "calls") await studio.insert("at", { ...place, call: "/dance/light/level", values: [1.0] });
   else if (studio.mode.value === "motion") await studio.insert("segment", { ...place, ...group, measures: 4, formation: "circle" });
-  else {
-    const step = studio.doc.structure.value?.library[0]?.name ?? "walk";
-    await studio.insert("sequence", { ...place, ...group, steps: [step] });
-  }
-}
-
-function zoom(studio: Studio, element: HTMLElement | null, clientX: number | null, factor: number): void {
-  const before = studio.scale.value;
-  const after = Math.min(480, Math.max(3, before * factor));
-  studio.scale.value = after;
-  if (!element) return;
-  const left = element.getBoundingClientRect().left + 132;
-  const at = clientX === null ? element.clientWidth / 2 : clientX - left;
-  const measure = (element.scrollLeft + at) / before;
-  requestAnimationFrame(() => { element.scrollLeft = measure * after - at; });
+  else await studio.insert("sequence", { ...place, ...group, steps: [studio.doc.structure.value?.library[0]?.name ?? "walk"] });
 }

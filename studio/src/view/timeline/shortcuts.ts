@@ -1,0 +1,151 @@
+// What keys do in the timeline; the table of all keys shows them as well.
+import { copied, hasDancers, joinEdits, moveEdits, pasteEdits, resizeEdits, splitEdits, unitOf, FIXED } from "../../model/arrange";
+import type { Box } from "../../model/plan";
+import type { Shortcut } from "../../ui/keys";
+import type { Studio } from "../../model/studio";
+import { timelineOf } from "./state";
+
+/** The measure at which things are put: the cursor, or where the show is danced. */
+export function putAt(studio: Studio): number {
+  return studio.cursor.value ?? Math.floor(studio.playhead.value ?? 0);
+}
+
+/** The dancers of the selected row; null: none is selected. */
+export function rowDancers(studio: Studio): string | null {
+  return studio.rows.value.find((row) => row.id === studio.row.value)?.selection ?? null;
+}
+
+function step(studio: Studio): number {
+  return studio.snap.value === "beat" ? 1 / studio.beats.value : studio.snap.value === "none" ? 1 / 16 : 1;
+}
+
+/** Another box of the same row, or the cursor by a step if none is selected. */
+function along(studio: Studio, by: number): void {
+  const [one] = studio.chosenBoxes();
+  if (!one) {
+    studio.cursor.value = Math.max(0, putAt(studio) + by * step(studio));
+    return;
+  }
+  const state = timelineOf(studio);
+  const row = state.rows.value[state.rowOf(one)];
+  const sorted = [...(row?.boxes ?? [])].sort((a, b) => a.start - b.start || (row?.lane.get(a) ?? 0) - (row?.lane.get(b) ?? 0));
+  show(studio, sorted[sorted.findIndex((box) => box.list === one.list && box.number === one.number) + by]);
+}
+
+/** The nearest box of the next row that has some. */
+function across(studio: Studio, by: number): void {
+  const [one] = studio.chosenBoxes();
+  const state = timelineOf(studio);
+  const rows = state.rows.value;
+  const at = one ? one.start : putAt(studio);
+  let index = one ? state.rowOf(one) : by > 0 ? -1 : rows.length;
+  for (index += by; index >= 0 && index < rows.length; index += by) {
+    const boxes = rows[index]?.kind === "danced" ? [] : (rows[index]?.boxes ?? []);
+    if (boxes.length) {
+      show(studio, boxes.reduce((near, box) => (Math.abs(box.start - at) < Math.abs(near.start - at) ? box : near)));
+      return;
+    }
+  }
+}
+
+function show(studio: Studio, box: Box | undefined): void {
+  if (!box) return;
+  const state = timelineOf(studio);
+  studio.select(box);
+  state.reveal(box);
+  state.focus(box);
+}
+
+function nudge(studio: Studio, sign: number): void {
+  const boxes = studio.chosenBoxes().filter((box) => !FIXED.includes(box.list));
+  const by = sign * Math.max(0, ...boxes.map((box) => unitOf(box.list, studio.snap.value, studio.beats.value)));
+  if (boxes.length && Math.min(...boxes.map((box) => box.start)) + by >= 0) void studio.doc.edits(moveEdits(boxes, by, () => null, false, studio.ground.value));
+}
+
+function toRow(studio: Studio, sign: number): void {
+  const state = timelineOf(studio);
+  const boxes = studio.chosenBoxes().filter((box) => hasDancers(box.list));
+  if (boxes.length) void studio.doc.edits(state.editsOf({ kind: "move", boxes, from: 0, by: 0, rows: sign, copy: false }));
+}
+
+function resize(studio: Studio, by: number): void {
+  const boxes = studio.chosenBoxes();
+  const sections = studio.selected.value.filter((one) => one.list === "section");
+  void studio.doc.edits([
+    ...resizeEdits(boxes, by, "end", studio.ground.value),
+    ...sections.flatMap((one) => {
+      const measures = Number(studio.entry(one)?.["measures"] ?? 8) + by;
+      return measures >= 1 ? [{ do: "resize" as const, at: [one.list, one.number], value: measures }] : [];
+    }),
+  ]);
+}
+
+export function duplicate(studio: Studio): void {
+  const boxes = studio.chosenBoxes().filter((box) => !FIXED.includes(box.list));
+  if (!boxes.length) return;
+  const later = Math.max(...boxes.map((box) => box.start + Math.max(box.length, 1))) - Math.min(...boxes.map((box) => box.start));
+  void studio.doc.edits(moveEdits(boxes, Math.ceil(later), () => null, true, studio.ground.value));
+}
+
+export function copy(studio: Studio): void {
+  const boxes = studio.chosenBoxes();
+  if (boxes.length) studio.clipboard.value = copied(boxes);
+}
+
+export async function paste(studio: Studio): Promise<void> {
+  const kept = studio.clipboard.value;
+  if (!kept.length) return;
+  const before = new Map(kept.map((one) => [one.list, ((studio.score.peek()[one.list] as unknown[] | undefined) ?? []).length]));
+  const answer = await studio.doc.edits(pasteEdits(kept, putAt(studio), rowDancers(studio), studio.ground.value));
+  if (answer.refused) return;
+  studio.selected.value = kept.map((one) => {
+    const number = (before.get(one.list) ?? 0) + 1;
+    before.set(one.list, number);
+    return { list: one.list, number };
+  });
+}
+
+export function split(studio: Studio): void {
+  told(studio, splitEdits(studio.chosenBoxes(), putAt(studio), studio.ground.value));
+}
+
+export function join(studio: Studio): void {
+  told(studio, joinEdits(studio.chosenBoxes(), studio.ground.value));
+}
+
+function told(studio: Studio, edits: ReturnType<typeof splitEdits>): void {
+  if (typeof edits === "string") studio.doc.tell("told", edits);
+  else void studio.doc.edits(edits);
+}
+
+function selectAll(studio: Studio): void {
+  const row = studio.rows.value.find((one) => one.id === studio.row.value);
+  const rows = row ? [row] : studio.rows.value.filter((one) => one.kind === "group" || one.kind === "part");
+  studio.selected.value = rows.flatMap((one) => one.boxes.map(({ list, number }) => ({ list, number })));
+}
+
+export const TIMELINE_SHORTCUTS: Shortcut[] = [
+  { keys: "ArrowLeft", words: "the box before; without one, the cursor earlier", run: (studio) => along(studio, -1) },
+  { keys: "ArrowRight", words: "the next box; without one, the cursor later", run: (studio) => along(studio, 1) },
+  { keys: "ArrowUp", words: "a box of the row above", run: (studio) => across(studio, -1) },
+  { keys: "ArrowDown", words: "a box of the row below", run: (studio) => across(studio, 1) },
+  { keys: "Alt+ArrowLeft", words: "move what is selected earlier", run: (studio) => nudge(studio, -1) },
+  { keys: "Alt+ArrowRight", words: "move what is selected later", run: (studio) => nudge(studio, 1) },
+  { keys: "Alt+ArrowUp", words: "give it to the row above", run: (studio) => toRow(studio, -1) },
+  { keys: "Alt+ArrowDown", words: "give it to the row below", run: (studio) => toRow(studio, 1) },
+  { keys: "Shift+ArrowLeft", words: "shorter", run: (studio) => resize(studio, -1) },
+  { keys: "Shift+ArrowRight", words: "longer", run: (studio) => resize(studio, 1) },
+  { keys: "Ctrl+A", words: "select all of the row", run: selectAll },
+  { keys: "Ctrl+C", words: "copy", run: copy },
+  { keys: "Ctrl+X", words: "cut", run: (studio) => { copy(studio); void studio.removeSelected(); } },
+  { keys: "Ctrl+V", words: "paste at the cursor", run: (studio) => void paste(studio) },
+  { keys: "Ctrl+D", words: "repeat what is selected behind itself", run: duplicate },
+  { keys: "S", words: "split at the cursor", run: split },
+  { keys: "J", words: "join the selected boxes", run: join },
+  { keys: "+", words: "zoom in", run: (studio) => timelineOf(studio).zoom(1.25) },
+  { keys: "-", words: "zoom out", run: (studio) => timelineOf(studio).zoom(0.8) },
+  { keys: "0", words: "the whole show", run: (studio) => timelineOf(studio).fit(0, studio.length.value) },
+  { keys: "Home", words: "the cursor at the beginning", run: (studio) => { studio.cursor.value = 0; timelineOf(studio).element?.scrollTo({ left: 0 }); } },
+  { keys: "1", words: "steps", run: (studio) => { studio.mode.value = "steps"; } },
+  { keys: "2", words: "group motion", run: (studio) => { studio.mode.value = "motion"; } },
+];
