@@ -44,9 +44,7 @@ export function StageView({ studio }: { studio: Studio }) {
       const scene = sceneOf(studio, stage, drawing, camera.value);
       cancelAnimationFrame(asked);
       asked = requestAnimationFrame(() => {
-        performance.mark("paint");
         paint(context, { ...scene, theme: theme.value });
-        performance.measure("stage", "paint");
       });
     });
     const stopSize = effect(() => {
