@@ -72,6 +72,16 @@ export interface Notice {
   faults: Fault[];
 }
 
+/** An edit that has no answer yet. */
+interface WaitingEdit {
+  id: string;
+  edit: Edit;
+  /** The revision that its sender saw. */
+  base: number | null;
+  /** Whether it has left this page. */
+  sent: boolean;
+}
+
 const MOST_NOTICES = 4;
 const ANSWER_WAIT = 65_000;
 
@@ -87,20 +97,22 @@ export class ShowDocument {
   readonly notices = signal<Notice[]>([]);
   readonly lastChange = signal<Change | null>(null);
   /** Edits that wait for their answers, in order. */
-  readonly waiting = signal<{ id: string; edit: Edit }[]>([]);
+  readonly waiting = signal<WaitingEdit[]>([]);
   readonly link: Link;
   readonly revision = computed(() => this.structure.value?.revision ?? 0);
   private wants: Record<string, unknown> = { positions: 30, clock: 10, joints: 0, notes: true };
   private answers = new Map<string, (answer: Answer) => void>();
   private count = 0;
   private noticeCount = 0;
+  /** Whether there is a new connection, whose structure has not come yet. */
+  private opened = false;
   private page = Math.random().toString(36).slice(2, 8);
 
   constructor(key: string, readonly by: string) {
     this.link = new Link("/studio/stream", key);
     this.link.onOpen = () => {
       this.link.send({ ...this.wants, name: by });
-      for (const { id, edit } of this.waiting.value) this.sendEdit(id, edit); // once more: it may have been lost
+      this.opened = true;
     };
     this.link.onText = (told) => this.take(told);
     this.link.onBinary = (data) => {
@@ -119,8 +131,9 @@ export class ShowDocument {
   /** Send an edit; the promise is kept with the engine's answer. A refusal is told as a notice, too. */
   edit(edit: Edit, quiet = false): Promise<Answer> {
     const id = `${this.page} ${++this.count}`;
-    this.waiting.value = [...this.waiting.value, { id, edit }];
-    return this.asked(id, () => this.sendEdit(id, edit), quiet);
+    const mine: WaitingEdit = { id, edit, base: this.revision.value || null, sent: false };
+    this.waiting.value = [...this.waiting.value, mine];
+    return this.asked(id, () => this.sendEdit(mine), quiet);
   }
 
   /** Send edits that are one: all are taken or none, and one undo takes them back. */
@@ -152,9 +165,24 @@ export class ShowDocument {
     return this.asked(id, () => this.link.send({ do: word, id, by: this.by }), false);
   }
 
-  private sendEdit(id: string, edit: Edit): boolean {
+  private sendEdit(mine: WaitingEdit): boolean {
+    const { id, edit, base } = mine;
+    if (this.opened) return false; // it is sent with the structure
     const said = edit.do === "together" ? edit : { ...edit, value: edit.value ?? null };
-    return this.link.send({ ...said, id, by: this.by, base: this.revision.value || null });
+    mine.sent = this.link.send({ ...said, id, by: this.by, base });
+    return mine.sent;
+  }
+
+  /** After a lost connection: send what was not taken once more; tell where that is not known. */
+  private sendAgain(revision: number): void {
+    this.opened = false;
+    for (const mine of this.waiting.value) {
+      if (!mine.sent || mine.base === revision) this.sendEdit(mine);
+      else {
+        const what = "the connection was lost while this was sent, and the show has changed since";
+        this.answered({ id: mine.id, refused: [{ what, remedy: "look whether it was taken, and repeat it if not" }] }, false);
+      }
+    }
   }
 
   private asked(id: string, send: () => boolean, quiet: boolean): Promise<Answer> {
@@ -182,6 +210,7 @@ export class ShowDocument {
     switch (told["kind"]) {
       case "structure":
         this.structure.value = told as unknown as Structure;
+        if (this.opened) this.sendAgain(this.revision.value);
         break;
       case "change": {
         const change = told as unknown as Change;
