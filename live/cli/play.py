@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import Field, fields
 from functools import partial
+from pathlib import Path
 from typing import Annotated, Any, get_type_hints
 
 import typer
@@ -139,11 +140,22 @@ def studio(
     ] = "first_show",
     web: Annotated[str, typer.Option(help="Where the page is served.", metavar="[HOST:]PORT")] = str(STUDIO_PORT),
     browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
+    song: Annotated[
+        Path | None, typer.Option(help="Begin a new show in the folder SHOW, to this music.", metavar="FILE")
+    ] = None,
+    dancers: Annotated[int | None, typer.Option(help="Number of dancers of a new show. Default: 12.")] = None,
+    from_: Annotated[
+        str | None, typer.Option("--from", help="Begin a new show in the folder SHOW, as a copy of an example.")
+    ] = None,
 ) -> None:
     """Make a show where it is seen: the studio in the browser; the show runs here without a projector.
 
     `live play SHOW --web` serves the same page beside a projector.
     """
+    if song is not None or from_ is not None or dancers is not None:
+        from live.app.offline.new_show import make_show
+
+        patch = str(make_show(Path(patch), song=song, dancers=dancers, example=from_))
     from live.app.option_values import parse_endpoint
     from live.app.services.http_services import stored_key
     from live.base.fault_isolation import run_once

@@ -94,7 +94,7 @@ export function DrawingBoard({ studio, table, places, onChange }: { studio: Stud
       >
         <rect class="floorplan" x={-stage.width / 2} y={-stage.depth / 2} width={stage.width} height={stage.depth} />
         <line class="middle" x1="0" x2="0" y1={-stage.depth / 2} y2={stage.depth / 2} vector-effect="non-scaling-stroke" />
-        <text x="0" y={stage.depth / 2 + 0.5} text-anchor="middle" font-size="0.28">public</text>
+        <text x="0" y={stage.depth / 2 + 0.42} text-anchor="middle" font-size="0.19">public</text>
         {places?.lines.map((line, index) => <polyline key={index} points={line.map(([x, z]) => `${x},${z}`).join(" ")} vector-effect="non-scaling-stroke" />)}
         {stroke.value.length > 1 && <polyline class="stroke" points={stroke.value.map(([x, z]) => `${x},${z}`).join(" ")} vector-effect="non-scaling-stroke" />}
         {places?.slots.map(([x, z], index) => (

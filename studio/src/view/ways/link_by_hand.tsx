@@ -15,7 +15,7 @@ export function LinkByHand({ studio, dancers, figures, onCancel, onSave }: { stu
     held.value = null;
   };
   return (
-    <div class="link">
+    <div class="linking">
       <WayPicture
         studio={studio} dancers={dancers} figures={figures} linked={{ places, of: of.value, held: held.value }}
         label="Dancers and their places; the list beside it does the same"

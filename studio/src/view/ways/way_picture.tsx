@@ -80,6 +80,12 @@ export function WayPicture({ studio, dancers, figures, linked, label, onPress }:
         context.beginPath();
         context.arc(px, py, Math.max(BODY_M * camera.scale, 2.5), 0, 2 * Math.PI);
         context.fill();
+        if (linked) {
+          context.fillStyle = "rgb(0 0 0 / 0.85)";
+          context.font = "600 12px system-ui, sans-serif";
+          context.textAlign = "center";
+          context.fillText(String(dancers[row] ?? ""), px, py + 4);
+        }
         if (linked?.held === row) {
           context.strokeStyle = colours["ink"] ?? "";
           context.lineWidth = 2.5;
