@@ -44,10 +44,11 @@ format: ## put every file into the project's form
 	$(BIN)/ruff format
 	$(BIN)/ruff check --fix
 
-references: ## write docs/osc.md and docs/patch.md anew
+references: ## write docs/osc.md, docs/patch.md and the studio's forms anew
 	@tools/setup.sh test
 	@$(BIN)/python tools/write_osc_reference.py
 	@$(BIN)/python tools/write_patch_reference.py
+	@$(BIN)/python tools/write_studio_schema.py
 
 studio: ## build the studio's page anew from studio/ (needs Node; users need none)
 	@cd studio && npm ci --ignore-scripts --no-audit --no-fund --silent && npx tsc --noEmit && node build.mjs

@@ -2,7 +2,7 @@ import { useEffect } from "preact/hooks";
 import type { Studio } from "../model/studio";
 import { listen } from "../ui/keys";
 import { Header } from "./header";
-import { Inspector } from "./inspector";
+import { Inspector } from "./inspector/inspector";
 import { Library } from "./library/library";
 import { Notices } from "./notices";
 import { StageView } from "./stage/stage_view";
