@@ -7,17 +7,18 @@ export type Value = number | string | boolean;
 export interface Widget {
   address: string;
   label: string;
-  kind: string;
+  kind: "fader" | "colour" | "button" | "toggle" | "pad";
   words: string;
+  values: Value[];
+  once: boolean;
   minimum: number[];
   maximum: number[];
   start: number[];
-  [more: string]: unknown;
 }
 
 export interface Surface {
   name: string;
-  pages: { name: string; widgets: Widget[] }[];
+  pages: { title: string; widgets: Widget[] }[];
   readings: Record<string, string>;
 }
 
@@ -26,11 +27,18 @@ const RATE = 33;
 export class Values {
   readonly link: Link;
   readonly refused = signal("");
+  /** What can be controlled; null until it is known. */
+  readonly surface = signal<Surface | null>(null);
   private readonly kept = new Map<string, Signal<Value[] | null>>();
   private readonly said = new Map<string, { at: number; timer: number }>();
 
   constructor(key: string) {
     this.link = new Link("/ws", key);
+    this.link.onOpen = () => {
+      void fetch("/surface.json", { headers: { Authorization: `Bearer ${key}` } })
+        .then((answer) => answer.json())
+        .then((surface: Surface) => { this.surface.value = surface; });
+    };
     this.link.onText = (told) => {
       const values = told["values"] as Record<string, Value[]> | undefined;
       for (const [address, value] of Object.entries(values ?? {})) this.of(address).value = value;

@@ -5,6 +5,7 @@ import { Header } from "./header";
 import { Inspector } from "./inspector/inspector";
 import { Library } from "./library/library";
 import { Notices } from "./notices";
+import { ShowView } from "./show/show_view";
 import { StageView } from "./stage/stage_view";
 import { Timeline } from "./timeline/timeline";
 
@@ -23,6 +24,7 @@ export function App({ studio }: { studio: Studio }) {
           <Timeline studio={studio} />
         </main>
       )}
+      {view === "show" && <ShowView studio={studio} />}
       <Notices doc={studio.doc} />
     </>
   );
