@@ -39,7 +39,7 @@ function Fader({ values, widget }: Props) {
   const high = widget.maximum[0] ?? 1;
   return (
     <label>
-      <span>{widget.label}<output>{show(now)}</output></span>
+      <span>{widget.label}<small aria-hidden="true">{show(now)}</small></span>
       <input
         type="range" min={low} max={high} step={(high - low) / 1000} value={now}
         onInput={(event) => {
