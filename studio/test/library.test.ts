@@ -5,7 +5,7 @@ import { formationEdits, freeName, simplified, usesOf, withPattern, withShape } 
 import { alongWay, fillEntry, gapEdits, gapOf, keysOf, linkedAlso } from "../src/model/gap";
 import { allBoxes } from "../src/model/plan";
 import type { Structure } from "../src/model/score";
-import { directionInWords, isWanted, turnInWords, written, type StepFacts } from "../src/model/steps";
+import { chainsOf, directionInWords, isWanted, turnInWords, written, type StepFacts } from "../src/model/steps";
 
 const SCORE = {
   formation: [{ name: "Gate", shape: "arc", size: [5, 3] }, { name: "gate 2", shape: "line" }],
@@ -112,4 +112,16 @@ test("linked dancers exchange their places", () => {
   assert.deepEqual(linkedAlso([0, 1, 2], 0, 2), [2, 1, 0]);
   assert.deepEqual(alongWay([[0, 0], [2, 0], [2, 2]], 0.75), [2, 1]);
   assert.deepEqual(alongWay([[1, 1]], 0.5), [1, 1]);
+});
+
+test("sequences that touch are one chain, those of others and random ones are not", () => {
+  const sequence = (measure: number, steps: string[], more = {}) => ({ measure, steps, ...more });
+  const score = { sequence: [
+    sequence(5, ["turn"], { group: "Ember" }), sequence(3, ["walk x2"], { group: "ember" }), sequence(5, ["bow"]), sequence(9, ["jump"], { group: "ember" }),
+    sequence(6, ["walk", "turn"], { group: "ember", choose: "random" }), sequence(20, ["walk x65"]),
+  ] };
+  const library = ["walk", "turn", "bow", "jump"].map((name) => ({ name, measures: 1 }));
+  assert.deepEqual(chainsOf(allBoxes({ ...STRUCTURE, library, score })), [
+    { group: "ember", start: 2, words: ["walk x2", "turn"] }, { group: "*", start: 4, words: ["bow"] }, { group: "ember", start: 8, words: ["jump"] },
+  ]);
 });

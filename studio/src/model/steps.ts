@@ -1,4 +1,5 @@
 // What the engine tells about the steps of the show, and how it is said.
+import type { Box } from "./plan";
 
 export interface Take {
   take: string;
@@ -39,7 +40,16 @@ export interface Missing {
   joints?: [string, number][];
 }
 
+/** Sequences of the score that follow each other without a pause, as one. */
+export interface Chain {
+  group: string;
+  /** Measures of the written score, from 0. */
+  start: number;
+  words: string[];
+}
+
 const TURN_DEG = 45;
+const LONGEST = 64;
 
 export function measuresInWords(measures: number): string {
   return measures === 1 ? "1 measure" : `${measures} measures`;
@@ -90,4 +100,20 @@ export function written(steps: string[]): string[] {
     else found.push([name, 1]);
   }
   return found.map(([name, times]) => (times > 1 ? `${name} x${times}` : name));
+}
+
+/** The sequences of each group, those that touch joined: each at most as long as the engine checks at once. */
+export function chainsOf(boxes: Box[]): Chain[] {
+  const found: (Chain & { end: number })[] = [];
+  const own = boxes.filter((box) => box.list === "sequence" && box.entry["choose"] !== "random" && Array.isArray(box.entry["steps"]));
+  for (const box of own.sort((a, b) => a.start - b.start)) {
+    const group = box.group.trim().toLowerCase();
+    const words = (box.entry["steps"] as unknown[]).map(String);
+    const before = found.find((one) => one.group === group && Math.abs(one.end - box.start) < 1e-6);
+    if (before && box.start + box.length - before.start <= LONGEST) {
+      before.words.push(...words);
+      before.end = box.start + box.length;
+    } else found.push({ group, start: box.start, words, end: box.start + box.length });
+  }
+  return found.filter((one) => one.end - one.start <= LONGEST).map(({ end: _, ...chain }) => chain);
 }

@@ -81,6 +81,7 @@ function OwnFormation({ studio, name, number, dancers, onEdit }: { studio: Studi
         >
           {count ? (count === 1 ? "1 use" : `${count} uses`) : "not used"}
         </button>
+        <button class="plain" aria-label={`Put ${name} at the cursor`} title="Put it at the cursor" onClick={() => void putAtCursor(studio, itemOf(name))}><Icon path="M8 3v10M3 8h10" /></button>
         <button class="plain" aria-label={`Duplicate ${name}`} title="Duplicate" onClick={() => void studio.doc.edit({ do: "copy", at: ["formation", number], value: freeName(studio.score.value, `${name} 2`) })}><Icon path="M5.5 5.5h7v7h-7zM3.5 10.5v-7h7" /></button>
         <button class="plain" aria-label={`Delete ${name}`} title={count ? "It is used: delete or change its boxes first" : "Delete"} disabled={count > 0} onClick={() => void studio.doc.edit({ do: "delete", at: ["formation", number] })}><Icon path="M4 4l8 8M12 4l-8 8" /></button>
       </div>

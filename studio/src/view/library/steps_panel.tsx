@@ -5,6 +5,7 @@ import { feetInWords, isWanted, stepDetail, type StepFacts } from "../../model/s
 import type { Studio } from "../../model/studio";
 import { Figure } from "./figure";
 import { drag, onEnter, putAtCursor } from "./put";
+import { Lacks } from "./lacks";
 import { StepCard } from "./step_card";
 
 /** The steps of the show, each danced on the beat. A click opens its card, Enter puts it at the cursor. */
@@ -24,6 +25,7 @@ export function StepsPanel({ studio, wanted }: { studio: Studio; wanted: string 
       </ul>
       {!found.length && <p class="hint none">{plain.length ? "No step is called so." : "This show has no steps."}</p>}
       {studio.library.fault.value && <p class="hint none" role="alert">{studio.library.fault.value}</p>}
+      <Lacks studio={studio} />
       {card.value && <StepCard key={card.value} studio={studio} name={card.value} onOpen={(name) => { card.value = name; }} onClose={() => { card.value = ""; }} />}
     </>
   );

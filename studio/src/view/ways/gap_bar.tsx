@@ -1,3 +1,4 @@
+import { useEffect } from "preact/hooks";
 import { gapOf } from "../../model/gap";
 import type { Studio } from "../../model/studio";
 import { WaysDialog } from "./ways_dialog";
@@ -5,6 +6,9 @@ import { WaysDialog } from "./ways_dialog";
 /** Below the library: the ways of the selected formation, or the free measures between two, to choose from. */
 export function GapBar({ studio }: { studio: Studio }) {
   const gap = gapOf(studio.boxes.value, studio.selected.value);
+  useEffect(() => {
+    if (!gap) studio.choosing.value = false;
+  }, [studio, gap === null]);
   if (!gap) return null;
   return (
     <>
