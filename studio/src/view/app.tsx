@@ -7,6 +7,7 @@ import { Library } from "./library/library";
 import { Notices } from "./notices";
 import { ShowView } from "./show/show_view";
 import { StageView } from "./stage/stage_view";
+import { Storyboard } from "./storyboard/storyboard";
 import { Timeline } from "./timeline/timeline";
 
 /** The whole page: a header, and one of the views below it. */
@@ -24,6 +25,7 @@ export function App({ studio }: { studio: Studio }) {
           <Timeline studio={studio} />
         </main>
       )}
+      {view === "storyboard" && <Storyboard studio={studio} />}
       {view === "show" && <ShowView studio={studio} />}
       <Notices doc={studio.doc} />
     </>
