@@ -36,9 +36,10 @@ export class Drawing {
     this.more = more;
     this.outline = outline || tool === "lasso";
     if (tool === "select" || tool === "lasso") {
-      if (this.nearest(place)) this.choose(place, more);
-      else this.sketch.value = { points: [place], closed: this.outline, kind: "select" };
-      if (this.nearest(place)) this.begun = null;
+      if (this.nearest(place) && !this.outline) {
+        this.choose(place, more);
+        this.begun = null;
+      } else this.sketch.value = { points: [place], closed: this.outline, kind: "select" };
     } else if (tool === "line") this.addPoint(place);
     else this.sketch.value = { points: [place], closed: tool === "shape", kind: "line" };
   }
@@ -68,8 +69,8 @@ export class Drawing {
     if (!begun || !now) return;
     if (now.kind === "select") {
       this.sketch.value = null;
-      if (now.points.length < 3 || distance(begun, place) < STILL_M) {
-        if (!this.more) this.studio.dancers.value = [];
+      if (now.points.length < 3 || now.points.every((one) => distance(one, begun) < STILL_M)) {
+        this.choose(begun, this.more);
       } else this.chooseWithin(now.points);
     } else if (isElementTool(tool)) {
       this.sketch.value = null;

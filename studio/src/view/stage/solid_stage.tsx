@@ -23,14 +23,21 @@ export function SolidStage({ studio, stage }: { studio: Studio; stage: StageStat
     const element = place.current as HTMLDivElement;
     const stops: (() => void)[] = [];
     let gone = false;
+    const refuse = (): void => {
+      studio.doc.tell("told", "3D needs WebGL, which this browser does not have here: the stage is shown from above");
+      stage.solid.value = false;
+    };
+    if (!document.createElement("canvas").getContext("webgl2")) {
+      refuse();
+      return;
+    }
     studio.doc.want({ joints: JOINTS_A_SECOND });
     void import("./stage3d.js").then(({ SolidPicture }) => {
       if (gone) return;
       try {
         picture.current = new SolidPicture(element, coloursOf(element));
       } catch {
-        studio.doc.tell("told", "3D needs WebGL, which this browser does not have here: the stage is shown from above");
-        stage.solid.value = false;
+        refuse();
         return;
       }
       stops.push(...connect(studio, stage, element, picture.current));
