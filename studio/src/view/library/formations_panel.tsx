@@ -28,13 +28,13 @@ export function FormationsPanel({ studio, wanted }: { studio: Studio; wanted: st
         <button onClick={() => { editing.value = { number: 0, table: { name: freeName(studio.score.value, "formation 1"), shape: "circle", size: [5, 4] } }; }}>New …</button>
       </div>
       <div class="scroll">
-        {found.length > 0 && <h3>Of this show</h3>}
+        {found.length > 0 && <h2>Of this show</h2>}
         <ul class="pictures" aria-label="Formations of this show">
           {found.map((one) => (
             <OwnFormation key={one.number} studio={studio} name={one.name} number={one.number} dancers={dancers} onEdit={() => { editing.value = { number: one.number, table: one.table }; }} />
           ))}
         </ul>
-        {words.length > 0 && <h3>Shapes</h3>}
+        {words.length > 0 && <h2>Shapes</h2>}
         <ul class="pictures" aria-label="Shapes">
           {words.map((name) => <Shape key={name} studio={studio} name={name} dancers={dancers} />)}
         </ul>
