@@ -78,6 +78,8 @@ export class StageState {
   /** Places of a formation that is only thought of. */
   readonly thought = signal<Place[]>([]);
   readonly momentAnswer = signal<PreviewAnswer | null>(null);
+  /** Of the same measure: what would go wrong in it. */
+  readonly momentNotes = signal<PreviewAnswer | null>(null);
   readonly segmentAnswer = signal<PreviewAnswer | null>(null);
   readonly dragAnswer = signal<PreviewAnswer | null>(null);
   readonly waits = signal(false);
@@ -92,7 +94,7 @@ export class StageState {
     const answer = this.momentAnswer.value;
     const cursor = this.studio.cursor.value;
     const looked = this.looked.value;
-    if (!answer || cursor === null || looked === null || answer.texts["ways"]?.["from"] !== looked) return null;
+    if (!answer || cursor === null || looked === null || Math.round(answer.moments[0]?.measure ?? 0) !== looked) return null;
     return positionsAt(answer.moments, answer.positions, looked + (cursor % 1), "measure");
   });
   readonly shown = computed(() => this.playedPositions.value ?? (this.looked.value === null ? this.studio.doc.positions.value : this.momentPositions.value));
@@ -106,8 +108,8 @@ export class StageState {
     const drag = this.dragAnswer.value;
     if (drag) return waysIn(drag);
     const chosen = this.segmentAnswer.value;
+    if (chosen && waysIn(chosen)) return waysIn(chosen);
     if (this.studio.doc.ways.value) return this.studio.doc.ways.value;
-    if (chosen) return waysIn(chosen);
     const moment = this.looked.value === null ? null : this.momentAnswer.value;
     return moment?.positions.length ? { from: 0, to: 0, segment: null, ...waysOf(moment.positions) } : null; // as they are danced
   });
@@ -122,7 +124,7 @@ export class StageState {
     return chosen?.positions.at(-1) ?? null;
   });
   readonly faults = computed(() => {
-    const answer = this.played.value?.answer ?? this.dragAnswer.value ?? this.segmentAnswer.value ?? (this.looked.value === null ? null : this.momentAnswer.value);
+    const answer = this.played.value?.answer ?? this.dragAnswer.value ?? this.segmentAnswer.value ?? (this.looked.value === null ? null : this.momentNotes.value);
     const notes = answer?.texts["notes"];
     return {
       meetings: (notes?.["meetings"] as Meeting[] | undefined) ?? [],
@@ -156,13 +158,18 @@ export class StageState {
     const stops = [
       effect(() => {
         const measure = this.looked.value;
-        this.about(measure === null ? null : { from: measure, to: measure, positions: "samples" }, "moment", this.momentAnswer);
+        this.about(measure === null ? null : { from: measure, to: measure, positions: "samples", ways: false, notes: false }, "moment", this.momentAnswer);
+      }),
+      effect(() => {
+        const measure = this.looked.value;
+        this.about(measure === null ? null : { from: measure, to: measure, positions: "none", ways: false }, "notes", this.momentNotes);
       }),
       effect(() => {
         const chosen = this.studio.selected.value.filter((one) => one.list === "segment");
         const one = chosen.length === 1 ? chosen[0] : undefined;
         if (!one) this.segmentAnswer.value = null;
-        this.about(one ? { segment: one.number } : null, "segment", this.segmentAnswer);
+        const ways = !this.without.value && this.tried.value.length > 0; // else they come with the stream
+        this.about(one ? { segment: one.number, ways } : null, "segment", this.segmentAnswer);
       }),
       effect(() => {
         void this.studio.selected.value;
@@ -184,10 +191,10 @@ export class StageState {
       into.value = null;
       return;
     }
-    this.waits.value = true;
+    if (topic !== "notes") this.waits.value = true;
     void preview.ask({ ...question, ...(tried.length ? { with: tried } : {}) }, topic, topic === "moment").then((answer) => {
       if (answer.replaced) return;
-      this.waits.value = false;
+      if (topic !== "notes") this.waits.value = false;
       into.value = answer;
     });
   }
