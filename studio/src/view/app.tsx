@@ -5,6 +5,7 @@ import { Header } from "./header";
 import { Inspector } from "./inspector/inspector";
 import { Library } from "./library/library";
 import { Notices } from "./notices";
+import { PlayView } from "./play/play_view";
 import { ShowView } from "./show/show_view";
 import { StageView } from "./stage/stage_view";
 import { Storyboard } from "./storyboard/storyboard";
@@ -26,6 +27,7 @@ export function App({ studio }: { studio: Studio }) {
         </main>
       )}
       {view === "storyboard" && <Storyboard studio={studio} />}
+      {view === "play" && <PlayView studio={studio} />}
       {view === "show" && <ShowView studio={studio} />}
       <Notices doc={studio.doc} />
     </>

@@ -34,11 +34,12 @@ DEADLINE = 120.0
 class Studio(EditedShow):
     """A show with its web server; a thread draws its frames."""
 
-    def __init__(self, patch: Path) -> None:
+    def __init__(self, patch: Path, osc: tuple[str, int] = ("127.0.0.1", 9)) -> None:
+        """`osc`: where the page's commands are sent."""
         super().__init__(patch)
         stage = StageStream(self.show, lambda: self.engine.view, ScoreStream(self.show, self.service), lambda: 0)
         self.web = WebService(
-            ("127.0.0.1", 0), KEY, ("127.0.0.1", 9), self.show, self.clock, stage=stage,
+            ("127.0.0.1", 0), KEY, osc, self.show, self.clock, stage=stage,
             files=preview_files(self.loaded, None), inbox=self.inbox.add_queue(),
         )  # fmt: skip
         self.service.answer_listeners.append(self.web.answer)

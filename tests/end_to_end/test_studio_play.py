@@ -1,0 +1,96 @@
+"""Pads for improvising and the storyboard, in a browser with a real show and a real preview."""
+
+import re
+import socket
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from live.control.events.event import ControlEvent
+from live.control.osc.osc_codec import decode
+from live.control.registry.registry import REGISTRY
+from tests.app.services.test_document_service import PATCH
+from tests.app.services.test_studio_pages import KEY, Studio
+from tests.control.waiting import BUSY
+from tests.end_to_end.browser import browser, needs_browser
+from tests.show.patch.edited_night import write_patch_folder
+
+pytestmark = [needs_browser, pytest.mark.browser]
+TIMEOUT = 60_000 * BUSY
+
+
+@pytest.fixture
+def port() -> Iterator[socket.socket]:
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as made:
+        made.bind(("127.0.0.1", 0))
+        made.settimeout(30.0 * BUSY)
+        yield made
+
+
+@pytest.fixture
+def show(tmp_path: Path, port: socket.socket) -> Iterator[Studio]:
+    made = Studio(write_patch_folder(tmp_path, PATCH), port.getsockname())
+    yield made
+    made.stop()
+
+
+@pytest.fixture
+def page(show: Studio) -> Iterator[Any]:
+    with browser() as (opened, _):
+        made = opened.new_page(viewport={"width": 1440, "height": 900})
+        made.set_default_timeout(TIMEOUT)
+        errors: list[str] = []
+        made.on("pageerror", lambda error: errors.append(str(error)))
+        made.goto(f"http://127.0.0.1:{show.web.port}/studio#key={KEY}")
+        yield made
+        assert not errors
+
+
+def received(port: socket.socket, show: Studio) -> tuple[Any, ...]:
+    """Return the page's next command, which the show gets, too."""
+    (message,) = decode(port.recv(4096))
+    made = REGISTRY.call(message.address, list(message.arguments), show.clock.now(), "osc")
+    assert isinstance(made, ControlEvent), made
+    show.inbox.put(made)
+    return message.address, *message.arguments
+
+
+def until(fits: Any, page: Any) -> None:
+    deadline = time.monotonic() + 60.0 * BUSY
+    while not fits():
+        assert time.monotonic() < deadline, "waited in vain"
+        page.wait_for_timeout(20)
+
+
+def test_a_pad_is_launched_for_a_group_and_danced(show: Studio, port: socket.socket, page: Any) -> None:
+    page.get_by_role("navigation", name="Views").get_by_role("button", name="Play").click()
+    page.get_by_role("button", name="side step, ember").click()
+    assert received(port, show) == ("/dance/step", "side step", 4.0, "ember")
+    page.get_by_role("button", name=re.compile("side step, ember, (in|runs)")).wait_for()
+    until(lambda: set(show.names()) == {"side step"}, page)  # tide dances it anyway
+    page.keyboard.press("ArrowDown")
+    page.get_by_role("region", name="Pads").get_by_role("button", name="Formations").click()
+    page.get_by_role("region", name="Pads").get_by_role("button", name="Now").click()
+    page.get_by_role("button", name="circle, everybody").click()
+    assert received(port, show)[:4] == ("/dance/formation", "circle", 4.0, "*")
+    page.get_by_role("button", name="Keep", exact=True).click()
+    assert received(port, show)[:2] == ("/dance/document/keep/measures", 16)
+    until(lambda: "take" in show.path.read_text(), page)
+
+
+def test_the_storyboard_has_a_picture_for_each_arrival(show: Studio, page: Any) -> None:
+    page.get_by_role("button", name="Storyboard").click()
+    page.get_by_text("3 pictures").wait_for()
+    names = [one.get_attribute("aria-label") for one in page.locator(".shot").all()]
+    assert names == ["beginning: All begin here", "measures 2 to 3: line", "measures 8 to 9: circle"]
+    assert page.locator(".shot circle:not(.mine)").count() == 3 * 6
+    page.get_by_label("For").select_option("2")
+    page.get_by_role("heading", name="edited: dancer 2, ember").wait_for()
+    assert page.locator(".mine").count() == 3
+    page.get_by_label("For").select_option("0")
+    assert page.locator("article").count() == 6
+    page.get_by_role("button", name="measures 2 to 3: line").first.click()
+    page.get_by_role("region", name="Timeline").wait_for()
