@@ -101,7 +101,7 @@ class PreviewAnswers:
         engine, answers = self._find(question)
         engine.on_tick = self.on_tick
         self._asked = question.id, engine
-        library = list(self._library(engine, question))
+        library = list(self._library(engine, question, answers))
         if library:
             yield from library
             return
@@ -153,8 +153,11 @@ class PreviewAnswers:
             json.dumps({"kind": "notes", **head, **faults, "notes": [], "answers": answers}),
         ]
 
-    def _library(self, engine: PreviewEngine, question: Question) -> Iterator[str | bytes]:
-        """Yield the answer to a question about steps or formations; nothing if it asks for none."""
+    def _library(
+        self, engine: PreviewEngine, question: Question, answers: list[dict[str, Any]]
+    ) -> Iterator[str | bytes]:
+        """Yield the answer to a question about steps or formations; nothing if it asks for none. PersonError for
+        options of an edit that is refused."""
         head = {"id": question.id, "document": self._revision}
         if question.steps:
             yield json.dumps({"kind": "steps", **head, "steps": step_values(engine.graph)})
@@ -168,6 +171,8 @@ class PreviewAnswers:
         if question.options:
             if question.segment is None:
                 raise PersonError('"options" are those of a segment', '{"id": 1, "segment": 3, "options": [{}]}')
+            for fault in (fault for answer in answers for fault in answer.get("refused", ())):
+                raise PersonError(fault["what"], fault.get("remedy"))
             yield json.dumps(option_values(engine, question.segment, question.options) | head)
 
     def _range(self, engine: PreviewEngine, question: Question) -> tuple[int, int]:

@@ -154,13 +154,12 @@ def test_options_of_a_segment_are_compared(answers: PreviewAnswers) -> None:
 
 
 def test_options_of_a_segment_that_is_only_tried(answers: PreviewAnswers) -> None:
-    tried = {
-        "do": "insert",
-        "at": ["segment"],
-        "value": {"measure": 5, "measures": 3, "group": "tide", "formation": "star"},
-    }
+    value: dict[str, Any] = {"measure": 5, "measures": 3, "group": "tide", "formation": "star"}
+    tried: dict[str, Any] = {"do": "insert", "at": ["segment"], "value": value}
     told = asked(answers, segment=3, options=[{}], with_=[tried])[0]["options"]
     assert (told["from"], told["to"], told["dancers"]) == (5, 7, [4, 5, 6])
+    refused = asked(answers, segment=3, options=[{}], with_=[tried | {"value": value | {"formation": "nothing"}}])[0]
+    assert "nothing" in refused["refused"]["refused"][0]["what"]
 
 
 @pytest.mark.parametrize(
