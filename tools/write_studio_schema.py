@@ -42,7 +42,7 @@ FIRST: Final[dict[str, tuple[str, ...]]] = {
 """Kinds of entries, "" for the keys at the top, and the keys that are always shown; all others are folded."""
 ONLY: Final = ("clock", "music", "")
 """Of these only the keys above are in a form."""
-NAMES: Final[dict[tuple[str, str], str]] = {
+NAMES: dict[tuple[str, str], str] = {
     ("segment", "group"): "dancers", ("sequence", "group"): "dancers", ("improvise", "group"): "dancers",
     ("element", "group"): "dancers", ("regroup", "dancers"): "dancers", ("regroup", "group"): "group",
     ("segment", "formation"): "formation", ("group", "formation"): "formation", ("group", "like"): "group",
