@@ -108,7 +108,7 @@ export class StageState {
     const drag = this.dragAnswer.value;
     if (drag) return waysIn(drag);
     const chosen = this.segmentAnswer.value;
-    if (chosen && waysIn(chosen)) return waysIn(chosen);
+    if (chosen) return waysIn(chosen);
     if (this.studio.doc.ways.value) return this.studio.doc.ways.value;
     const moment = this.looked.value === null ? null : this.momentAnswer.value;
     return moment?.positions.length ? { from: 0, to: 0, segment: null, ...waysOf(moment.positions) } : null; // as they are danced
@@ -168,8 +168,7 @@ export class StageState {
         const chosen = this.studio.selected.value.filter((one) => one.list === "segment");
         const one = chosen.length === 1 ? chosen[0] : undefined;
         if (!one) this.segmentAnswer.value = null;
-        const ways = !this.without.value && this.tried.value.length > 0; // else they come with the stream
-        this.about(one ? { segment: one.number, ways } : null, "segment", this.segmentAnswer);
+        this.about(one ? { segment: one.number } : null, "segment", this.segmentAnswer);
       }),
       effect(() => {
         void this.studio.selected.value;

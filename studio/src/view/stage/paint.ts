@@ -152,7 +152,7 @@ function paintWays(context: CanvasRenderingContext2D, scene: Scene, ways: Ways):
 /** Where they are now, while the stage shows another moment: small pale circles. */
 function paintPale(context: CanvasRenderingContext2D, scene: Scene, positions: Positions): void {
   const radius = Math.max(0.6 * BODY_M * scene.camera.scale, 2);
-  context.globalAlpha = 0.3;
+  context.globalAlpha = 0.4;
   for (let row = 0; row < positions.count; row++) {
     if (!positions.present[row]) continue;
     const [px, py] = toPixels(scene.camera, positions.rows[3 * row] ?? 0, positions.rows[3 * row + 1] ?? 0);

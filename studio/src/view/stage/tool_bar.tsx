@@ -50,7 +50,6 @@ export function ToolBar({ studio, stage, onPlace }: { studio: Studio; stage: Sta
         {groupSpans(studio).map(({ name, colour, members }) => (
           <button
             key={name}
-            class="chip"
             aria-pressed={members.length > 0 && members.every((one) => studio.dancers.value.includes(one))}
             title={`Select ${name}; with Shift in addition`}
             onClick={(event) => {
