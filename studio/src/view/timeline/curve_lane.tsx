@@ -46,7 +46,7 @@ export function CurveLane({ studio, state, box }: { studio: Studio; state: Timel
   };
   return (
     <>
-      <svg class="curve" aria-hidden="true" onDblClick={add}>
+      <svg class="graph" aria-hidden="true" onDblClick={add}>
         <path class="fill" d={points.length ? `${line}L${x(points.at(-1)?.[0] ?? 0).toFixed(1)} ${HEIGHT}L${x(points[0]?.[0] ?? 0).toFixed(1)} ${HEIGHT}Z` : ""} />
         <path d={line} />
       </svg>

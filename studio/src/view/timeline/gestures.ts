@@ -24,15 +24,15 @@ export function listenToGestures(studio: Studio, state: TimelineState, element: 
   let held: Held | null = null;
   let pinch: { distance: number; scale: number } | null = null;
 
-  const boxAt = (target: Element | null): Box | undefined => {
-    const key = target?.closest<HTMLElement>("[data-key]")?.dataset["key"];
-    const [list = "", number = ""] = key?.split(" ") ?? [];
-    return key ? studio.box({ list, number: Number(number) }) : undefined;
+  const boxOf = (target: Element): Box | undefined => {
+    const [list = "", number = ""] = target.closest<HTMLElement>("[data-key]")?.dataset["key"]?.split(" ") ?? [];
+    return list ? studio.box({ list, number: Number(number) }) : undefined;
   };
 
-  const holdBox = (event: PointerEvent, box: Box, target: HTMLElement): Pick<Held, "begin" | "move" | "click"> => {
-    const inside = event.clientX - target.getBoundingClientRect().left;
-    const width = target.offsetWidth;
+  const holdBox = (event: PointerEvent, box: Box): Pick<Held, "begin" | "move" | "click"> => {
+    const scale = studio.scale.peek();
+    const inside = state.place(event).x - box.start * scale;
+    const width = box.length * scale;
     const sized = !POINTS.includes(box.list) && box.list !== "curve" && width > 3 * EDGE_PX;
     const edge = sized && inside > width - EDGE_PX ? "end" : sized && inside < EDGE_PX ? "begin" : null;
     const more = event.shiftKey || event.ctrlKey || event.metaKey;
@@ -162,13 +162,13 @@ export function listenToGestures(studio: Studio, state: TimelineState, element: 
     const target = event.target as HTMLElement;
     if (target.closest("input, .knot, .name, [data-plain]")) return;
     const place = state.place(event);
-    const box = boxAt(target);
+    const box = boxOf(target) ?? (place.row >= 0 && target.closest(".lane") ? state.boxAt(place) : undefined);
     const canon = target.closest<HTMLElement>("[data-canon]")?.dataset["canon"];
     const section = target.closest<HTMLElement>("[data-section]");
     const isBox = Boolean(box || canon || section);
     const own = canon ? holdCanon(canon)
       : section ? holdSection(event, section)
-      : box ? holdBox(event, box, target.closest<HTMLElement>("[data-key]") as HTMLElement)
+      : box ? holdBox(event, box)
       : place.row < 0 ? holdRuler(place.measure)
       : target.closest(".lane") ? holdGround(event)
       : null;

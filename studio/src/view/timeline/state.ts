@@ -15,6 +15,7 @@ export const MAX_SCALE = 640;
 /** Parts of a row that are made or left out as one [measures]. */
 export const CHUNK = 32;
 const SCREENS = 0.5;
+const MOST_ELEMENTS = 300;
 const TRY_WAIT_MS = 200;
 
 /** What is done with the pointer, as it stands now. */
@@ -71,6 +72,20 @@ export class TimelineState {
   });
   readonly firstChunk = computed(() => this.chunks.value[0]);
   readonly lastChunk = computed(() => this.chunks.value[1]);
+  /** How many boxes begin in each chunk. */
+  private readonly counts = computed(() => {
+    const counts: number[] = [];
+    for (const row of this.rows.value) for (const box of row.boxes) {
+      const at = Math.floor(box.start / CHUNK);
+      counts[at] = (counts[at] ?? 0) + 1;
+    }
+    return counts;
+  });
+  /** So many boxes are seen that they are painted, and only the selected ones are elements. */
+  readonly dense = computed(() => {
+    const [first, last] = this.chunks.value;
+    return this.counts.value.slice(Math.max(first, 0), last + 1).reduce((sum, count) => sum + (count ?? 0), 0) > MOST_ELEMENTS;
+  });
   readonly ghosts = computed(() => this.ghostsOf(this.gesture.value));
 
   constructor(readonly studio: Studio) {}
@@ -89,6 +104,15 @@ export class TimelineState {
     let row = 0;
     while (row < tops.length - 2 && y >= (tops[row + 1] as number)) row++;
     return row;
+  }
+
+  /** The box at a place of the content. */
+  boxAt(place: { x: number; y: number; measure: number; row: number }): Box | undefined {
+    const row = this.rows.peek()[place.row];
+    if (!row || row.kind === "danced" || row.kind === "curve") return undefined;
+    const lane = Math.floor((place.y - (this.tops.peek()[place.row] ?? 0) - 3) / LANE);
+    const scale = this.studio.scale.peek();
+    return row.boxes.findLast((box) => row.lane.get(box) === lane && place.measure >= box.start && place.measure <= box.start + Math.max(box.length, 5 / scale));
   }
 
   rowOf(box: { list: string; number: number }): number {

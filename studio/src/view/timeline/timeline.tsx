@@ -3,11 +3,13 @@ import { dancedFirst, hasDancers, placeKeys, type Snap } from "../../model/arran
 import { divisionRows, type Branch } from "../../model/division";
 import { sequenceLength, type Row } from "../../model/plan";
 import type { Studio } from "../../model/studio";
+import { DenseBoxes } from "./dense";
 import { listenToGestures } from "./gestures";
 import { Overlay } from "./overlay";
 import { addSection, Ruler } from "./ruler";
 import { join, putAt, rowDancers, split } from "./shortcuts";
-import { timelineOf, type TimelineState } from "./state";
+import { colourOf } from "../stage/paint";
+import { heightOf, timelineOf, type TimelineState } from "./state";
 import { Track } from "./track";
 import "./timeline.css";
 
@@ -83,7 +85,12 @@ export function Timeline({ studio }: { studio: Studio }) {
         }}
       >
         <Ruler studio={studio} state={state} />
-        {state.rows.value.map((row) => <Track key={row.id} studio={studio} state={state} row={row} />)}
+        {state.rows.value.map((row) => (
+          <div key={row.id} class={`track ${row.kind}`} role="group" aria-label={row.label} style={{ height: `${heightOf(row)}px`, ...(row.group >= 0 ? { "--group": colourOf(studio.doc.structure.value?.groups[row.group]) } : {}) }}>
+            <Track studio={studio} state={state} row={row} />
+          </div>
+        ))}
+        <DenseBoxes studio={studio} state={state} />
         <Overlay studio={studio} state={state} />
       </div>
     </section>

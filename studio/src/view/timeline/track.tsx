@@ -4,7 +4,7 @@ import type { Box, Row } from "../../model/plan";
 import { keyOf, type Studio } from "../../model/studio";
 import { colourOf } from "../stage/paint";
 import { CurveLane } from "./curve_lane";
-import { CHUNK, heightOf, type TimelineState } from "./state";
+import { CHUNK, type TimelineState } from "./state";
 
 const POINT_WORDS: Record<string, string> = { segment: "formation", sequence: "steps", at: "call", element: "element", improvise: "improvisation", regroup: "new group", cue: "cue", signal: "signal" };
 
@@ -27,7 +27,7 @@ export const Track = memo(({ studio, state, row }: { studio: Studio; state: Time
   const first = state.firstChunk.value;
   const last = state.lastChunk.value;
   return (
-    <div class={`track ${row.kind}`} role="group" aria-label={row.label} style={{ height: `${heightOf(row)}px`, ...(colour ? { "--group": colour } : {}) }}>
+    <>
       <div class="name" style={{ paddingLeft: `${4 + 14 * row.depth}px` }}>
         <button
           class="plain"
@@ -50,7 +50,7 @@ export const Track = memo(({ studio, state, row }: { studio: Studio; state: Time
         )}
         {row.kind === "group" && <Follower studio={studio} row={row} />}
       </div>
-    </div>
+    </>
   );
 });
 
@@ -93,9 +93,10 @@ const Chunk = memo(({ studio, state, row, boxes }: { studio: Studio; state: Time
   const keys = new Set(chosen.value.split(","));
   const colours = others.value.split(",");
   const by = flashes.value.split("\n");
+  const dense = state.dense.value;
   return (
     <>
-      {boxes.map((box, index) => (
+      {boxes.map((box, index) => (dense && !keys.has(keyOf(box)) && !colours[index] && !by[index] ? null : (
         <BoxView
           key={keyOf(box)}
           studio={studio}
@@ -106,7 +107,7 @@ const Chunk = memo(({ studio, state, row, boxes }: { studio: Studio; state: Time
           by={by[index] ?? ""}
           beats={studio.beats.value}
         />
-      ))}
+      )))}
     </>
   );
 });
