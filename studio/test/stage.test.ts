@@ -3,6 +3,7 @@ import { test } from "node:test";
 import { dancedMeasure, placeInScore, writtenStart } from "../src/model/danced";
 import { awayFrom, isClosed, isWithin, lengthOf, MOST_POINTS, nearestTowards, numbersInWords, pairsToMeasure, simplified, type Place } from "../src/model/geometry";
 import { endsOfWays, positionsAt, waysOf } from "../src/model/playback";
+import { meetingWords, tooFarWords } from "../src/model/fault_words";
 import { drawnEdits, drawnFormation, elementEntry, freeName, liveCall, placedEdits, pointsInWords, type Drawn } from "../src/model/stage_edits";
 import type { Positions } from "../src/net/frames";
 
@@ -108,4 +109,13 @@ test("places put by hand become a formation, or change one", () => {
   assert.deepEqual(used?.value, { measure: 4, measures: 2, group: "1-2", formation: "placed 1", match: "number" });
   const [changed] = placedEdits({ formation: [{ name: "f", shape: "circle", size: [2, 2], headings_deg: [1] }] }, "f", 1, [[0, 0]], [0], null);
   assert.deepEqual(changed, { do: "change", at: ["formation", 1], value: { size: null, headings_deg: null, shape: "places", points: [[0, 0]] } });
+});
+
+test("faults are told a line for each measure", () => {
+  const far = (dancer: number, measure = 13): { measure: number; dancer: number; distance: number; reach: number } => ({ measure, dancer, distance: 1 + dancer / 10, reach: 1.61 });
+  assert.deepEqual(tooFarWords([far(10), far(11), far(14), far(2, 12)]), [
+    "Measure 12: too far for 2: up to 1.2 m; steps reach 1.6 m", "Measure 13: too far for 10-11, 14: up to 2.4 m; steps reach 1.6 m",
+  ]);
+  const pairs = Array.from({ length: 8 }, (_, at) => ({ measure: 3, dancers: [1, at + 2] as [number, number], distance: 0.3 }));
+  assert.equal(meetingWords(pairs)[0], "Measure 3: 1 and 2, 1 and 3, 1 and 4, 1 and 5, 1 and 6, 1 and 7 and 2 more pairs would meet (0.30 m)");
 });
