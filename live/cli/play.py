@@ -5,6 +5,7 @@ Its options are those of `LaunchOptions` and of the bridges.
 
 import inspect
 import socket
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -136,10 +137,15 @@ START_TIMEOUT = 120.0
 
 def studio(
     patch: Annotated[
-        str, typer.Argument(metavar="[SHOW]", help="A patch: a file, a folder, or a name.")
-    ] = "first_show",
+        str | None,
+        typer.Argument(metavar="[SHOW]", help="A patch: a file, a folder, or a name. Left out: chosen on the page."),
+    ] = None,
     web: Annotated[str, typer.Option(help="Where the page is served.", metavar="[HOST:]PORT")] = str(STUDIO_PORT),
     browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
+    osc: Annotated[
+        str | None,
+        typer.Option(help="Where OSC is received; default: 9010.", metavar="[HOST:]PORT"),
+    ] = None,
     song: Annotated[
         Path | None, typer.Option(help="Begin a new show in the folder SHOW, to this music.", metavar="FILE")
     ] = None,
@@ -150,22 +156,45 @@ def studio(
 ) -> None:
     """Make a show where it is seen: the studio in the browser; the show runs here without a projector.
 
+    Without a show that exists the page asks for one: it is begun from a song or an example, in this folder, or opened.
     `live play SHOW --web` serves the same page beside a projector.
     """
     if song is not None or from_ is not None or dancers is not None:
         from live.app.offline.new_show import make_show
 
-        patch = str(make_show(Path(patch), song=song, dancers=dancers, example=from_))
+        patch = str(make_show(Path(patch or "my show"), song=song, dancers=dancers, example=from_))
     from live.app.option_values import parse_endpoint
     from live.app.services.http_services import stored_key
     from live.base.fault_isolation import run_once
 
-    key = stored_key()
+    key, where = stored_key(), parse_endpoint(web, "--web")
     if browser:
-        task = "opening the browser", partial(_open_browser, parse_endpoint(web, "--web"), key)
+        task = "opening the browser", partial(_open_browser, where, key)
         threading.Thread(target=run_once, args=task, daemon=True).start()
+    if patch is None or not _is_there(patch):
+        from live.app.services.studio_start import choose_show
+
+        print(f"studio: {_studio_link(where, key)}", file=sys.stderr)
+        patch = choose_show(Path.cwd(), Path(patch or "").name, where, key)
     written = {each.name: None for kind in _option_classes() for each, _ in _options(kind)}
-    play(**{**written, "patch": patch, "web": web, "web_key": key, "headless": True})
+    play(**{**written, "patch": patch, "web": web, "web_key": key, "osc": osc, "headless": True})
+
+
+def _is_there(patch: str) -> bool:
+    """Whether a show has this name."""
+    from live.base.errors import PersonError
+    from live.show.patch.patch_search_path import find_patch
+
+    try:
+        find_patch(patch)
+    except PersonError:
+        return False
+    return True
+
+
+def _studio_link(where: tuple[str, int], key: str) -> str:
+    host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(where[0], where[0])
+    return f"http://{f'[{host}]' if ':' in host else host}:{where[1]}/studio#key={key}"
 
 
 def _open_browser(where: tuple[str, int], key: str) -> None:
@@ -180,5 +209,5 @@ def _open_browser(where: tuple[str, int], key: str) -> None:
         except OSError:
             time.sleep(0.2)
             continue
-        webbrowser.open(f"http://{f'[{host}]' if ':' in host else host}:{where[1]}/studio#key={key}")
+        webbrowser.open(_studio_link(where, key))
         return

@@ -1,6 +1,7 @@
 import { render } from "preact";
 import { App } from "./view/app";
 import { Door } from "./view/door";
+import { StartPage, type StartFacts } from "./view/start/start_page";
 import { Studio } from "./model/studio";
 import "./style.css";
 
@@ -16,13 +17,23 @@ function storedKey(): string {
   return brought || localStorage.getItem(KEY) || "";
 }
 
-async function isRight(key: string): Promise<boolean> {
-  if (!key) return false;
+/** What runs here for a key: a show, or what one can be begun from; null: the key is wrong. */
+async function askWhat(key: string): Promise<{ start?: StartFacts } | null> {
+  if (!key) return null;
   const answer = await fetch("/surface.json", { headers: { Authorization: `Bearer ${key}` } }).catch(() => null);
-  return answer?.ok === true;
+  return answer?.ok ? ((await answer.json()) as { start?: StartFacts }) : null;
 }
 
-function enter(key: string): void {
+async function isRight(key: string): Promise<boolean> {
+  return (await askWhat(key)) !== null;
+}
+
+async function enter(key: string): Promise<void> {
+  const what = await askWhat(key);
+  if (what?.start) {
+    render(<StartPage secret={key} facts={what.start} isShow={async () => { const now = await askWhat(key); return now !== null && !now.start; }} />, place);
+    return;
+  }
   const name = localStorage.getItem(NAME) || `guest ${Math.floor(Math.random() * 90) + 10}`;
   localStorage.setItem(NAME, name);
   const studio = new Studio(key, name);
@@ -33,7 +44,7 @@ function enter(key: string): void {
 
 const place = document.getElementById("app") as HTMLElement;
 const key = storedKey();
-if (await isRight(key)) enter(key);
+if (await isRight(key)) await enter(key);
 else {
   render(
     <Door
@@ -42,7 +53,7 @@ else {
         const found = tried.includes("#") ? tried.slice(tried.lastIndexOf("#") + 1).replace(/^key=/, "") : tried.trim();
         if (!(await isRight(found))) return false;
         localStorage.setItem(KEY, found);
-        enter(found);
+        await enter(found);
         return true;
       }}
     />,

@@ -8,7 +8,6 @@ WebSocket, the subprotocols `live.operator, live.key.KEY`.
 
 import asyncio
 import json
-import secrets
 import socket
 import sys
 from collections.abc import Mapping
@@ -40,6 +39,7 @@ from live.control.web.stage_subscribers import StageSubscribers
 from live.control.web.studio_files import StudioFiles
 from live.control.web.surface import make_surface
 from live.control.web.task_guard import guarded, keep_task
+from live.control.web.web_key import PROTOCOL, has_key
 
 PAGE: Final = Path(__file__).with_name("web_page.html")
 MOST_CLIENTS: Final = 32
@@ -57,9 +57,6 @@ STUDIO_HEARTBEAT: Final = 16.0
 """As `HEARTBEAT`, for the two: on a slow line a ping comes after what was sent before it [s]."""
 MAX_STUDIO_BYTES: Final = 60_000
 """Maximum bytes of a message to the two."""
-PROTOCOL: Final = "live.operator"
-KEY_PROTOCOL: Final = "live.key."
-"""Followed by the key."""
 
 
 class Client:
@@ -156,7 +153,7 @@ class WebServer:
             return web.Response(text=self._text, content_type="text/html", headers=headers)
         if path in self._studio:
             return self._studio.answer(request)
-        if not self._has_key(request):
+        if not has_key(request, self._key):
             self._refused += 1
             return await self._failed.answer(request)
         if request.path == "/surface.json":
@@ -166,15 +163,6 @@ class WebServer:
     def _refuse(self, status: int) -> web.Response:
         self._refused += 1
         return web.Response(status=status, headers=SECURITY_HEADERS)
-
-    def _has_key(self, request: web.BaseRequest) -> bool:
-        scheme, _, brought = request.headers.get("Authorization", "").partition(" ")
-        if scheme.casefold() != "bearer":
-            offered = [each.strip() for each in request.headers.get("Sec-WebSocket-Protocol", "").split(",")]
-            keys = [each.removeprefix(KEY_PROTOCOL) for each in offered if each.startswith(KEY_PROTOCOL)]
-            brought = keys[0] if keys and PROTOCOL in offered else ""
-        # an empty key never matches
-        return bool(self._key) and secrets.compare_digest(brought.encode(errors="replace"), self._key)
 
     async def _open(self, request: web.BaseRequest) -> web.StreamResponse:
         if request.headers.get("Upgrade", "").casefold() != "websocket":

@@ -23,6 +23,7 @@ export function StepsPanel({ studio, wanted }: { studio: Studio; wanted: string 
           <StepRow key={step.name} studio={studio} name={step.name} facts={facts} onOpen={() => { card.value = step.name; }} />
         ))}
       </ul>
+      {!known && !studio.library.fault.value && <p class="hint none" role="status">The steps come in a moment …</p>}
       {!found.length && <p class="hint none">{plain.length ? "No step is called so." : "This show has no steps."}</p>}
       {studio.library.fault.value && <p class="hint none" role="alert">{studio.library.fault.value}</p>}
       <Lacks studio={studio} />
