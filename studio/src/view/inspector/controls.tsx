@@ -70,6 +70,11 @@ function parsed(said: string): unknown {
   }
 }
 
+function shownDefault(field: Field): string {
+  if (Array.isArray(field.default)) return field.default.join(", ");
+  return field.default === undefined || typeof field.default === "object" ? "" : String(field.default);
+}
+
 function TextControl({ id, field, several, shown, read, onValue, focus, list }: Props & { shown: string; read: (said: string) => unknown; list?: string }) {
   const input = useRef<HTMLInputElement>(null);
   useEffect(() => { if (focus) input.current?.select(); }, [focus]);
@@ -80,7 +85,7 @@ function TextControl({ id, field, several, shown, read, onValue, focus, list }: 
       list={list}
       value={shown}
       spellcheck={false}
-      placeholder={several ? "several" : field.default === undefined ? "" : String(Array.isArray(field.default) ? field.default.join(", ") : field.default)}
+      placeholder={several ? "several" : shownDefault(field)}
       onKeyDown={(event) => {
         if (event.key === "Enter") event.currentTarget.blur();
         else if (event.key === "Escape") {

@@ -64,9 +64,9 @@ function Row({ studio, kind, field, all, onValue }: { studio: Studio; kind: stri
   const id = `field-${kind}-${field.key}`;
   const isName = isRenamed(kind, field.key);
   return (
-    <div class={`row${written ? "" : " unwritten"}${WIDE.includes(field.control) ? " wide" : ""}`} title={field.help}>
+    <div class={`formrow${written ? "" : " unwritten"}${WIDE.includes(field.control) ? " wide" : ""}`} title={field.help}>
       <label for={id} id={`${id}-words`}>{field.words}</label>
-      <div class="control">
+      <div class="fieldbox">
         {isName && !renaming.value ? (
           <button id={id} class="value" title="Rename: it is renamed wherever it is named" onClick={() => { renaming.value = true; }}>{String(value ?? "")}</button>
         ) : (
