@@ -160,7 +160,7 @@ def studio(
     `live play SHOW --web` serves the same page beside a projector.
     """
     if song is not None or from_ is not None or dancers is not None:
-        from live.app.offline.new_show import make_show
+        from live.app.services.new_show import make_show
 
         patch = str(make_show(Path(patch or "my show"), song=song, dancers=dancers, example=from_))
     from live.app.option_values import parse_endpoint

@@ -6,8 +6,8 @@ from typing import Annotated, Any, Final
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from live.app.offline.new_show import MAX_DANCERS, examples, make_show
 from live.app.services.listening_socket import listening_socket
+from live.app.services.new_show import MAX_DANCERS, examples, make_show
 from live.base.errors import PersonError
 from live.control.web.http_protection import BACKLOG
 from live.control.web.start_server import StartServer

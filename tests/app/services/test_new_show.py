@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from live.app.offline import new_show
-from live.app.offline.new_show import MAX_DANCERS, examples, make_show
+from live.app.services import new_show
+from live.app.services.new_show import MAX_DANCERS, examples, make_show
 from live.base.errors import PersonError
 from live.clock.measure_map import MeasureLine, MeasureMap
 from live.rehearse.lint import lint_show
