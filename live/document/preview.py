@@ -390,7 +390,8 @@ def division_values(engine: PreviewEngine, first: int, last: int) -> dict[str, A
 
 def way_values(plan: DryRunResult) -> list[list[list[float]]]:
     """Return the planned way of each dancer: places (x, z) [m], 32 in each measure."""
-    return [[[round(x, 3), round(z, 3)] for x, z in way] for way in plan.ways.transpose(1, 0, 2).tolist()]
+    values: list[list[list[float]]] = np.round(plan.ways.transpose(1, 0, 2).astype(np.float64), 3).tolist()
+    return values
 
 
 def plan_faults(engine: PreviewEngine, plan: DryRunResult, first: int) -> dict[str, Any]:
