@@ -85,6 +85,8 @@ def test_steps_are_danced_chained_and_put_at_the_cursor(show: Studio, page: Any)
         r'\[\[sequence\]\].*steps = \["groove", "side step"\]', written(show, r"\[\[sequence\]\]"), re.DOTALL
     )
     page.get_by_role("dialog").wait_for(state="detached")
+    row.drag_to(page.locator(".track[aria-label=tide] .lane"), target_position={"x": 100, "y": 10})
+    written(show, r'steps = \["groove"\]\nmeasure = 2\ngroup = "tide"')
     row.focus()
     page.evaluate("studio.cursor.value = 20")
     page.keyboard.press("Enter")
