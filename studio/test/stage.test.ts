@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { dancedMeasure, placeInScore, writtenStart } from "../src/model/danced";
-import { awayFrom, isClosed, isWithin, lengthOf, MOST_POINTS, nearestTowards, numbersInWords, pairsToMeasure, simplified, type Place } from "../src/model/geometry";
+import { awayFrom, isClosed, isWithin, lengthOf, MOST_POINTS, nearestMoment, nearestTowards, numbersInWords, pairsToMeasure, simplified, type Place } from "../src/model/geometry";
 import { endsOfWays, positionsAt, waysOf } from "../src/model/playback";
 import { meetingWords, tooFarWords } from "../src/model/fault_words";
 import { drawnEdits, drawnFormation, elementEntry, freeName, liveCall, placedEdits, pointsInWords, type Drawn } from "../src/model/stage_edits";
@@ -40,6 +40,11 @@ test("arrows go to the nearest dancer in their direction, and never back", () =>
 test("distances of a few are all told, of many only the nearest", () => {
   assert.equal(pairsToMeasure([[0, 0], [1, 0], [2, 0]]).length, 3);
   assert.deepEqual(pairsToMeasure([[0, 0], [1, 0], [5, 0], [6, 0], [20, 0]]), [[0, 1], [2, 3], [4, 3]]);
+});
+
+test("two ways meet where they are nearest at the same time", () => {
+  assert.equal(nearestMoment([[0, 0], [1, 0], [2, 0]], [[2, 0], [1, 0.1], [0, 0]]), 1);
+  assert.equal(nearestMoment([], [[1, 1]]), -1);
 });
 
 test("numbers of dancers in words", () => {

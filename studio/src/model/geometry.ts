@@ -106,6 +106,17 @@ export function pairsToMeasure(places: Place[]): [number, number][] {
   return pairs;
 }
 
+/** Where two ways of the same times are nearest to each other: the number of the point; -1 without any. */
+export function nearestMoment(one: Place[], other: Place[]): number {
+  let found = -1;
+  let least = Infinity;
+  for (let at = 0; at < Math.min(one.length, other.length); at++) {
+    const away = distance(one[at] as Place, other[at] as Place);
+    if (away < least) [found, least] = [at, away];
+  }
+  return found;
+}
+
 /** Numbers of the places nearest to one of them. */
 export function nearestOf(places: Place[], index: number, count: number): number[] {
   const here = places[index] as Place;

@@ -10,6 +10,9 @@ import type { Studio } from "./studio";
 
 export type Tool = "select" | "lasso" | "line" | "curve" | "shape" | "attract" | "repel" | "spread" | "cross";
 
+/** What stands above each dancer. */
+export type Labels = "none" | "numbers" | "names";
+
 /** A drawn line that waits for what becomes of it. */
 export interface Stroke {
   points: Place[];
@@ -52,7 +55,7 @@ const MOST_MEASURES = 64;
 
 export class StageState {
   readonly tool = signal<Tool>("select");
-  readonly names = signal(false);
+  readonly labels = signal<Labels>("none");
   readonly distances = signal(false);
   readonly solid = signal(false);
   /** Whether elements that are put act at once, in the show that is danced. */

@@ -2,6 +2,7 @@
 import type { Group, Score } from "../../model/score";
 import type { StageElement, Ways } from "../../model/document";
 import type { Place } from "../../model/geometry";
+import type { Labels } from "../../model/stage_state";
 import type { Positions } from "../../net/frames";
 import { toPixels, type Camera2D } from "./camera2d";
 import { paintDistances, paintElements, paintMeetings, paintSet, paintSketch, type Written } from "./paint_marks";
@@ -44,7 +45,7 @@ export interface Scene {
   meetings: [number, number][];
   /** The dancer that the keyboard stands on; 0: none. */
   focus: number;
-  names: boolean;
+  labels: Labels;
   distances: boolean;
   /** A place that is dragged: its distances to the others are shown. */
   held: Place | null;
@@ -73,7 +74,7 @@ export function paint(context: CanvasRenderingContext2D, scene: Scene): void {
   if (scene.ways) paintWays(context, scene, scene.ways);
   if (scene.ghost) paintGhost(context, scene, scene.ghost);
   if (scene.positions) paintDancers(context, scene, scene.positions);
-  if (scene.ghost) paintMeetings(context, scene);
+  paintMeetings(context, scene);
   paintDistances(context, scene);
   paintSketch(context, scene);
 }
@@ -140,6 +141,7 @@ function paintWays(context: CanvasRenderingContext2D, scene: Scene, ways: Ways):
       context.stroke();
     }
     const [px, py] = toPixels(camera, last[0], last[1]);
+    if (scene.ghost) return; // it shows where they arrive
     context.globalAlpha = 0.9;
     context.beginPath();
     context.arc(px, py, 0.5 * BODY_M * camera.scale, 0, 2 * Math.PI);
@@ -226,9 +228,15 @@ function paintDancers(context: CanvasRenderingContext2D, scene: Scene, positions
     context.fillStyle = "rgb(0 0 0 / 0.72)";
     triangle(context, px, py, positions.rows[3 * row + 2] ?? 0, radius);
     context.fill();
-    if (scene.names) {
+    if (scene.labels !== "none") {
       context.fillStyle = theme.ink;
-      context.fillText(String(dancer), px, py - radius - 6);
+      context.fillText(scene.labels === "numbers" ? String(dancer) : nameOf(scene, dancer), px, py - radius - 6);
     }
   }
+}
+
+/** A dancer's group, and their number in it. */
+function nameOf({ groups, groupOf }: Scene, dancer: number): string {
+  const group = groupOf[dancer - 1] ?? -1;
+  return group < 0 ? String(dancer) : `${groups[group]?.name ?? ""} ${dancer - groupOf.indexOf(group)}`;
 }

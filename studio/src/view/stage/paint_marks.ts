@@ -1,16 +1,19 @@
 // What lies on the stage besides its dancers: obstacles, gates, items, elements, distances, and what is drawn just now.
 import { entries, number, text, type Entry } from "../../model/score";
-import { distance, nearestOf, pairsToMeasure, type Place } from "../../model/geometry";
+import { distance, nearestMoment, nearestOf, pairsToMeasure, type Place } from "../../model/geometry";
 import type { Positions } from "../../net/frames";
 import { toPixels, type Camera2D } from "./camera2d";
 import type { Scene } from "./paint";
 
 type Context = CanvasRenderingContext2D;
 
-/** An element of the score that is selected. */
+const MOST_MEETINGS = 40;
+
+/** An element of the score that is selected, or acts in the measure that is looked at. */
 export interface Written {
   kind: string;
   entry: Entry;
+  selected: boolean;
 }
 
 function line(context: Context, camera: Camera2D, places: Place[], closed = false): void {
@@ -96,12 +99,13 @@ export function paintElements(context: Context, { camera, elements, written, the
     context.fillStyle = theme.ink;
     context.fillText(`${element.kind}, now`, px, py + radius + 14);
   }
-  for (const { kind, entry } of written) {
+  for (const { kind, entry, selected } of written) {
     const at = (entry["at"] as Place | undefined) ?? [0, 0];
     const to = entry["to"] as Place | undefined;
     const points = (entry["points"] ?? entry["path"]) as Place[] | undefined;
     context.strokeStyle = theme.accent;
-    context.lineWidth = 2;
+    context.lineWidth = selected ? 2 : 1.25;
+    context.globalAlpha = selected ? 1 : 0.7;
     context.setLineDash([7, 4]);
     if (points && Array.isArray(points[0])) line(context, camera, points, entry["closed"] === true);
     else if (to) line(context, camera, [at, to]);
@@ -109,21 +113,29 @@ export function paintElements(context: Context, { camera, elements, written, the
     else disc(context, camera, at, Math.max(number(entry, "radius", 0), 0.5) * camera.scale);
     context.stroke();
     context.setLineDash([]);
+    context.globalAlpha = 1;
   }
   context.lineWidth = 1;
 }
 
-/** Lines between those who would meet. */
-export function paintMeetings(context: Context, { camera, meetings, ghost, theme }: Scene): void {
-  if (!ghost) return;
-  context.strokeStyle = theme.alarm;
+/** Marks where two would meet: the places of their ways where they are nearest to each other. */
+export function paintMeetings(context: Context, { camera, meetings, ways, theme }: Scene): void {
+  if (!ways) return;
+  context.strokeStyle = context.fillStyle = theme.alarm;
   context.lineWidth = 2;
-  for (const [a, b] of meetings.slice(0, 40)) {
-    line(context, camera, [placeIn(ghost, a), placeIn(ghost, b)]);
-    context.setLineDash([2, 4]);
+  for (const [a, b] of meetings.slice(0, MOST_MEETINGS)) {
+    const one = ways.ways[ways.dancers.indexOf(a)];
+    const other = ways.ways[ways.dancers.indexOf(b)];
+    const at = one && other ? nearestMoment(one, other) : -1;
+    if (at < 0) continue;
+    const places = [one?.[at] as Place, other?.[at] as Place];
+    line(context, camera, places);
     context.stroke();
+    for (const place of places) {
+      disc(context, camera, place, 3.5);
+      context.fill();
+    }
   }
-  context.setLineDash([]);
   context.lineWidth = 1;
 }
 

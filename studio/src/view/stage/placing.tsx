@@ -150,6 +150,11 @@ export function PlacingBar({ studio, stage }: { studio: Studio; stage: StageStat
     <form
       class="strip options placing"
       aria-label="Formation placed by hand"
+      onKeyDown={(event) => {
+        if (event.key !== "Escape") return;
+        event.stopPropagation();
+        close();
+      }}
       onSubmit={(event) => {
         event.preventDefault();
         const kept = now;

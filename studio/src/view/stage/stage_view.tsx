@@ -11,6 +11,7 @@ import { Handles } from "./handles";
 import { MomentBar } from "./moment_bar";
 import { paint, type Scene, type Theme } from "./paint";
 import { beginPlacing, PlaceHandles, PlacingBar } from "./placing";
+import type { Written } from "./paint_marks";
 import { SolidStage } from "./solid_stage";
 import { StrokeForm } from "./stroke_form";
 import { ToolBar, ToolOptions } from "./tool_bar";
@@ -132,21 +133,31 @@ function sceneOf(studio: Studio, stage: StageState, drawing: Drawing, camera: Ca
     groupOf: groupOf(studio, Math.max(positions?.count ?? 0, studio.doc.positions.peek()?.count ?? 0)),
     ways: stage.ways.value,
     elements: stage.looked.value === null && !stage.played.value ? (studio.doc.clock.value?.elements ?? []) : [],
-    written: studio.selected.value.flatMap((one) => {
-      const entry = one.list === "element" || one.list === "segment" ? studio.entry(one) : undefined;
-      return entry ? [{ kind: one.list === "segment" ? "formation" : String(entry["kind"] ?? ""), entry }] : [];
-    }),
+    written: writtenHere(studio, stage),
     chosen: new Set(studio.dancers.value),
     alarmed: stage.alarmed.value,
     meetings: faults.meetings.map((one) => one.dancers),
     focus: stage.focus.value,
-    names: stage.names.value,
+    labels: stage.labels.value,
     distances: stage.distances.value,
     held: stage.held.value,
     places: placing ? placing.places : stage.dragAnswer.value ? [] : stage.thought.value,
     sketch: drawing.sketch.value ?? (stage.stroke.value ? { points: stage.stroke.value.points, closed: stage.stroke.value.closed, kind: "line" } : null),
     pen: drawing.pen.value,
   };
+}
+
+/** Elements and ways of the score that are selected, and elements that act in the measure that is looked at. */
+function writtenHere(studio: Studio, stage: StageState): Written[] {
+  const cursor = studio.cursor.value;
+  const acting = stage.looked.value === null || cursor === null ? [] : studio.boxes.value.filter((box) => box.list === "element" && box.start <= cursor && cursor < box.start + box.length);
+  const chosen = studio.selected.value.filter((one) => one.list === "element" || one.list === "segment");
+  const found = chosen.flatMap((one) => {
+    const entry = studio.entry(one);
+    return entry ? [{ kind: one.list === "segment" ? "formation" : String(entry["kind"] ?? ""), entry, selected: true }] : [];
+  });
+  const others = acting.filter((box) => !studio.isSelected(box)).map((box) => ({ kind: box.label, entry: box.entry, selected: false }));
+  return [...others, ...found];
 }
 
 function themeOf(element: HTMLElement): Theme {

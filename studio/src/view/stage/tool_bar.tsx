@@ -1,5 +1,5 @@
 import type { Signal } from "@preact/signals";
-import type { StageState, Tool } from "../../model/stage_state";
+import type { Labels, StageState, Tool } from "../../model/stage_state";
 import type { Studio } from "../../model/studio";
 import { colourOf } from "./paint";
 import { isElementTool } from "./drawing";
@@ -43,7 +43,11 @@ export function ToolBar({ studio, stage, onPlace }: { studio: Studio; stage: Sta
           <svg viewBox="0 0 16 16" aria-hidden="true"><path d="M5 2.500a2.500 2.500 0 1 1 0 5 2.500 2.500 0 1 1 0-5zM12 9a2.500 2.500 0 1 1 0 5 2.500 2.500 0 1 1 0-5zM9 4h5M12 2l2 2-2 2" /></svg>
         </button>
       </div>
-      <Switch value={stage.names} words="Numbers" />
+      <select aria-label="Above each dancer" value={stage.labels.value} onChange={(event) => { stage.labels.value = event.currentTarget.value as Labels; }}>
+        <option value="none">No labels</option>
+        <option value="numbers">Numbers</option>
+        <option value="names">Names</option>
+      </select>
       <Switch value={stage.distances} words="Distances" />
       <Switch value={stage.solid} words="3D" />
       <div class="groups" role="group" aria-label="Select a group">
