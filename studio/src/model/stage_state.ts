@@ -2,6 +2,7 @@
 import { computed, effect, signal } from "@preact/signals";
 import type { Positions } from "../net/frames";
 import type { PreviewAnswer, Question } from "../net/preview";
+import type { Value } from "../net/values";
 import type { SingleEdit, Ways } from "./document";
 import { dancedMeasure, writtenStart } from "./danced";
 import { numbersInWords, type Place } from "./geometry";
@@ -222,6 +223,13 @@ export class StageState {
     const answer = await this.studio.doc.edits(edits);
     this.dragAnswer.value = null;
     return !answer.refused;
+  }
+
+  /** Call the show now; without a connection that is told, because a late call would surprise. */
+  call(address: string, ...values: Value[]): void {
+    const { values: live, doc } = this.studio;
+    if (live.link.state.value === "open") live.send(address, ...values);
+    else doc.tell("refused", "Nothing was sent: there is no connection to the show");
   }
 
   async sendTried(): Promise<void> {

@@ -121,7 +121,7 @@ export class Drawing {
     const { stage, studio } = this;
     const measures = stage.measures.value;
     if (stage.live.value) {
-      studio.values.send(...liveCall(kind, points, stage.strength.value, measures, stage.whom.value));
+      stage.call(...liveCall(kind, points, stage.strength.value, measures, stage.whom.value));
       return;
     }
     const start = stage.here();

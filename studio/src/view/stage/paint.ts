@@ -230,7 +230,8 @@ function paintDancers(context: CanvasRenderingContext2D, scene: Scene, positions
     context.fill();
     if (scene.labels !== "none") {
       context.fillStyle = theme.ink;
-      context.fillText(scene.labels === "numbers" ? String(dancer) : nameOf(scene, dancer), px, py - radius - 6);
+      const below = scene.labels === "names" && dancer % 2 === 0; // by turns, so that neighbours have room
+      context.fillText(scene.labels === "numbers" ? String(dancer) : nameOf(scene, dancer), px, below ? py + radius + 14 : py - radius - 6);
     }
   }
 }

@@ -88,7 +88,7 @@ export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: S
           <button
             type="button"
             onClick={() => {
-              studio.values.send(...liveCall(now.becomes, now.points, now.strength, now.measures, now.group));
+              stage.call(...liveCall(now.becomes, now.points, now.strength, now.measures, now.group));
               close();
             }}
           >
