@@ -1,6 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
-import { isDrawn, linesOf, simplified, type Places } from "../../model/formations";
+import { isDrawn, linesOf, simplified, withShape, type Places } from "../../model/formations";
 import { stageSize } from "../../model/plan";
 import type { Entry } from "../../model/score";
 import type { Studio } from "../../model/studio";
@@ -24,7 +24,8 @@ export function DrawingBoard({ studio, table, places, onChange }: { studio: Stud
   const drawn = isDrawn(table);
   const lines = drawn ? linesOf(table) : [];
   const centre = (table["centre"] as Point | undefined) ?? [0, 0];
-  const handles = drawn && table["size"] === undefined && !table["rotation_deg"] ? lines.flatMap((line, index) => line.slice(0, 80).map((place, point) => ({ line: index, point, place }))) : [];
+  const fitted = drawn && (table["size"] !== undefined || Boolean(table["rotation_deg"])); // its points are not metres of the stage
+  const handles = drawn && !fitted ? lines.flatMap((line, index) => line.slice(0, 80).map((place, point) => ({ line: index, point, place }))) : [];
 
   const at = (event: PointerEvent): Point => {
     const box = (board.current as SVGSVGElement).getBoundingClientRect();
@@ -34,8 +35,10 @@ export function DrawingBoard({ studio, table, places, onChange }: { studio: Stud
   const setLines = (made: Point[][]): void => {
     const kept = made.filter((line) => line.length);
     const points = table["shape"] === "places" ? kept.flat() : kept;
-    const { size: _, ...unsized } = table;
-    onChange({ ...(drawn ? table : { ...unsized, shape: "polyline", centre: undefined, rotation_deg: undefined }), points });
+    const base = drawn ? table : withShape(table, "polyline");
+    const turned = table["shape"] === "places" ? (table["headings_deg"] as number[] | undefined) : undefined;
+    const headings = turned ? { headings_deg: points.map((_, index) => turned[index] ?? 0) } : {};
+    onChange({ ...base, ...headings, ...(drawn && !fitted ? {} : { size: undefined, centre: undefined, rotation_deg: undefined }), points });
   };
   const movePoint = (line: number, point: number, place: Point): void => {
     setLines(lines.map((one, index) => (index === line ? one.map((each, number) => (number === point ? place : each)) : one)));
@@ -68,8 +71,8 @@ export function DrawingBoard({ studio, table, places, onChange }: { studio: Stud
           const place = at(event);
           if (tool.value === "draw") stroke.value = [place];
           else if (tool.value === "points") {
-            const moved: Point = drawn ? [round(place[0] - centre[0]), round(place[1] - centre[1])] : place;
-            setLines(drawn && lines.length ? [...lines.slice(0, -1), [...(lines.at(-1) as Point[]), moved]] : [[moved, [round(moved[0] + 0.5), moved[1]]]]);
+            const moved: Point = drawn && !fitted ? [round(place[0] - centre[0]), round(place[1] - centre[1])] : place;
+            setLines(drawn && !fitted && lines.length ? [...lines.slice(0, -1), [...(lines.at(-1) as Point[]), moved]] : [[moved, [round(moved[0] + 0.5), moved[1]]]]);
           } else held.value = { from: place, centre };
         }}
         onPointerMove={(event) => {
@@ -81,11 +84,11 @@ export function DrawingBoard({ studio, table, places, onChange }: { studio: Stud
           } else if (held.value) movePoint(held.value.line, held.value.point, [round(place[0] - centre[0]), round(place[1] - centre[1])]);
         }}
         onPointerUp={() => {
-          const line = simplified(stroke.value).map(([x, z]): Point => (drawn ? [round(x - centre[0]), round(z - centre[1])] : [x, z]));
+          const line = simplified(stroke.value).map(([x, z]): Point => (drawn && !fitted ? [round(x - centre[0]), round(z - centre[1])] : [x, z]));
           if (line.length > 1) {
             const [first, last] = [line[0] as Point, line.at(-1) as Point];
             if (line.length > 3 && Math.hypot(first[0] - last[0], first[1] - last[1]) < 0.35) line[line.length - 1] = first; // closed
-            setLines(drawn ? [...lines, line] : [line]);
+            setLines(drawn && !fitted ? [...lines, line] : [line]);
           }
           stroke.value = [];
           held.value = null;

@@ -1,7 +1,7 @@
 import { useEffect, useRef } from "preact/hooks";
 import { beatNow, extentOf, HEAD, HEAD_M, LIMBS, poseAt, seen, type Extent, type Look, type Motion } from "../../model/figure";
 import type { Studio } from "../../model/studio";
-import { coloursOf, fitCanvas, whileSeen } from "../../ui/animation";
+import { coloursOf, fitCanvas, isCalm, whileSeen } from "../../ui/animation";
 
 /** A dancer who dances a step on the beat of the show; several motions lie over each other. `still`: the hips stay. */
 export function Figure({ studio, motions, look, still, label }: { studio: Studio; motions: Motion[]; look: Look; still?: boolean; label?: string }) {
@@ -18,7 +18,7 @@ export function Figure({ studio, motions, look, still, label }: { studio: Studio
     const pose = new Float32Array(66);
     const stop = whileSeen(element, (now) => {
       const [width, height] = fitCanvas(element, context);
-      const beat = beatNow(studio.doc.clock.peek(), studio.library.heard, now, studio.beats.peek());
+      const beat = isCalm() ? (motions[0]?.beats ?? 0) / 2 : beatNow(studio.doc.clock.peek(), studio.library.heard, now, studio.beats.peek());
       const scale = Math.min(width / (extent.right - extent.left), height / (extent.bottom - extent.top));
       context.save();
       context.translate(width / 2 - (scale * (extent.left + extent.right)) / 2, height / 2 - (scale * (extent.top + extent.bottom)) / 2);

@@ -111,6 +111,7 @@ function SymmetryFields({ table, onChange }: { table: Entry; onChange: Change })
         />
       </Row>
       {kind === "angle" && <Row label="Line's angle °"><Amount table={table} name="mirror" usual={45} min={-360} max={360} step={5} onChange={onChange} /></Row>}
+      {kind && kind !== "line" && <Row label="Through x, z m"><Pair table={table} name="mirror_at" usual={[0, 0]} min={-100} onChange={onChange} /></Row>}
       {kind && <Row label="Side that stays"><Choice value={text(table, "mirror_keep")} options={keeps} onChange={(value) => onChange({ ...table, mirror_keep: value || undefined })} /></Row>}
     </>
   );
@@ -160,8 +161,12 @@ function Amount({ table, name, usual, min, max, step, onChange }: { table: Entry
       type="number" aria-label={useContext(Label)} min={min} max={max} step={step} value={number(table, name, usual)}
       onInput={(event) => {
         const value = Number(event.currentTarget.value);
-        if (event.currentTarget.value === "" || !Number.isFinite(value)) return;
-        onChange({ ...table, [name]: Math.min(max, Math.max(min, step === 1 ? Math.round(value) : value)) });
+        if (event.currentTarget.value !== "" && value >= min && value <= max && (step !== 1 || Number.isInteger(value))) onChange({ ...table, [name]: value });
+      }}
+      onChange={(event) => {
+        const value = Number(event.currentTarget.value);
+        if (!Number.isFinite(value) || event.currentTarget.value === "") event.currentTarget.value = String(number(table, name, usual));
+        else onChange({ ...table, [name]: Math.min(max, Math.max(min, step === 1 ? Math.round(value) : value)) });
       }}
     />
   );
@@ -177,8 +182,8 @@ function Pair({ table, name, usual, min, onChange }: { table: Entry; name: strin
           key={index} type="number" step="0.1" min={min} max="200" aria-label={`${label}, ${index ? "second" : "first"} number`} value={pair[index]}
           onInput={(event) => {
             const value = Number(event.currentTarget.value);
-            if (event.currentTarget.value === "" || !Number.isFinite(value)) return;
-            onChange({ ...table, [name]: pair.map((one, at) => (at === index ? Math.max(min, value) : one)) });
+            if (event.currentTarget.value === "" || !(value >= min && value <= 200)) return;
+            onChange({ ...table, [name]: pair.map((one, at) => (at === index ? value : one)) });
           }}
         />
       ))}
