@@ -68,7 +68,7 @@ function Row({ studio, kind, field, all, onValue }: { studio: Studio; kind: stri
       <label for={id} id={`${id}-words`}>{field.words}</label>
       <div class="fieldbox">
         {isName && !renaming.value ? (
-          <button id={id} class="value" title="Rename: it is renamed wherever it is named" onClick={() => { renaming.value = true; }}>{String(value ?? "")}</button>
+          <button id={id} class="value" aria-label={`Rename ${String(value ?? "")}`} title="Rename: it is renamed wherever it is named" onClick={() => { renaming.value = true; }}>{String(value ?? "")}</button>
         ) : (
           <FieldControl
             studio={studio}

@@ -76,7 +76,6 @@ function SectionBlock({ studio, state, span }: { studio: Studio; state: Timeline
       title={`${span.name}: drag it to its place, its end to make it longer; F2 or a double click renames it`}
       style={style}
       data-section={span.number}
-      onDblClick={() => { state.naming.value = span.number; }}
       onKeyDown={(event) => {
         const list = ["section", span.number];
         if (event.key === "F2") state.naming.value = span.number;

@@ -49,7 +49,8 @@ export function Timeline({ studio }: { studio: Studio }) {
   useEffect(() => studio.doc.lastChange.subscribe((change) => flash(studio, state, change)), [studio, state]);
   useEffect(() => studio.playhead.subscribe((at) => {
     const { element } = state;
-    if (!element || at === null || !state.follow.peek() || state.gesture.peek()) return;
+    const isAway = state.gesture.peek() ?? studio.cursor.peek() ?? studio.selected.peek()[0] ?? null;
+    if (!element || at === null || !state.follow.peek() || isAway !== null) return; // somebody looks at a place of their own
     const x = at * studio.scale.peek();
     const room = element.clientWidth - state.names.peek();
     if (x < element.scrollLeft || x > element.scrollLeft + 0.86 * room) element.scrollLeft = Math.max(0, x - 0.08 * room);
@@ -66,12 +67,7 @@ export function Timeline({ studio }: { studio: Studio }) {
         }}
         style={{ "--px": `${studio.scale.value}px`, "--measures": studio.length.value, "--beats": studio.beats.value }}
         data-grid={studio.scale.value / studio.beats.value >= 14 ? "beats" : studio.scale.value >= 9 ? "measures" : "eights"}
-        onDblClick={(event) => {
-          const lane = (event.target as HTMLElement).closest<HTMLElement>("[data-lane]");
-          if (!lane || event.target !== lane) return;
-          const row = state.rows.value.find((one) => one.id === lane.dataset["lane"]);
-          if (row && row.kind !== "danced" && row.kind !== "curve") void addHere(studio, row, Math.floor(state.place(event).measure));
-        }}
+        onDblClick={(event) => doubleClick(event, studio, state)}
         onDragOver={(event) => dragOver(event, studio, state)}
         onDragLeave={(event) => { if (!scroller.current?.contains(event.relatedTarget as Node | null)) void state.end(false); }}
         onDrop={(event) => {
@@ -137,6 +133,17 @@ function Tools({ studio, state }: { studio: Studio; state: TimelineState }) {
       <span class="hint" role="status">{count > 1 ? `${count} selected` : ""}</span>
     </header>
   );
+}
+
+/** Rename a section, or begin a box on a row. The pointer is captured: what lies there is asked for. */
+function doubleClick(event: MouseEvent, studio: Studio, state: TimelineState): void {
+  const target = document.elementFromPoint(event.clientX, event.clientY);
+  const section = target?.closest<HTMLElement>("[data-section]")?.dataset["section"];
+  if (section) state.naming.value = Number(section);
+  const id = (target as HTMLElement | null)?.dataset["lane"];
+  const place = state.place(event);
+  const row = state.rows.peek().find((one) => one.id === id);
+  if (row && row.kind !== "danced" && row.kind !== "curve" && !state.boxAt(place)) void addHere(studio, row, Math.floor(place.measure));
 }
 
 /** Show who dances together in the chosen measures, or hide it. */
