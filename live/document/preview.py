@@ -61,8 +61,8 @@ class Positions:
     """(A,) [rad]."""
     node: Int32
     """What they dance, (A,)."""
-    present: Bool
-    """Who is on the stage, (A,)."""
+    present: Int32
+    """0 for those who are not on the stage, else the number of their group, from 1, (A,)."""
 
 
 class _Snapshot(NamedTuple):
@@ -191,7 +191,7 @@ class PreviewEngine:
                     dancers.drawn_hips.copy(),
                     heading,
                     dancers.node.copy(),
-                    show.motion.present[: len(heading)].copy(),
+                    show.motion.group_states()[: len(heading)],
                 )
             )
         self.on_tick()

@@ -5,7 +5,7 @@ import { awayFrom, isClosed, isWithin, lengthOf, MOST_POINTS, nearestMoment, nea
 import { endsOfWays, positionsAt, waysOf } from "../src/model/playback";
 import { meetingWords, tooFarWords } from "../src/model/fault_words";
 import { drawnEdits, drawnFormation, elementEntry, freeName, liveCall, placedEdits, pointsInWords, type Drawn } from "../src/model/stage_edits";
-import type { Positions } from "../src/net/frames";
+import { readPositions, type Positions } from "../src/net/frames";
 
 const circle = (points: number, radius = 2): Place[] => Array.from({ length: points }, (_, at) => [radius * Math.cos((2 * Math.PI * at) / points), radius * Math.sin((2 * Math.PI * at) / points)]);
 
@@ -123,4 +123,14 @@ test("faults are told a line for each measure", () => {
   ]);
   const pairs = Array.from({ length: 8 }, (_, at) => ({ measure: 3, dancers: [1, at + 2] as [number, number], distance: 0.3 }));
   assert.equal(meetingWords(pairs)[0], "Measure 3: 1 and 2, 1 and 3, 1 and 4, 1 and 5, 1 and 6, 1 and 7 and 2 more pairs would meet (0.30 m)");
+});
+
+test("the state of a dancer is the number of their group", () => {
+  const data = new DataView(new ArrayBuffer(8 + 16));
+  data.setUint8(0, 1);
+  data.setUint16(2, 2, true);
+  data.setInt16(8, -1500, true);
+  data.setInt16(14, 3, true);
+  const found = readPositions(data);
+  assert.deepEqual([found.count, found.rows[0], [...found.present]], [2, -1.5, [3, 0]]);
 });

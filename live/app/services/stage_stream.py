@@ -87,7 +87,7 @@ class StageStream:
     def _positions(self, tick: int) -> bytes:
         dancers = self._show.dancers
         return positions_frame(
-            tick, dancers.drawn_hips, heading_of(dancers.leg_rotation[:, 0]), self._show.motion.present
+            tick, dancers.drawn_hips, heading_of(dancers.leg_rotation[:, 0]), self._show.motion.group_states()
         )
 
     def _clock(self) -> dict[str, Any]:

@@ -18,7 +18,7 @@ from live.agents.entrances.entrances import ENTERING, ON, WAITING, Entrances
 from live.agents.entrances.gate import Gate
 from live.agents.prediction import CrowdPrediction
 from live.agents.separation.path_separation import PlaceSeparation
-from live.base.arrays import Bool, Float32, Float64
+from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
@@ -158,6 +158,10 @@ class GroupMotion:
     def present(self) -> Bool:
         """Whether each dancer is visible, shape (A,)."""
         return self.entrances.present
+
+    def group_states(self) -> Int32:
+        """Return 0 for each dancer who is not visible, else the number of their group, from 1, shape (A,)."""
+        return np.where(self.present, self.casting.group + 1, 0).astype(np.int32)
 
     # -- time ----------------------------------------------------------------------------------------------------
 

@@ -1,9 +1,9 @@
 """Frames of the stage for pages, in binary: positions and headings, or joints, of all dancers at one tick.
 
 A frame is u8 kind, u8 flags, u16 count, u32 tick, then int16, all little-endian. Kind 1: x, z [mm], heading
-[1/10,000 turn] and state (1: on the stage) of each dancer. Kind 2: the joints of each dancer, x, y, z [mm]. What is too
-far away for an int16 stands at its border. Kind 3, the waveform of the music: count is the number of peaks a second,
-tick their number, and each peak a u8.
+[1/10,000 turn] and state of each dancer (0: not on the stage, else the number of their group, from 1). Kind 2: the
+joints of each dancer, x, y, z [mm]. What is too far away for an int16 stands at its border. Kind 3, the waveform of the
+music: count is the number of peaks a second, tick their number, and each peak a u8.
 """
 
 import struct
@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.arrays import Bool, Float32, Float64
+from live.base.arrays import Float32, Float64, Int32
 
 POSITIONS, JOINTS, WAVEFORM = 1, 2, 3
 """Kinds of frames."""
@@ -30,14 +30,14 @@ def _int16(values: npt.NDArray[np.floating]) -> bytes:
     return whole.tobytes()
 
 
-def positions_frame(tick: int, place: Float32, heading: Float32 | Float64, present: Bool) -> bytes:
+def positions_frame(tick: int, place: Float32, heading: Float32 | Float64, state: Int32) -> bytes:
     """Return the frame of A dancers, `MAX_POSITION_DANCERS` at most: `place` (A, 2) [m], `heading` (A,) [rad],
-    `present` (A,): who is on the stage."""
+    `state` (A,): 0 for those who are not on the stage, else the number of their group, from 1."""
     count = min(len(place), MAX_POSITION_DANCERS)
     rows = np.empty((count, 4), np.float64)
     rows[:, :2] = place[:count] * 1e3
     rows[:, 2] = heading[:count] * (10_000 / (2.0 * np.pi))
-    rows[:, 3] = present[:count]
+    rows[:, 3] = state[:count]
     return _HEAD.pack(POSITIONS, 0, count, tick & 0xFFFFFFFF) + _int16(rows)
 
 

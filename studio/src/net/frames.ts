@@ -13,7 +13,7 @@ export interface Positions {
   count: number;
   /** x, z [m] and heading [rad] of each dancer. */
   rows: Float32Array;
-  /** Who is on the stage. */
+  /** Who is on the stage: the number of their group, from 1; 0: not there. */
   present: Uint8Array;
 }
 
@@ -38,7 +38,7 @@ export function readPositions(data: DataView, into?: Positions): Positions {
     found.rows[3 * row] = data.getInt16(at, true) * METRES;
     found.rows[3 * row + 1] = data.getInt16(at + 2, true) * METRES;
     found.rows[3 * row + 2] = data.getInt16(at + 4, true) * TURN;
-    found.present[row] = data.getInt16(at + 6, true) > 0 ? 1 : 0;
+    found.present[row] = Math.min(255, Math.max(0, data.getInt16(at + 6, true)));
   }
   return found;
 }

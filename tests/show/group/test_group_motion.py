@@ -78,3 +78,10 @@ def test_agents_respond_smoothly_to_attractor_within_two_ticks():
     bends = np.hypot(*np.diff(thrown[299:330], axis=0).transpose(2, 0, 1)) / TICK
     assert bends.max() < 6.0  # m/s², and less than a quarter of it at once: accelerations lag
     assert np.hypot(*(thrown[299] - plain[299]).T).max() / TICK < 1.5
+
+
+def test_states_of_dancers_tell_their_present_group():
+    show = made_show()
+    assert show.motion.group_states().tolist() == [1] * 5 + [2] * 4
+    show.casting.regroup(np.arange(9) == 0, 1)
+    assert show.motion.group_states().tolist() == [2, 1, 1, 1, 1, 2, 2, 2, 2]

@@ -121,7 +121,7 @@ function paintWays(context: CanvasRenderingContext2D, scene: Scene, ways: Ways):
   context.lineCap = "butt";
   ways.ways.forEach((way, index) => {
     const dancer = ways.dancers[index] ?? index + 1;
-    const group = scene.groups[scene.groupOf[dancer - 1] ?? -1];
+    const group = scene.groups[(scene.positions?.present[dancer - 1] ?? 0) - 1];
     if (!group) return; // those who wait in the wings
     const first = way[0];
     const last = way.at(-1);
@@ -158,7 +158,7 @@ function paintPale(context: CanvasRenderingContext2D, scene: Scene, positions: P
   for (let row = 0; row < positions.count; row++) {
     if (!positions.present[row]) continue;
     const [px, py] = toPixels(scene.camera, positions.rows[3 * row] ?? 0, positions.rows[3 * row + 1] ?? 0);
-    context.fillStyle = colourOf(scene.groups[scene.groupOf[row] ?? 0]);
+    context.fillStyle = colourOf(scene.groups[(positions.present[row] ?? 1) - 1]);
     context.beginPath();
     context.arc(px, py, radius, 0, 2 * Math.PI);
     context.fill();
@@ -174,7 +174,7 @@ function paintGhost(context: CanvasRenderingContext2D, scene: Scene, positions: 
   for (let row = 0; row < positions.count; row++) {
     if (!positions.present[row]) continue;
     const [px, py] = toPixels(scene.camera, positions.rows[3 * row] ?? 0, positions.rows[3 * row + 1] ?? 0);
-    context.strokeStyle = scene.alarmed.has(row + 1) ? scene.theme.alarm : colourOf(scene.groups[scene.groupOf[row] ?? 0]);
+    context.strokeStyle = scene.alarmed.has(row + 1) ? scene.theme.alarm : colourOf(scene.groups[(positions.present[row] ?? 1) - 1]);
     context.globalAlpha = 0.85;
     context.beginPath();
     context.arc(px, py, radius, 0, 2 * Math.PI);
@@ -218,7 +218,7 @@ function paintDancers(context: CanvasRenderingContext2D, scene: Scene, positions
     if (!positions.present[row]) continue;
     const [px, py] = toPixels(camera, positions.rows[3 * row] ?? 0, positions.rows[3 * row + 1] ?? 0);
     const dancer = row + 1;
-    context.fillStyle = colourOf(scene.groups[scene.groupOf[row] ?? 0]);
+    context.fillStyle = colourOf(scene.groups[(positions.present[row] ?? 1) - 1]);
     context.beginPath();
     context.arc(px, py, radius, 0, 2 * Math.PI);
     context.fill();

@@ -118,6 +118,7 @@ function connect(studio: Studio, stage: StageState, element: HTMLElement, pictur
   const watch = new ResizeObserver(() => picture.resize(element.clientWidth, element.clientHeight));
   watch.observe(element);
   let groups: unknown = null;
+  let painted = "";
   let colours = new Float32Array(0);
   return [
     effect(() => picture.surround(surroundings(studio))),
@@ -140,11 +141,11 @@ function connect(studio: Studio, stage: StageState, element: HTMLElement, pictur
       if (!positions) return;
       const rows = joints && joints.count >= positions.count ? joints.rows : standing(positions);
       const known = studio.doc.structure.value?.groups ?? [];
-      if (known !== groups || colours.length !== rows.length / 22) {
-        groups = known;
-        colours = new Float32Array(rows.length / 22);
-        let at = 0;
-        for (const group of known) for (let one = 0; one < group.dancers && at + 2 < colours.length; one++, at += 3) colours.set(group.colour, at);
+      const states = positions.present.join();
+      if (known !== groups || states !== painted || colours.length !== rows.length / 22) {
+        [groups, painted] = [known, states];
+        colours = new Float32Array(rows.length / 22); // a new array: the picture is coloured anew
+        for (let dancer = 0; dancer < positions.count; dancer++) colours.set(known[(positions.present[dancer] ?? 1) - 1]?.colour ?? [0.6, 0.6, 0.6], 3 * dancer);
       }
       picture.pose(rows, colours, positions.present, new Set(studio.dancers.value));
     }),
