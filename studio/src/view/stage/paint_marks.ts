@@ -8,6 +8,8 @@ import type { Scene } from "./paint";
 type Context = CanvasRenderingContext2D;
 
 const MOST_MEETINGS = 40;
+/** Distances to the second and third neighbour are shown up to this [m]. */
+const NEIGHBOUR_M = 2.5;
 
 /** An element of the score that is selected, or acts in the measure that is looked at. */
 export interface Written {
@@ -171,7 +173,10 @@ export function paintDistances(context: Context, scene: Scene): void {
   const { held, stage } = scene;
   if (!held) return;
   const others = scene.places.length ? scene.places.filter((one) => distance(one, held) > 0.005) : standing(scene.ghost ?? positions).filter((one) => distance(one, held) > 0.01);
-  for (const near of nearestOf([held, ...others], 0, 3)) measure(held, others[near - 1] as Place, theme.ink);
+  nearestOf([held, ...others], 0, 3).forEach((near, rank) => {
+    const other = others[near - 1] as Place;
+    if (rank === 0 || distance(other, held) < NEIGHBOUR_M) measure(held, other, theme.ink);
+  });
   measure(held, [0, held[1]], theme.accent);
   measure(held, [(Math.sign(held[0]) || 1) * (stage.width / 2), held[1]], theme.dim);
   measure(held, [held[0], (Math.sign(held[1]) || 1) * (stage.depth / 2)], theme.dim);

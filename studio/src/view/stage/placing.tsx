@@ -43,8 +43,11 @@ function editsOf(studio: Studio, stage: StageState, now: Placing): ReturnType<ty
 
 function show(studio: Studio, stage: StageState): void {
   const now = stage.placing.value;
-  const first = now && dancedMeasure(studio.score.value, stage.here());
-  if (now && first && !now.number) stage.drag(editsOf(studio, stage, now), first, first + stage.measures.value - 1);
+  if (!now) return;
+  const used = studio.selected.value.find((one) => one.list === "segment");
+  const first = dancedMeasure(studio.score.value, stage.here());
+  const measures = now.number && used ? stage.measuresOf(used.list, used.number) : !now.number && first !== null ? [first, first + stage.measures.value - 1] as const : null;
+  if (measures) stage.drag(editsOf(studio, stage, now), measures[0], measures[1]);
 }
 
 /** Circles and triangles of a formation that are dragged by hand. By keyboard: Tab, arrows, and < > to turn. */
