@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { copied, dancedFirst, firstSectionEdits, groundOf, joinEdits, moveEdits, pasteEdits, phrases, placeKeys, resizeEdits, snappedMove, splitEdits, unitOf } from "../src/model/arrange";
+import { copied, firstSectionEdits, groundOf, joinEdits, moveEdits, pasteEdits, phrases, placeKeys, resizeEdits, snappedMove, splitEdits, unitOf } from "../src/model/arrange";
 import { allBoxes, planRows } from "../src/model/plan";
 import type { Structure } from "../src/model/score";
 
@@ -63,9 +63,8 @@ test("what is pasted keeps its distances and gets the row's dancers", () => {
   ]);
 });
 
-test("places, danced measures, phrases and a first section", () => {
+test("places, phrases and a first section", () => {
   assert.deepEqual(placeKeys("element", 9.25, ground), { measure: 2.25, section: "chorus" });
-  assert.deepEqual([0, 7, 8].map((one) => dancedFirst(ground.spans, one)), [1, 8, 17]);
   assert.deepEqual(phrases({}, 20).map((one) => [one.start, one.measures]), [[0, 8], [8, 8], [16, 4]]);
   assert.deepEqual(phrases({ music: { phrase: [{ measure: 1, name: "A" }, { measure: 5, name: "B" }] } }, 8).map((one) => [one.name, one.measures]), [["A", 4], ["B", 4]]);
   const edits = firstSectionEdits({ loop_measures: 8, segment: [{ measure: 1 }], signal: [{ name: "loud", on: "loud" }] }, "A", 8);

@@ -225,6 +225,9 @@ def test_a_canon_a_curve_and_a_range(show: Studio, page: Any) -> None:
     page.locator(".knot").nth(1).focus()
     page.keyboard.press("Delete")
     until(page, "studio.score.value.curve[0].points.length === 2")
+    lane = page.locator(".track.curve .lane").bounding_box()
+    page.mouse.dblclick(lane["x"] + 12 * 40, lane["y"] + 12)
+    until(page, "studio.score.value.curve[0].points.length === 3")
     ruler = page.locator(".ruler .lane").bounding_box()
     drag(page, (ruler["x"] + 82, ruler["y"] + 50), (156, 0))
     assert page.evaluate("studio.range.value") == [2, 6]

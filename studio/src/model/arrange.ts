@@ -233,16 +233,6 @@ export function freeName(score: Score, list: string, wished: string): string {
   }
 }
 
-/** The danced measure (from 1) at which a written one (from 0) comes first. */
-export function dancedFirst(spans: SectionSpan[], written: number): number {
-  let danced = 0;
-  for (const span of spans) {
-    if (written < span.first + span.measures) return danced + (written - span.first) + 1;
-    danced += span.measures * Math.max(span.repeat, 1);
-  }
-  return spans.length ? danced : written + 1;
-}
-
 /** The points of a curve: measures from its beginning, and values from 0 to 1. */
 export function curvePoints(entry: Entry): [number, number][] {
   const points = entry["points"];

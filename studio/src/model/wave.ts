@@ -1,12 +1,26 @@
 // The waveform of the music over the measures of the written score.
 import { musicTime } from "./plan";
-import { dancedFirst } from "./arrange";
-import type { SectionSpan } from "./plan";
+import { dancedMeasure } from "./danced";
 import type { Score } from "./score";
 import type { Waveform } from "../net/frames";
 
+const known = new WeakMap<Score, Map<number, [number, number]>>();
+
+/** When a measure of the written score (from 0) begins and ends in the music [s], where it is danced first. */
+function timesOf(score: Score, whole: number): [number, number] {
+  let times = known.get(score);
+  if (!times) known.set(score, (times = new Map()));
+  let found = times.get(whole);
+  if (!found) {
+    const danced = dancedMeasure(score, whole);
+    found = danced === null ? [-1, -1] : [musicTime(score, danced - 1), musicTime(score, danced)];
+    times.set(whole, found);
+  }
+  return found;
+}
+
 /** The largest peak in each pixel, from 0 to 1; `left`: the first pixel's place, `scale` [px a measure]. */
-export function peaksOf(wave: Waveform, score: Score, spans: SectionSpan[], left: number, width: number, scale: number, into: Float32Array): number {
+export function peaksOf(wave: Waveform, score: Score, left: number, width: number, scale: number, into: Float32Array): number {
   const count = Math.min(width, into.length);
   // the music's time is asked for at measure lines only; between them it goes evenly
   let measure = Number.NaN;
@@ -15,9 +29,7 @@ export function peaksOf(wave: Waveform, score: Score, spans: SectionSpan[], left
     const whole = Math.floor(place);
     if (whole !== measure) {
       measure = whole;
-      const danced = dancedFirst(spans, whole) - 1;
-      from = musicTime(score, danced);
-      to = musicTime(score, danced + 1);
+      [from, to] = timesOf(score, whole);
     }
     return from + (place - whole) * (to - from);
   };

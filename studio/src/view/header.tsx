@@ -1,4 +1,4 @@
-import type { Studio, View } from "../model/studio";
+import { personColour, type Studio, type View } from "../model/studio";
 
 const VIEWS: [View, string][] = [["make", "Make"], ["play", "Play"], ["show", "Show"], ["storyboard", "Storyboard"]];
 
@@ -28,7 +28,7 @@ export function Header({ studio }: { studio: Studio }) {
       </div>
       <ul class="people" aria-label="Who is here">
         {doc.people.value.map((person, index) => (
-          <li key={index} title={person.name}>{initials(person.name)}</li>
+          <li key={index} title={person.name} style={{ boxShadow: `inset 0 0 0 2px ${personColour(person.name)}` }}>{initials(person.name)}</li>
         ))}
       </ul>
       {state !== "open" && <p class="link" role="status">{state === "connecting" ? "Connecting …" : "No connection: trying again"}</p>}

@@ -44,7 +44,7 @@ export function MomentBar({ studio, stage }: { studio: Studio; stage: StageState
   );
 }
 
-/** Plays measures from … to … of the preview. Left empty: those of the selected box, or four at the cursor. */
+/** Plays measures from … to … of the preview. Left empty: those chosen in the timeline, of the selected box, or four at the cursor. */
 function PlayRange({ studio, stage }: { studio: Studio; stage: StageState }) {
   const from = useSignal("");
   const to = useSignal("");
@@ -69,6 +69,9 @@ function PlayRange({ studio, stage }: { studio: Studio; stage: StageState }) {
 }
 
 function wanted(studio: Studio, stage: StageState): [number, number] {
+  const range = studio.range.value;
+  const begin = range && dancedMeasure(studio.score.value, Math.floor(range[0]));
+  if (range && begin) return [begin, begin + Math.ceil(range[1]) - Math.floor(range[0]) - 1];
   const spans = studio.selected.value.flatMap((one) => {
     const found = ["segment", "element", "sequence", "improvise"].includes(one.list) ? stage.measuresOf(one.list, one.number) : null;
     return found ? [found] : [];

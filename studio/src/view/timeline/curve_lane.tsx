@@ -10,6 +10,21 @@ const TOP = 3;
 
 type Point = [number, number];
 
+/** Put a point into a curve where the pointer is. */
+export function addPoint(studio: Studio, state: TimelineState, box: Box, event: MouseEvent): void {
+  const at = state.place(event);
+  const grid = gridOf(studio);
+  const value = 1 - (at.y - (state.tops.peek()[at.row] ?? 0) - TOP) / (HEIGHT - 2 * TOP);
+  const point: Point = [Math.max(0, Math.round((at.measure - box.start) / grid) * grid), Math.round(Math.min(1, Math.max(0, value)) * 100) / 100];
+  const others = curvePoints(box.entry).filter((one) => one[0] !== point[0]);
+  void studio.doc.edit({ do: "set", at: ["curve", box.number, "points"], value: [...others, point].sort((a, b) => a[0] - b[0]) });
+}
+
+function gridOf(studio: Studio): number {
+  const snap = studio.snap.peek();
+  return snap === "measure" ? 1 : snap === "beat" ? 1 / studio.beats.peek() : 1 / 64;
+}
+
 /** A curve of a signal: its points are dragged; a double click adds one, Delete removes one. */
 export function CurveLane({ studio, state, box }: { studio: Studio; state: TimelineState; box: Box }) {
   const held = useSignal<{ index: number; point: Point } | null>(null);
@@ -24,7 +39,7 @@ export function CurveLane({ studio, state, box }: { studio: Studio; state: Timel
     const at = x(points[index]?.[0] ?? 0);
     return at >= left - 40 && at <= left + 1.5 * width;
   });
-  const grid = (): number => (studio.snap.peek() === "measure" ? 1 : studio.snap.peek() === "beat" ? 1 / studio.beats.peek() : 1 / 64);
+  const grid = (): number => gridOf(studio);
   const send = (next: Point[]): void => {
     void studio.doc.edit({ do: "set", at: ["curve", box.number, "points"], value: next });
   };
@@ -38,15 +53,9 @@ export function CurveLane({ studio, state, box }: { studio: Studio; state: Timel
     const top = state.tops.value[state.rows.value.findIndex((row) => row.boxes[0] === box)] ?? 0;
     return fitted(index, at.measure - box.start, 1 - (at.y - top - TOP) / (HEIGHT - 2 * TOP));
   };
-  const add = (event: MouseEvent): void => {
-    const at = state.place(event);
-    const top = state.tops.value[state.rows.value.findIndex((row) => row.boxes[0] === box)] ?? 0;
-    const point: Point = [Math.max(0, Math.round((at.measure - box.start) / grid()) * grid()), Math.round(Math.min(1, Math.max(0, 1 - (at.y - top - TOP) / (HEIGHT - 2 * TOP))) * 100) / 100];
-    send([...written.filter((one) => one[0] !== point[0]), point].sort((a, b) => a[0] - b[0]));
-  };
   return (
     <>
-      <svg class="graph" aria-hidden="true" onDblClick={add}>
+      <svg class="graph" aria-hidden="true">
         <path class="fill" d={points.length ? `${line}L${x(points.at(-1)?.[0] ?? 0).toFixed(1)} ${HEIGHT}L${x(points[0]?.[0] ?? 0).toFixed(1)} ${HEIGHT}Z` : ""} />
         <path d={line} />
       </svg>

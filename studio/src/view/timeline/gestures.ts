@@ -232,6 +232,11 @@ export function listenToGestures(studio: Studio, state: TimelineState, element: 
     if (pinch) state.zoom((pinch.scale * distance) / pinch.distance / studio.scale.peek(), (a.clientX + b.clientX) / 2);
     else pinch = { distance: Math.max(distance, 1), scale: studio.scale.peek() };
   };
+  const onClick = (event: MouseEvent): void => {
+    const box = event.detail === 0 ? boxOf(event.target as Element) : undefined; // by keyboard, or for a screen reader
+    if (box) studio.select(box, event.shiftKey);
+  };
+  element.addEventListener("click", onClick);
   element.addEventListener("pointerdown", onDown);
   element.addEventListener("pointermove", onMove);
   element.addEventListener("pointerup", onUp);
@@ -242,6 +247,7 @@ export function listenToGestures(studio: Studio, state: TimelineState, element: 
   element.addEventListener("touchmove", onTouch, { passive: false });
   element.addEventListener("touchend", onTouch);
   return () => {
+    element.removeEventListener("click", onClick);
     element.removeEventListener("pointerdown", onDown);
     element.removeEventListener("pointermove", onMove);
     element.removeEventListener("pointerup", onUp);

@@ -1,6 +1,7 @@
 // Where the timeline stands: its geometry, what is visible, what is held, and what the preview says of it.
 import { computed, signal } from "@preact/signals";
-import { dancedFirst, hasDancers, moveEdits, resizeEdits } from "../../model/arrange";
+import { hasDancers, moveEdits, resizeEdits } from "../../model/arrange";
+import { dancedMeasure } from "../../model/danced";
 import type { Box, Row } from "../../model/plan";
 import type { SingleEdit } from "../../model/document";
 import type { Studio } from "../../model/studio";
@@ -251,7 +252,7 @@ export class TimelineState {
     if (!ghosts.length) return;
     const first = Math.max(0, Math.floor(Math.min(...ghosts.map((ghost) => ghost.start))));
     const last = Math.ceil(Math.max(...ghosts.map((ghost) => ghost.start + Math.max(ghost.length, 1))));
-    const from = dancedFirst(this.studio.spans.peek(), first);
+    const from = dancedMeasure(this.studio.score.peek(), first) ?? 1;
     const to = from + Math.min(Math.max(last - first, 1), 32) - 1;
     const list = edits.length === 1 ? edits : [{ do: "together" as const, edits }];
     const answer = await this.studio.preview.ask({ from, to, with: list, positions: "none", planned: true, notes: true }, "timeline", true);

@@ -1,8 +1,10 @@
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import { dancedFirst, hasDancers, placeKeys, type Snap } from "../../model/arrange";
+import { hasDancers, placeKeys, type Snap } from "../../model/arrange";
+import { dancedMeasure } from "../../model/danced";
 import { divisionRows, type Branch } from "../../model/division";
 import { sequenceLength, type Row } from "../../model/plan";
 import type { Studio } from "../../model/studio";
+import { addPoint } from "./curve_lane";
 import { DenseBoxes } from "./dense";
 import { listenToGestures } from "./gestures";
 import { Overlay } from "./overlay";
@@ -140,10 +142,12 @@ function doubleClick(event: MouseEvent, studio: Studio, state: TimelineState): v
   const target = document.elementFromPoint(event.clientX, event.clientY);
   const section = target?.closest<HTMLElement>("[data-section]")?.dataset["section"];
   if (section) state.naming.value = Number(section);
-  const id = (target as HTMLElement | null)?.dataset["lane"];
+  const id = target?.closest(".knot, .box, .canon") ? undefined : target?.closest<HTMLElement>("[data-lane]")?.dataset["lane"];
   const place = state.place(event);
   const row = state.rows.peek().find((one) => one.id === id);
-  if (row && row.kind !== "danced" && row.kind !== "curve" && !state.boxAt(place)) void addHere(studio, row, Math.floor(place.measure));
+  const [first] = row?.boxes ?? [];
+  if (row?.kind === "curve" && first) addPoint(studio, state, first, event);
+  else if (row && row.kind !== "danced" && !state.boxAt(place)) void addHere(studio, row, Math.floor(place.measure));
 }
 
 /** Show who dances together in the chosen measures, or hide it. */
@@ -154,7 +158,11 @@ async function showDivision(studio: Studio, state: TimelineState): Promise<void>
     return;
   }
   const first = Math.floor(range[0]);
-  const danced = dancedFirst(studio.spans.peek(), first);
+  const danced = dancedMeasure(studio.score.peek(), first);
+  if (danced === null) {
+    studio.doc.tell("told", "These measures come only if somebody leads there.");
+    return;
+  }
   const to = danced + Math.min(Math.ceil(range[1]) - first, MOST_DIVIDED) - 1;
   const answer = await studio.preview.ask({ from: danced, to, positions: "none", ways: false, notes: false, division: true }, "division");
   if (answer.refused) studio.doc.tell("refused", "Nothing to show", answer.refused);

@@ -46,7 +46,7 @@ export function Wave({ studio, state }: { studio: Studio; state: TimelineState }
       context.setTransform(ratio, 0, 0, ratio, 0, 0);
       context.clearRect(0, 0, width, HEIGHT);
       if (!found) return;
-      const count = peaksOf(found, studio.score.peek(), studio.spans.peek(), element.scrollLeft, width, studio.scale.peek(), values);
+      const count = peaksOf(found, studio.score.peek(), element.scrollLeft, width, studio.scale.peek(), values);
       context.fillStyle = getComputedStyle(own).color;
       context.beginPath();
       for (let pixel = 0; pixel < count; pixel++) {
