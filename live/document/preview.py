@@ -8,7 +8,7 @@ before the first measure that changed.
 import contextlib
 import copy
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from typing import Any, Final, NamedTuple
 
@@ -230,6 +230,26 @@ class PreviewEngine:
 
     def view_at(self, measure: float) -> StageView:
         """Return the drawing snapshot, with all joints, after so many danced measures."""
+        show, tick = self._rerun(measure)
+        view = show.view()
+        show.fill(view, tick * TICK)
+        return view
+
+    def bodies(self, first: float, last: float) -> Iterator[tuple[int, Float32]]:
+        """Yield tick and joints (A, J, 3) [m] of each of the `samples` between `first` and `last` danced measures."""
+        self.run_to(last + 0.1)
+        show, tick = self._rerun(first)
+        view, count = show.view(), len(self._samples[-1].place)
+        while show.danced_beats <= last * show.desk.beats:
+            if tick % TICKS_PER_SAMPLE == 0:
+                show.fill(view, tick * TICK)
+                yield tick, view.joint_position[:count]
+            tick += 1
+            show.tick(tick * TICK)
+            self.on_tick()
+
+    def _rerun(self, measure: float) -> tuple[Show, int]:
+        """Return a show that has danced so many measures again, since the nearest snapshot, and its tick."""
         self.run_to(measure + 0.1)
         former = self._nearest(int(measure - 0.1))
         if former is None:
@@ -240,9 +260,7 @@ class PreviewEngine:
             tick += 1
             show.tick(tick * TICK)
             self.on_tick()
-        view = show.view()
-        show.fill(view, tick * TICK)
-        return view
+        return show, tick
 
     def plan(self, first: int, last: int, patch: Patch | None = None) -> DryRunResult:
         """Return the planned ways of measures `first` to `last` (from 1), from where everybody stands before them: of

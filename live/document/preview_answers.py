@@ -33,6 +33,8 @@ MAX_RANGE: Final = 64
 """Maximum number of measures in an answer."""
 MAX_FAULTS: Final = 20
 """Maximum number of faults in a refusal."""
+MAX_JOINT_MEASURES: Final = 16
+"""Maximum number of measures whose joints are told at once."""
 MAX_BRANCHES: Final = 3
 """Edited documents whose simulated measures are kept."""
 _MEASURE: Final = re.compile(r"\bmeasure (\d+)\b(?! of)")
@@ -116,6 +118,8 @@ class PreviewAnswers:
                 else [engine.at(measure - 1.0) for measure in range(first, last + 2)]
             )
             yield from _positions(engine, question, there)
+            if question.joints:
+                yield from _bodies(engine, question, first, last)
         plan = engine.plan(first, last) if first and (question.ways or question.notes) else None
         head = {"id": question.id, "document": self._revision, "from": first, "to": last}
         if plan is not None and question.ways:
@@ -282,6 +286,15 @@ class PreviewAnswers:
             if not first or measure is None or first <= measure <= last:
                 rows.append({"measure": measure, "what": words})
         return rows
+
+
+def _bodies(engine: PreviewEngine, question: Question, first: int, last: int) -> Iterator[bytes]:
+    """Yield the joints of each sample of measures `first` to `last` (from 1); PersonError for too many."""
+    if last - first >= MAX_JOINT_MEASURES:
+        raise PersonError(f"joints of {last - first + 1} measures at once", f"at most {MAX_JOINT_MEASURES}")
+    dancers = question.joints if isinstance(question.joints, list) else None
+    for tick, joints in engine.bodies(first - 1.0, float(last)):
+        yield joints_frame(tick, joints, dancers)
 
 
 def _positions(engine: PreviewEngine, question: Question, there: list[Positions]) -> Iterator[str | bytes]:

@@ -30,7 +30,7 @@ class Question(BaseModel):
     positions: Literal["measures", "samples", "none"] = "measures"
     """Of a range: at each measure line, or 16 times a second."""
     joints: bool | Annotated[list[int], Field(max_length=MAX_JOINT_DANCERS)] = False
-    """Of one moment: the joints of all, or of these dancers."""
+    """The joints of all, or of these dancers: of one moment, or 16 times a second of a range."""
     division: bool = False
     """Of a range: how the groups are divided."""
     ways: bool = True

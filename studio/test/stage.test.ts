@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 import { dancedMeasure, placeInScore, writtenStart } from "../src/model/danced";
 import { awayFrom, isClosed, isWithin, lengthOf, MOST_POINTS, nearestMoment, nearestTowards, numbersInWords, pairsToMeasure, simplified, type Place } from "../src/model/geometry";
-import { endsOfWays, positionsAt, waysOf } from "../src/model/playback";
+import { bodiesAt, endsOfWays, positionsAt, waysOf } from "../src/model/playback";
 import { meetingWords, tooFarWords } from "../src/model/fault_words";
 import { drawnEdits, drawnFormation, elementEntry, freeName, liveCall, placedEdits, pointsInWords, type Drawn } from "../src/model/stage_edits";
 import { readPositions, type Positions } from "../src/net/frames";
@@ -77,6 +77,9 @@ test("between two samples everybody is between, and turns the shorter way", () =
   assert.deepEqual([...(positionsAt(moments, samples, 99, "time_s")?.rows ?? [])], [1, 2, 0]);
   assert.deepEqual([...(positionsAt(moments, samples, 0, "time_s")?.rows ?? [])], [0, 0, 3]);
   assert.equal(positionsAt(moments, [], 5, "measure"), null);
+  const bodies = [0, 2, 4].map((x) => ({ tick: 0, count: 1, chosen: false, rows: Float32Array.from([x, 1, 0]) }));
+  assert.deepEqual([...(bodiesAt(moments, bodies, 10.5) ?? [])], [1, 1, 0]);
+  assert.equal(bodiesAt(moments, [], 10.5), null);
   assert.deepEqual(waysOf(samples), { dancers: [1], ways: [[[0, 0], [1, 2], [1, 2]]] });
   assert.deepEqual([...endsOfWays([[[0, 0], [4, 5]]], [1], at(0, 0, 1)).rows], [4, 5, 1]);
 });

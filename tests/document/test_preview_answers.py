@@ -57,6 +57,21 @@ def test_a_range_is_what_the_engine_says(loaded: LoadedShow, positions: str) -> 
     assert texts["done"] == {"kind": "done", "id": 7, "document": 0}
 
 
+def test_a_range_has_the_joints_of_each_sample(loaded: LoadedShow) -> None:
+    engine = PreviewEngine(loaded)
+    _, frames = asked(
+        open_answers(loaded), id=1, from_=7, to=8, positions="samples", joints=[2], ways=False, notes=False
+    )
+    there = engine.samples(6.0, 8.0)
+    assert len(frames) == 2 * len(there)
+    middle = len(there) // 2
+    assert frames[len(there) + middle] == joints_frame(
+        there[middle].tick, engine.view_at(there[middle].measure).joint_position[:6], [2]
+    )
+    refused, _ = asked(open_answers(loaded), id=2, from_=1, to=17, positions="samples", joints=True)
+    assert "at once" in refused["refused"]["refused"][0]["what"]
+
+
 def test_planned_ways_of_an_edit_need_no_run(loaded: LoadedShow) -> None:
     answers = open_answers(loaded)
     asked(answers, id=1, from_=8, to=8)

@@ -1,6 +1,6 @@
 // Positions between the samples of the preview.
 import type { Moment } from "../net/preview";
-import type { Positions } from "../net/frames";
+import type { Joints, Positions } from "../net/frames";
 import type { Place } from "./geometry";
 
 /** Index of the last moment whose value is not above `wanted`; 0 if all are. */
@@ -33,6 +33,20 @@ export function positionsAt(moments: Moment[], samples: Positions[], wanted: num
     if (at % 3 === 2) by_ = Math.atan2(Math.sin(by_), Math.cos(by_)); // a heading turns the shorter way
     found.rows[at] = here + share * by_;
   }
+  return found;
+}
+
+/** Joints at a time between two samples, straight from one to the other; null without any. */
+export function bodiesAt(moments: Moment[], bodies: Joints[], time: number, into?: Float32Array): Float32Array | null {
+  if (!bodies.length || bodies.length !== moments.length) return null;
+  const index = indexAt(moments, time, "time_s");
+  const a = (bodies[index] as Joints).rows;
+  const b = bodies[index + 1]?.rows ?? a;
+  const from = (moments[index] as Moment).time_s;
+  const to = moments[index + 1]?.time_s ?? from;
+  const share = to > from ? Math.min(1, Math.max(0, (time - from) / (to - from))) : 0;
+  const found = into?.length === a.length ? into : new Float32Array(a.length);
+  for (let at = 0; at < a.length; at++) found[at] = (a[at] as number) + share * ((b[at] as number) - (a[at] as number));
   return found;
 }
 

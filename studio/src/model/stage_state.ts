@@ -6,7 +6,7 @@ import type { Value } from "../net/values";
 import type { SingleEdit, Ways } from "./document";
 import { dancedMeasure, writtenStart } from "./danced";
 import { numbersInWords, type Place } from "./geometry";
-import { endsOfWays, positionsAt, waysOf } from "./playback";
+import { bodiesAt, endsOfWays, positionsAt, waysOf } from "./playback";
 import type { Studio } from "./studio";
 
 export type Tool = "select" | "lasso" | "line" | "curve" | "shape" | "attract" | "repel" | "spread" | "cross";
@@ -53,6 +53,8 @@ export interface Played {
 }
 
 const MOST_MEASURES = 64;
+/** Measures whose bodies are played; in longer ranges they only stand. */
+const MOST_BODIES = 16;
 
 export class StageState {
   readonly tool = signal<Tool>("select");
@@ -77,6 +79,8 @@ export class StageState {
   readonly played = signal<Played | null>(null);
   readonly playedPositions = signal<Positions | null>(null);
   readonly playedBefore = signal<Positions | null>(null);
+  /** Joints of the played moment, while the stage is seen in 3D. */
+  readonly playedBodies = signal<Float32Array | null>(null);
   /** The played measure, from 1, with a fraction. */
   readonly playedMeasure = signal(0);
   /** Places of a formation that is only thought of. */
@@ -175,6 +179,10 @@ export class StageState {
         this.about(one ? { segment: one.number } : null, "segment", this.segmentAnswer);
       }),
       effect(() => {
+        const played = this.solid.value ? this.played.peek() : null;
+        if (played && !played.answer.motions.length && played.to - played.from < MOST_BODIES) void this.play(played.from, played.to);
+      }),
+      effect(() => {
         void this.studio.selected.value;
         void this.studio.doc.revision.value;
         this.dragAnswer.value = null;
@@ -262,7 +270,7 @@ export class StageState {
   async play(from: number, to: number): Promise<void> {
     this.stop();
     const last = Math.min(to, from + MOST_MEASURES - 1);
-    const question: Question = { from, to: last, positions: "samples" };
+    const question: Question = { from, to: last, positions: "samples", joints: this.solid.value && last - from < MOST_BODIES };
     const tried = this.tried.value;
     this.waits.value = true;
     const ask = (edits: SingleEdit[], topic: string): Promise<PreviewAnswer> => this.studio.preview.ask({ ...question, ...(edits.length ? { with: edits } : {}) }, topic);
@@ -283,6 +291,7 @@ export class StageState {
       const other = this.without.value ? answer : before;
       this.playedPositions.value = positionsAt(shown.moments, shown.positions, time, "time_s");
       this.playedBefore.value = other ? positionsAt(other.moments, other.positions, time, "time_s") : null;
+      this.playedBodies.value = bodiesAt(shown.moments, shown.motions, time);
       this.playedMeasure.value = from + ((time - first) / Math.max(length, 1e-6)) * (last - from + 1);
       this.playing = requestAnimationFrame(frame);
     };
@@ -294,6 +303,7 @@ export class StageState {
     this.played.value = null;
     this.playedPositions.value = null;
     this.playedBefore.value = null;
+    this.playedBodies.value = null;
   }
 
   /** Back to what is danced now. */

@@ -108,7 +108,7 @@ export class Preview {
     if (kind === "moments") present.answer.moments = told["moments"] as Moment[];
     else if (kind === "refused") present.answer.refused = told["refused"] as Fault[];
     else if (kind === "replaced") present.answer.replaced = true;
-    else if (kind === "dancers") present.answer.positions = []; // an answer begins
+    else if (kind === "dancers") [present.answer.positions, present.answer.motions] = [[], []]; // an answer begins
     else if (kind === "motion") present.answer.motions = [];
     present.answer.texts[kind] = told;
     if (kind === "done" || kind === "refused" || kind === "replaced") {

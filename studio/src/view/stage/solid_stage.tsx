@@ -138,8 +138,9 @@ function connect(studio: Studio, stage: StageState, element: HTMLElement, pictur
       const positions = stage.shown.value;
       const live = stage.looked.value === null && !stage.played.value;
       const joints = live ? studio.doc.joints.value : stage.played.value ? null : looked.value;
+      const played = stage.playedBodies.value;
       if (!positions) return;
-      const rows = joints && joints.count >= positions.count ? joints.rows : standing(positions);
+      const rows = played && played.length >= 66 * positions.count ? played : joints && joints.count >= positions.count ? joints.rows : standing(positions);
       const known = studio.doc.structure.value?.groups ?? [];
       const states = positions.present.join();
       if (known !== groups || states !== painted || colours.length !== rows.length / 22) {

@@ -23,7 +23,7 @@ const JOINTS = PARENTS.length;
 const LIMBS = PARENTS.map((parent, joint) => [joint, parent] as const).filter(([, parent]) => parent >= 0);
 /** Radius at each joint [m]. */
 const RADII = PARENTS.map((_, joint) => (joint <= 3 ? 0.105 : joint === HEAD_JOINT ? 0.115 : joint === 4 ? 0.055 : joint < 14 ? 0.042 : [14, 18].includes(joint) ? 0.085 : [15, 19].includes(joint) ? 0.062 : 0.045));
-const VIEWS: Record<string, [number, number, number]> = { front: [0, 0.14, 1.05], above: [0, 1.5, 1.15], side: [Math.PI / 2, 0.16, 1.15], free: [0.55, 0.45, 1.25] };
+const VIEWS: Record<string, [number, number, number]> = { front: [0, 0.14, 1.05], above: [0, 1.5, 1.15], side: [Math.PI / 2, 0.16, 1.15], free: [0.55, 0.42, 1.4] };
 const WALL_M = 1.2;
 
 /** One picture in 3D in an element. */
@@ -38,8 +38,8 @@ export class SolidPicture {
   private rings: InstancedMesh | null = null;
   private count = 0;
   private yaw = 0.55;
-  private pitch = 0.45;
-  private far = 1.25;
+  private pitch = 0.42;
+  private far = 1.4;
   private size = 10;
   private asked = 0;
 
