@@ -97,6 +97,7 @@ export function Timeline({ studio }: { studio: Studio }) {
 
 function Tools({ studio, state }: { studio: Studio; state: TimelineState }) {
   const count = studio.selected.value.length;
+  const boxes = studio.chosenBoxes().length;
   const range = studio.range.value;
   return (
     <header class="strip">
@@ -120,10 +121,10 @@ function Tools({ studio, state }: { studio: Studio; state: TimelineState }) {
       </div>
       <label class="switch"><input type="checkbox" checked={state.follow.value} onChange={() => { state.follow.value = !state.follow.value; }} /> Follow</label>
       <button onClick={() => void addSection(studio)} title="A new section behind the selected one">Add section</button>
-      {count > 0 && (
+      {boxes > 0 && (
         <div class="choice" role="group" aria-label="Selected boxes">
           <button onClick={() => split(studio)} title="Split at the cursor (S)">Split</button>
-          {count > 1 && <button onClick={() => join(studio)} title="One box from several (J)">Join</button>}
+          {boxes > 1 && <button onClick={() => join(studio)} title="One box from several (J)">Join</button>}
         </div>
       )}
       {range && (
