@@ -17,6 +17,8 @@ export const MAX_SCALE = 640;
 export const CHUNK = 32;
 const SCREENS = 0.5;
 const MOST_ELEMENTS = 300;
+/** What changes who dances which step: it is simulated, not only planned. */
+const STEP_LISTS = ["sequence", "improvise"];
 const TRY_WAIT_MS = 200;
 
 /** What is done with the pointer, as it stands now. */
@@ -255,9 +257,9 @@ export class TimelineState {
     const from = dancedMeasure(this.studio.score.peek(), first) ?? 1;
     const to = from + Math.min(Math.max(last - first, 1), 32) - 1;
     const list = edits.length === 1 ? edits : [{ do: "together" as const, edits }];
-    const answer = await this.studio.preview.ask({ from, to, with: list, positions: "none", planned: true, notes: true }, "timeline", true);
+    const answer = await this.studio.preview.ask({ from, to, with: list, positions: "none", planned: !edits.some((one) => STEP_LISTS.includes(String(one.at[0]))), notes: true }, "timeline", true);
     if (answer.replaced || said !== this.tried || !this.gesture.peek()) return;
-    const told = answer.texts["notes"] as { answers?: { refused?: { what: string; remedy?: string }[] }[]; meetings?: unknown[]; too_far?: { dancer: number; measure: number }[] } | undefined;
+    const told = answer.texts["notes"] as { answers?: { refused?: { what: string; remedy?: string }[] }[]; notes?: { what: string }[]; meetings?: unknown[]; too_far?: { dancer: number; measure: number }[] } | undefined;
     const faults = answer.refused ?? told?.answers?.flatMap((one) => one.refused ?? []) ?? [];
     const [fault] = faults;
     if (fault) {
@@ -266,7 +268,9 @@ export class TimelineState {
     }
     const far = new Set(told?.too_far?.map((one) => one.dancer) ?? []).size;
     const near = told?.meetings?.length ?? 0;
-    const words = [far ? `${far} cannot get there in time: make it longer, or record a longer step` : "", near ? `${near} ${near === 1 ? "pair comes" : "pairs come"} too near` : ""];
+    const known = new Set(this.studio.doc.doubts.peek().map((doubt) => doubt.what));
+    const fresh = told?.notes?.find((doubt) => !known.has(doubt.what));
+    const words = [fresh?.what ?? "", far ? `${far} cannot get there in time: make it longer, or record a longer step` : "", near ? `${near} ${near === 1 ? "pair comes" : "pairs come"} too near` : ""];
     this.caution.value = words.some(Boolean) ? { refused: false, words: words.filter(Boolean).join("; ") } : null;
     const ways = answer.texts["ways"];
     if (ways) this.studio.doc.ways.value = { segment: null, ...ways } as never;
