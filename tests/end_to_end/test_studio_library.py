@@ -167,3 +167,20 @@ def test_dancers_are_linked_by_hand(show: Studio, page: Any) -> None:
     assert re.search(r'name = "gate linked"|shape = "places"', text)
     assert re.search(r'formation = "gate linked"', text)
     assert 'match = "number"' in text
+
+
+def test_on_a_phone_the_library_and_the_ways_are_reached(show: Studio, page: Any) -> None:
+    page.set_viewport_size({"width": 390, "height": 844})
+    library = page.get_by_role("region", name="Library")
+    library.get_by_role("button", name="Formations").click()
+    page.evaluate("studio.cursor.value = 20")
+    library.get_by_role("button", name="Put gate at the cursor").click()
+    written(show, r'formation = "gate"\nmeasures = 4\nmeasure = 21')
+    page.get_by_role("button", name="Choose …").click()
+    window = page.get_by_role("dialog", name="Ways into gate")
+    window.get_by_role("radio").first.wait_for()
+    box = window.bounding_box()
+    assert box["x"] >= 0
+    assert box["x"] + box["width"] <= 390
+    page.keyboard.press("Escape")
+    window.wait_for(state="detached")
