@@ -189,6 +189,31 @@ def test_a_page_that_comes_later_gets_the_structure_and_the_changes_since(studio
     asyncio.run(asyncio.wait_for(run(), 3 * DEADLINE))
 
 
+def test_edits_together_are_one_for_every_page(studio: Studio) -> None:
+    async def act(ana: Page, bea: Page) -> None:
+        await ana.say(name="ana")
+        await bea.wait("structure")
+        edits = [
+            {"do": "delete", "at": ["segment", 1]},
+            {"do": "set", "at": ["segment", 1, "measures"], "value": 3},
+        ]
+        await ana.say(do="together", edits=edits, id=1)
+        assert (await ana.wait("answer"))["revision"] == 1
+        change = await bea.wait("change")
+        assert [(one["from"], one["to"]) for one in change["shifts"]] == [(1, None)]
+        assert [one["value"]["measures"] for one in change["entries"]] == [3]
+        await ana.say(do="together", edits=[*edits, {"do": "set", "at": ["seed"], "value": "x"}], id=2)
+        assert (await ana.wait("answer"))["refused"]
+        await ana.say(do="together", edits=7, id=3)
+        assert (await ana.wait("answer"))["refused"]
+        await ana.say(do="undo", id=4)
+        assert (await ana.wait("answer"))["revision"] == 2
+
+    before = studio.loaded.path.read_bytes()
+    with_pages(studio, 2, act)
+    assert studio.loaded.path.read_bytes() == before
+
+
 def test_a_long_edit_is_taken_journalled_and_replayed(studio: Studio) -> None:
     points = [[round(0.01 * number, 4), round(0.001 * number, 4)] for number in range(500)]
     edit = {"do": "insert", "at": ["segment"], "value": {"measure": 4, "measures": 2, "group": "ember", "path": points}}
