@@ -288,3 +288,57 @@ def test_each_sees_what_the_other_selects_and_changes(show: Studio) -> None:
         one.keyboard.press("Alt+ArrowRight")
         other.locator(".box.changed").first.wait_for()
         assert other.locator(".box.changed em").first.inner_text() == one.evaluate("studio.by")
+
+
+BIG = """() => {
+  const score = structuredClone(studio.doc.structure.value);
+  studio.doc.link.close();
+  const who = ["ember", "tide", "*", "ember & left", "ember & right", "tide & left"];
+  score.score.loop_measures = 500;
+  score.score.segment = Array.from({ length: 1800 }, (_, at) => (
+    { measure: 1 + ((at * 7) % 496), measures: 2, formation: "line", group: who[at % 6] }));
+  score.score.at = Array.from({ length: 200 }, (_, at) => (
+    { measure: 1 + ((at * 11) % 498), beat: 1 + (at % 4), call: "/dance/go", values: [] }));
+  studio.doc.structure.value = score;
+}"""
+TURN = """(zooms) => new Promise((done) => {
+  const element = document.querySelector(".tracks");
+  let count = 0;
+  const turn = () => {
+    if (zooms) {
+      const sign = count % 40 < 20 ? -1 : 1;
+      const at = { deltaY: 40 * sign, ctrlKey: true, clientX: 700, clientY: 900, bubbles: true, cancelable: true };
+      element.dispatchEvent(new WheelEvent("wheel", at));
+    } else element.scrollLeft += 37;
+    if (++count < 80) requestAnimationFrame(turn);
+    else done(count);
+  };
+  requestAnimationFrame(turn);
+})"""
+MOST_SCRIPT_MS = 8.0
+
+
+def test_500_measures_with_2000_entries_pan_and_zoom(page: Any) -> None:
+    page.evaluate(BIG)
+    devtools = page.context.new_cdp_session(page)
+    devtools.send("Performance.enable", {"timeDomain": "threadTicks"})  # of this thread, also on a busy machine
+
+    def script() -> float:
+        told = devtools.send("Performance.getMetrics")["metrics"]
+        return next(float(one["value"]) for one in told if one["name"] == "ScriptDuration")
+
+    page.get_by_role("button", name="Whole show").click()
+    until(page, "document.querySelector('.dense') !== null && studio.scale.value < 4")
+    for zooms in (False, True):
+        before = script()
+        frames = page.evaluate(TURN, zooms)
+        assert 1000.0 * (script() - before) / frames < MOST_SCRIPT_MS, zooms
+    lane = page.get_by_role("group", name="Everybody", exact=True).first.locator(".lane").bounding_box()
+    for across in range(0, 200, 3):  # what is painted can be pressed, and goes on by arrows
+        page.mouse.click(lane["x"] + across, lane["y"] + 14)
+        if page.evaluate("studio.selected.value.length"):
+            break
+    first = page.evaluate("studio.selected.value[0].number")
+    page.keyboard.press("ArrowRight")
+    assert page.evaluate("studio.selected.value[0].number") != first
+    until(page, "document.activeElement.dataset.key === `segment ${studio.selected.value[0].number}`")
