@@ -73,6 +73,16 @@ export function gapOf(boxes: Box[], selected: Selected[]): Gap | null {
   return gap;
 }
 
+/** The free measures before a formation, back to the last segment of the same dancers; null if there are none. */
+export function freeBefore(boxes: Box[], gap: Gap): Gap | null {
+  const own = gap.group.trim().toLowerCase();
+  const before = boxes.filter((box) => box.list === "segment" && box.number !== gap.to && box.group.trim().toLowerCase() === own && box.start < gap.start);
+  const last = before.sort((a, b) => b.start + b.length - (a.start + a.length))[0];
+  const end = last ? last.start + last.length : 0;
+  if (!last || gap.free || end > gap.start - CLOSE) return null;
+  return { ...gap, start: end, length: gap.start - end, free: true, after: last.label };
+}
+
 /** Keys of a segment for an option; null removes one, where `entry` has it and the option leaves it out. */
 export function keysOf(option: Option, entry: Entry | null): Entry {
   const found: Entry = {};
