@@ -97,7 +97,7 @@ def option_values(engine: PreviewEngine, segment: int, options: Sequence[WayOpti
     if section.formation is None:
         raise PersonError(f"segment {segment} leads into no formation", "its matching is that of a formation's places")
     before = engine.at(first - 1.0)
-    who = np.flatnonzero(engine.select(section.group, before.place) & before.present)
+    who = np.flatnonzero(engine.select(section.group, before.place) & (before.present != 0))
     rows: list[dict[str, Any]] = []
     for option in options:
         said = {key: value for key, value in option.model_dump().items() if value is not None}
