@@ -83,7 +83,8 @@ def test_frames_hold_places_headings_and_joints(night: StreamedShow) -> None:
     assert (kind, count, tick) == (1, 10, round(night.show.time / TICK))
     rows = np.frombuffer(positions, "<i2", offset=8).reshape(10, 4)
     assert np.abs(rows[:, :2] / 1000 - night.show.dancers.drawn_hips).max() < 0.001
-    assert rows[:, 3].tolist() == night.show.motion.present[:10].astype(int).tolist()
+    group = np.where(night.show.motion.present, night.show.casting.group + 1, 0)
+    assert rows[:, 3].tolist() == group[:10].tolist()
     facing = rows[:6, 2] / 10_000 * 2 * np.pi
     assert np.abs(facing).max() < 1.0  # to the public, more or less
     kind, flags, count, _ = struct.unpack_from("<BBHI", joints)
