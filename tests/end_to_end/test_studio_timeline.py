@@ -88,12 +88,14 @@ def opened_page(show: Studio, more: int = 0) -> Iterator[Any]:
         assert not errors
 
 
-def written(show: Studio, wanted: str) -> str:
-    """Wait until a pattern is in the show's file; return the file."""
+def written(show: Studio, page: Any, wanted: str) -> str:
+    """Wait until a pattern is in the show's file, and the page knows of it; return the file."""
     deadline = time.monotonic() + 8.0 * BUSY
     while not re.search(wanted, text := show.loaded.path.read_text(), re.DOTALL):
         assert time.monotonic() < deadline, text
         time.sleep(0.02)
+    until(page, f"studio.doc.revision.value === {show.service.revision}")
+    page.evaluate("new Promise((drawn) => requestAnimationFrame(() => requestAnimationFrame(drawn)))")
     return text
 
 
@@ -125,19 +127,19 @@ def middle(page: Any, words: str) -> tuple[float, float]:
 
 def test_boxes_are_moved_resized_copied_and_given_to_others(show: Studio, page: Any) -> None:
     drag(page, middle(page, "circle, ember"), (85, 0))
-    written(show, r'measure = 8\nmeasures = 2\ngroup = "ember"')
+    written(show, page, r'measure = 8\nmeasures = 2\ngroup = "ember"')
     edge = box(page, "circle, ember").bounding_box()
     drag(page, (edge["x"] + edge["width"] - 3, edge["y"] + 10), (40, 0))
-    written(show, r'measure = 8\nmeasures = 3\ngroup = "ember"')
+    written(show, page, r'measure = 8\nmeasures = 3\ngroup = "ember"')
     rows = [page.get_by_role("group", name=name, exact=True).first.bounding_box()["y"] for name in ("ember", "tide")]
     drag(page, middle(page, "circle, ember"), (0, rows[1] - rows[0]))
-    written(show, r'measure = 8\nmeasures = 3\ngroup = "tide"\nformation = "circle"')
+    written(show, page, r'measure = 8\nmeasures = 3\ngroup = "tide"\nformation = "circle"')
     page.keyboard.press("Control+z")
-    written(show, r'measure = 8\nmeasures = 3\ngroup = "ember"\nformation = "circle"')
+    written(show, page, r'measure = 8\nmeasures = 3\ngroup = "ember"\nformation = "circle"')
     page.keyboard.down("Alt")
     drag(page, middle(page, "circle, ember"), (160, 0))
     page.keyboard.up("Alt")
-    written(show, r'measure = 12\nmeasures = 3\ngroup = "ember"')
+    written(show, page, r'measure = 12\nmeasures = 3\ngroup = "ember"')
     until(page, "studio.score.value.segment.length === 5")
     before = show.loaded.path.read_text()
     drag(page, middle(page, "star, tide"), (80, 0), let_go=False)
@@ -156,10 +158,10 @@ def test_many_boxes_are_one_edit(show: Studio, page: Any) -> None:
     assert page.get_by_text("2 selected").first.is_visible()
     revision = page.evaluate("studio.doc.revision.value")
     drag(page, middle(page, "star, tide"), (40, 0))
-    written(show, r'measure = 7\nmeasures = 2\ngroup = "ember".*measure = 7\nmeasures = 2\ngroup = "tide"')
+    written(show, page, r'measure = 7\nmeasures = 2\ngroup = "ember".*measure = 7\nmeasures = 2\ngroup = "tide"')
     until(page, f"studio.doc.revision.value === {revision + 1}")
     page.keyboard.press("Control+z")
-    written(show, r'measure = 6\nmeasures = 2\ngroup = "ember".*measure = 6\nmeasures = 2\ngroup = "tide"')
+    written(show, page, r'measure = 6\nmeasures = 2\ngroup = "ember".*measure = 6\nmeasures = 2\ngroup = "tide"')
 
 
 def test_refused_drags_say_why_before_they_are_let_go(show: Studio, page: Any) -> None:
@@ -185,21 +187,23 @@ def test_keys_do_all_that_the_mouse_does(show: Studio, page: Any) -> None:
         page.keyboard.press("ArrowDown")
     assert page.evaluate("document.activeElement.dataset.key") == "sequence 1"
     page.keyboard.press("Alt+ArrowRight")
-    written(show, r"\[\[sequence\]\]\nmeasure = 4")
+    written(show, page, r"\[\[sequence\]\]\nmeasure = 4")
     until(page, "studio.score.value.sequence[0].measure === 4")
     page.evaluate("studio.cursor.value = 5")
     page.keyboard.press("s")
-    written(show, r'measure = 4\ngroup = "tide"\nsteps = \["groove x2"\].*measure = 6.*steps = \["side step x2"\]')
+    written(
+        show, page, r'measure = 4\ngroup = "tide"\nsteps = \["groove x2"\].*measure = 6.*steps = \["side step x2"\]'
+    )
     until(page, "studio.score.value.sequence.length === 2")
     page.keyboard.press("Control+a")
     page.keyboard.press("j")
-    written(show, r'measure = 4\ngroup = "tide"\nsteps = \["groove x2", "side step x2"\]')
+    written(show, page, r'measure = 4\ngroup = "tide"\nsteps = \["groove x2", "side step x2"\]')
     until(page, "studio.score.value.sequence.length === 1")
     page.evaluate("studio.selected.value = [{list: 'sequence', number: 1}]")
     page.keyboard.press("Control+c")
     page.evaluate("studio.cursor.value = 19")
     page.keyboard.press("Control+v")
-    written(show, r'steps = \["groove x2", "side step x2"\].*measure = 20')
+    written(show, page, r'steps = \["groove x2", "side step x2"\].*measure = 20')
     until(page, "studio.selected.value[0]?.number === 2")
     page.keyboard.press("Delete")
     until(page, "studio.score.value.sequence.length === 1")
@@ -208,7 +212,7 @@ def test_keys_do_all_that_the_mouse_does(show: Studio, page: Any) -> None:
 def test_a_double_click_begins_a_box(show: Studio, page: Any) -> None:
     lane = page.get_by_role("group", name="tide", exact=True).first.locator(".lane").bounding_box()
     page.mouse.dblclick(lane["x"] + 15 * 40 + 5, lane["y"] + 15)
-    written(show, r'measure = 16\ngroup = "tide"\nmeasures = 4|measure = 16\nmeasures = 4\n.*group = "tide"')
+    written(show, page, r'measure = 16\ngroup = "tide"\nmeasures = 4|measure = 16\nmeasures = 4\n.*group = "tide"')
 
 
 def test_a_canon_a_curve_and_a_range(show: Studio, page: Any) -> None:
@@ -216,12 +220,12 @@ def test_a_canon_a_curve_and_a_range(show: Studio, page: Any) -> None:
     box(page, "circle, ember").click()
     handle = page.locator(".canon").first.bounding_box()
     drag(page, (handle["x"] + 6, handle["y"] + 6), (20, 0))
-    written(show, r"formation = \"circle\"\nbeats_later = 2")
+    written(show, page, r"formation = \"circle\"\nbeats_later = 2")
     assert HOSTILE in page.get_by_role("region", name="Timeline").inner_text()
     assert page.title() != "owned"
     knot = page.locator(".knot").nth(1).bounding_box()
     drag(page, (knot["x"] + 5, knot["y"] + 5), (40, 20))
-    written(show, r"\[5(\.0)?, 0\.[3-7]")
+    written(show, page, r"\[5(\.0)?, 0\.[3-7]")
     page.locator(".knot").nth(1).focus()
     page.keyboard.press("Delete")
     until(page, "studio.score.value.curve[0].points.length === 2")
@@ -242,17 +246,17 @@ def test_sections_are_blocks(tmp_path: Path) -> None:
             verse.dblclick()
             page.get_by_label("New name of verse").fill("opening")
             page.keyboard.press("Enter")
-            written(show, 'name = "opening"')
+            written(show, page, 'name = "opening"')
             opening = page.get_by_role("button", name=re.compile("^Section opening"))
             opening.wait_for()
             place = opening.bounding_box()
             drag(page, (place["x"] + place["width"] - 3, place["y"] + 8), (80, 0))
-            written(show, r'name = "opening"\nmeasures = 10')
+            written(show, page, r'name = "opening"\nmeasures = 10')
             page.get_by_role("button", name="Add section").click()
-            written(show, r'name = "part"')
+            written(show, page, r'name = "part"')
             page.get_by_label("repeat").fill("3")
             page.keyboard.press("Enter")
-            written(show, r'name = "part"\nmeasures = 8\nrepeat = 3')
+            written(show, page, r'name = "part"\nmeasures = 8\nrepeat = 3')
 
 
 def test_the_inspector_changes_one_several_and_the_show(show: Studio, page: Any) -> None:
@@ -260,25 +264,25 @@ def test_the_inspector_changes_one_several_and_the_show(show: Studio, page: Any)
     box(page, "circle, ember").click()
     inspector.get_by_label("measures", exact=True).fill("3")
     page.keyboard.press("Enter")
-    written(show, r'measures = 3\ngroup = "ember"')
+    written(show, page, r'measures = 3\ngroup = "ember"')
     box(page, "star, tide").click(modifiers=["Shift"])
     inspector.get_by_role("heading", name="2 formations or ways").wait_for()
     inspector.get_by_label("heading", exact=True).select_option("tangent")
-    text = written(show, r'facing = "tangent".*facing = "tangent"')
+    text = written(show, page, r'facing = "tangent".*facing = "tangent"')
     assert text.count("tangent") == 2
     inspector.get_by_role("button", name="heading: as if it were not given").click()
     until(page, "!studio.score.value.segment.some((one) => one.facing)")
     page.evaluate("studio.select(null)")
     inspector.get_by_label("width", exact=True).fill("14")
     page.keyboard.press("Enter")
-    written(show, r"\[stage\]\nwidth = 14")
+    written(show, page, r"\[stage\]\nwidth = 14")
     inspector.get_by_role("button", name=re.compile("^ember")).click()
     inspector.get_by_role("button", name="colour #58b368").click()
-    written(show, r'name = "ember".*colour = \[0\.345')
+    written(show, page, r'name = "ember".*colour = \[0\.345')
     inspector.get_by_role("button", name="Rename ember").click()
     inspector.get_by_label("name", exact=True).fill("flame")
     page.keyboard.press("Enter")
-    written(show, r'name = "flame".*group = "flame"')
+    written(show, page, r'name = "flame".*group = "flame"')
 
 
 def test_each_sees_what_the_other_selects_and_changes(show: Studio) -> None:
