@@ -14,7 +14,7 @@ from tests.control.waiting import BUSY
 from tests.end_to_end.browser import browser, needs_browser
 from tests.show.patch.edited_night import write_patch_folder
 
-pytestmark = [needs_browser, pytest.mark.browser]
+pytestmark = [needs_browser, pytest.mark.browser, pytest.mark.long]
 HOSTILE = "<img src=x onerror=document.title='owned'>"
 MORE = f"""
 [[segment]]

@@ -16,7 +16,7 @@ from tests.control.waiting import BUSY
 from tests.end_to_end.browser import browser, needs_browser
 from tests.show.patch.edited_night import write_patch_folder
 
-pytestmark = [needs_browser, pytest.mark.browser]
+pytestmark = [needs_browser, pytest.mark.browser, pytest.mark.long]
 WIDTH, DEPTH, MARGIN = 10.0, 6.0, 1.1
 HOSTILE = "<img src=x onerror=document.title='owned'>"
 MORE = f"""
