@@ -153,6 +153,8 @@ def rows(folder: Path, blocks: int) -> list[Row]:
     frames = {name: Frames() for name in ways}
     try:
         show.block(ASKING, Frames(), 2 * BLOCK)  # the preview is warm then
+        gc.collect()
+        gc.freeze()  # as a session does once the show is made
         for _ in range(blocks):
             for name, order in ways.items():
                 show.block(order, frames[name], BLOCK)
