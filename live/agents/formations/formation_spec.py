@@ -8,11 +8,11 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Final, Literal, NoReturn
+from typing import Any, Final, Literal, NoReturn, get_args
 
 from live.base.errors import PersonError
 
-SHAPES: Final = (
+Shape = Literal[
     "grid",
     "line",
     "arc",
@@ -26,8 +26,10 @@ SHAPES: Final = (
     "path",
     "polyline",
     "places",
-)
-PATTERNS: Final = ("even", "weighted", "grid", "diagonal", "concentric", "poisson")
+]
+Pattern = Literal["even", "weighted", "grid", "diagonal", "concentric", "poisson"]
+SHAPES: Final[tuple[Shape, ...]] = get_args(Shape)
+PATTERNS: Final[tuple[Pattern, ...]] = get_args(Pattern)
 INSIDE_PATTERNS: Final = ("grid", "diagonal", "concentric", "poisson")
 MAX_DANCERS: Final = 4000
 MAX_POINTS: Final = 20_000
@@ -231,22 +233,6 @@ def _is_number(value: object) -> bool:
 
 
 Point = tuple[float, float]
-Shape = Literal[
-    "grid",
-    "line",
-    "arc",
-    "circle",
-    "ellipse",
-    "polygon",
-    "rectangle",
-    "star",
-    "spiral",
-    "text",
-    "path",
-    "polyline",
-    "places",
-]
-Pattern = Literal["even", "weighted", "grid", "diagonal", "concentric", "poisson"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,8 +6,8 @@ from typing import Any, Final
 
 from aiohttp import WSMsgType, web
 
+from live.control.audience.rate_limit import TokenBucket
 from live.control.web.preview_client import PreviewClient, refused_text
-from live.control.web.rate_limit import RateLimit
 from live.control.web.task_guard import keep_task
 
 PER_SECOND: Final = 60.0
@@ -21,7 +21,7 @@ class PreviewPage:
 
     def __init__(self, ws: web.WebSocketResponse) -> None:
         self.ws = ws
-        self.limit = RateLimit(PER_SECOND)
+        self.limit = TokenBucket(PER_SECOND, PER_SECOND)
         self.unread_bytes = 0
         self._frames: asyncio.Queue[str | bytes] = asyncio.Queue()
 

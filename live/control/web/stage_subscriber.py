@@ -8,7 +8,7 @@ from typing import Any, Final
 
 from aiohttp import web
 
-from live.control.web.rate_limit import RateLimit
+from live.control.audience.rate_limit import TokenBucket
 
 MOST_HZ: Final = 60.0
 MAX_UNSENT_BYTES: Final = 1 << 15
@@ -31,7 +31,7 @@ class StageSubscriber:
 
     def __init__(self, ws: web.WebSocketResponse, request: web.BaseRequest) -> None:
         self.ws, self.request = ws, request
-        self.limit = RateLimit(PER_SECOND)
+        self.limit = TokenBucket(PER_SECOND, PER_SECOND)
         self.hertz = {"positions": 30.0, "joints": 0.0, "clock": 10.0}
         """Frames of each kind that it wants in a second, at most."""
         self.joints: list[int] = []

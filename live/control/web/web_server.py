@@ -18,6 +18,7 @@ from typing import Any, Final
 from aiohttp import WSMsgType, web
 
 from live.base.fault_isolation import FAULTS
+from live.control.audience.rate_limit import TokenBucket
 from live.control.helper_process import HelperChannel
 from live.control.osc.osc_codec import encode
 from live.control.registry.control import ArgumentValue
@@ -34,7 +35,6 @@ from live.control.web.http_protection import (
 )
 from live.control.web.preview_client import PreviewClient
 from live.control.web.preview_pages import PreviewPages
-from live.control.web.rate_limit import RateLimit
 from live.control.web.stage_subscribers import StageSubscribers
 from live.control.web.studio_files import StudioFiles
 from live.control.web.surface import make_surface
@@ -65,7 +65,7 @@ class Client:
     def __init__(self, ws: web.WebSocketResponse, request: web.BaseRequest) -> None:
         self.ws, self.request = ws, request
         self.pending: dict[str, None] = dict.fromkeys(READABLE)
-        self.limit = RateLimit(PER_SECOND)
+        self.limit = TokenBucket(PER_SECOND, PER_SECOND)
 
 
 def _surface_json(facts: Mapping[str, Any]) -> dict[str, Any]:

@@ -145,7 +145,7 @@ class Status:
                 else {"hands": show.dancers.partner_response.hand_holds.statistics()}
             ),
             "why": show.explain_choice(),
-            "parts": part_facts(show),
+            "division": part_facts(show),
             **show.score_runner.facts(),
             "agenda": show.score_runner.beat_scheduler.counters(),
             **show.desk.facts(show.danced_beats),

@@ -11,10 +11,10 @@ from live.control.events import events
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_update import patch_version
-from live.show.score.division_tree import part_facts
 from live.show.score.score_sheet import build_sheet
 from live.show.score.subgroups import MAX_REQUESTED, MAX_SELECTIONS
 from live.show.state.snapshot import restore
+from live.show.view.status import Status
 from tests.show.made_show import GRAPH, PATCH, made_show
 from tests.show.patch.test_score_edited import patch_edit
 from tests.show.state.test_snapshot import capture_from, run
@@ -258,7 +258,10 @@ def test_status_tells_which_dancers_have_something_of_their_own():
     show = made_show(sequence("front & 1-2", 1, "spin x16"))
     for tick in range(1, 64 * 3):
         show.tick(tick * TICK)
-    assert part_facts(show) == [{"kind": "steps", "group": "front", "words": "front & 1-2", "dancers": [1, 2]}]
+    status = Status(show, rejected=dict, memory=lambda: 0.0)
+    assert status.snapshot(show.time)["division"] == [
+        {"kind": "steps", "group": "front", "words": "front & 1-2", "dancers": [1, 2]}
+    ]
 
 
 def test_sheet_shows_parts_below_what_they_are_parts_of():
