@@ -192,8 +192,13 @@ def _is_there(patch: str) -> bool:
     return True
 
 
+def _host_here(host: str) -> str:
+    """Return the host at which this machine reaches a server that listens at `host`."""
+    return {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(host, host)
+
+
 def _studio_link(where: tuple[str, int], key: str) -> str:
-    host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(where[0], where[0])
+    host = _host_here(where[0])
     return f"http://{f'[{host}]' if ':' in host else host}:{where[1]}/studio#key={key}"
 
 
@@ -201,11 +206,10 @@ def _open_browser(where: tuple[str, int], key: str) -> None:
     """Open the studio in the browser as soon as the engine answers."""
     import webbrowser
 
-    host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(where[0], where[0])
     end = time.monotonic() + START_TIMEOUT
     while time.monotonic() < end:
         try:
-            socket.create_connection((host, where[1]), timeout=1.0).close()
+            socket.create_connection((_host_here(where[0]), where[1]), timeout=1.0).close()
         except OSError:
             time.sleep(0.2)
             continue

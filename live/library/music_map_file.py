@@ -108,8 +108,8 @@ def _to_midi(found: MeasureMap) -> bytes:
     return out.getvalue()
 
 
-def _to_toml(found: MeasureMap) -> bytes:
-    """The tables of a patch."""
+def map_tables(found: MeasureMap) -> str:
+    """Return a map as the tables of a patch."""
     blocks = [
         f"[[music.line]]\ntime_s = {line.time_s}\nmeasure = {line.measure}\nbeats = {line.beats}\n"
         + ('tempo = "ramp"\n' if line.tempo == "ramp" else "")
@@ -118,11 +118,11 @@ def _to_toml(found: MeasureMap) -> bytes:
     for phrase in found.phrases:
         name = phrase.name.replace("\\", "\\\\").replace('"', '\\"')
         blocks.append(f'[[music.phrase]]\nmeasure = {phrase.measure}\nname = "{name}"\n')
-    return "\n".join(blocks).encode()
+    return "\n".join(blocks)
 
 
 _WRITERS: Final[dict[str, Callable[[MeasureMap], bytes]]] = {
-    ".csv": _to_csv, ".txt": _to_labels, ".mid": _to_midi, ".toml": _to_toml,
+    ".csv": _to_csv, ".txt": _to_labels, ".mid": _to_midi, ".toml": lambda found: map_tables(found).encode(),
 }  # fmt: skip
 
 

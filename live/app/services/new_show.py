@@ -14,6 +14,7 @@ from live.base.errors import PersonError
 from live.clock.measure_map import MeasureMap
 from live.document.document_store import DocumentStore
 from live.document.edit import Edit
+from live.library.music_map_file import map_tables
 from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_search_path import MAIN_FILE, PATCHES, find_patch, find_resource
 
@@ -116,11 +117,7 @@ def _patch_text(name: str, song: str, measures: MeasureMap, metre: int, dancers:
         f"loop_measures = {len(measures.lines)}          # the music's length: the score comes again with it",
         f"\n[music]\nfile = {json.dumps(song, ensure_ascii=False)}",
     ]
-    for line in measures.lines:
-        ramp = '\ntempo = "ramp"' if line.tempo == "ramp" else ""
-        parts.append(
-            f"\n[[music.line]]\ntime_s = {line.time_s:.4f}\nmeasure = {line.measure}\nbeats = {line.beats}{ramp}"
-        )
+    parts.append("\n" + map_tables(measures).rstrip())
     parts.append(f"\n[clock]\nbpm = {measures.bpm:.2f}\nbeats_per_measure = {metre}")
     parts.append(f"\n[stage]\nwidth = {width}\ndepth = {depth}")
     parts.append(f"\n[camera]\neye = [0.0, {0.3 * width:.1f}, {depth / 2 + 0.8 * width:.1f}]\ntarget = [0.0, 0.9, 0.0]")
