@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
 from pydantic import BaseModel
 
+from live.document.edit import shifted_number
 from live.document.show_check import GRAPH_KEYS
 from live.show.patch.patch import Patch
 from live.show.patch.table_batches import patch_json
@@ -139,15 +140,11 @@ def change_values(revision: "Revision", patch: Patch) -> dict[str, Any]:
 
 
 def _inserted(revision: "Revision") -> Iterator[tuple[str, int]]:
-    """Yield list and final index of each entry that a revision inserted."""
+    """Yield list and final index of each entry that a revision inserted and that is still there."""
     for number, (names, begin, end) in enumerate(revision.shifts):
-        if begin >= 0:
-            continue
-        index = end
-        for others, leaves, comes in revision.shifts[number + 1 :]:
-            if others == names:
-                index = comes if index == leaves else index - (0 <= leaves < index) + (0 <= comes <= index)
-        yield names[0], index
+        index = shifted_number(names, end, revision.shifts[number + 1 :]) if begin < 0 else None
+        if index is not None:
+            yield names[0], index
 
 
 def _groups(patch: Patch) -> list[dict[str, Any]]:

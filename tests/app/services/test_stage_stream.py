@@ -196,8 +196,14 @@ def test_changes_applied_to_a_score_give_the_next_one(tmp_path: Path, seed: int)
     score, described = json.loads(patch_json(store.document.patch)), 0
     for turn in range(150):
         before = store.revision
+        joint = [random_edit(rng, store.document) for _ in range(3)]
         try:
-            accepted = store.undo() if rng.random() < 0.2 and turn else store.edit(random_edit(rng, store.document))
+            if rng.random() < 0.2 and turn:
+                accepted = store.undo()
+            elif rng.random() < 0.5:
+                accepted = store.edit_together(lambda _, joint=joint: joint, "keep", "")  # type: ignore[misc]
+            else:
+                accepted = store.edit(joint[0])
         except EditRefused:
             continue
         if store.revision == before:
@@ -212,6 +218,22 @@ def test_changes_applied_to_a_score_give_the_next_one(tmp_path: Path, seed: int)
         score = {name: value for name, value in score.items() if value not in ([], {})}
         assert score == {name: value for name, value in fresh.items() if value not in ([], {})}, change
     assert described > 30
+
+
+def test_an_entry_that_came_and_went_in_one_revision_is_not_told(tmp_path: Path) -> None:
+    path = tmp_path / "show.toml"
+    path.write_text(PATCH.replace('steps = "moves"\n', ""))
+    store = DocumentStore(path)
+    fresh = {"measure": 5, "formation": "grid"}
+    edits = [
+        Edit("insert", ("segment", 1), fresh),
+        Edit("delete", ("segment", 1)),
+        Edit("insert", ("segment", 2), fresh),
+    ]
+    accepted = store.edit_together(lambda _: edits, "keep", "")
+    entries = change_values(accepted.revision, store.document.patch)["entries"]
+    assert {one["at"][1] for one in entries} <= {1, 2, 3}
+    assert {"at": ["segment", 2], "value": fresh} in entries
 
 
 def test_a_change_of_very_many_entries_is_no_change(tmp_path: Path) -> None:
