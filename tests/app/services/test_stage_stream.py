@@ -226,9 +226,9 @@ def test_an_entry_that_came_and_went_in_one_revision_is_not_told(tmp_path: Path)
     store = DocumentStore(path)
     fresh = {"measure": 5, "formation": "grid"}
     edits = [
+        Edit("insert", ("segment", 2), fresh),
         Edit("insert", ("segment", 1), fresh),
         Edit("delete", ("segment", 1)),
-        Edit("insert", ("segment", 2), fresh),
     ]
     accepted = store.edit_together(lambda _: edits, "keep", "")
     entries = change_values(accepted.revision, store.document.patch)["entries"]
