@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { applyChange, type Structure } from "../src/model/score";
-import { planRows, sectionSpans, sequenceLength } from "../src/model/plan";
+import { grown, hasEnd, planRows, sectionSpans, sequenceLength } from "../src/model/plan";
 
 const STRUCTURE: Structure = {
   revision: 4,
@@ -43,6 +43,14 @@ test("sections lie in a row, entries within theirs", () => {
   const rows = planRows(STRUCTURE, "motion");
   assert.deepEqual(rows.map((row) => [row.id, row.depth]), [["signals", 0], ["calls", 0], ["all", 0], ["group 0", 0], ["part ember & left", 1], ["group 1", 0]]);
   assert.deepEqual(rows.flatMap((row) => row.boxes.map((box) => [box.label, box.start, box.length])), [["line", 1, 2], ["star", 8, 4], ["grid", 10, 2]]);
+});
+
+test("a score without an end grows with the playhead, seldom", () => {
+  assert.equal(hasEnd(STRUCTURE.score), true);
+  assert.equal(hasEnd({ loop_measures: 8 }), true);
+  assert.equal(hasEnd({ segment: [{ measure: 2 }] }), false);
+  assert.deepEqual([null, 3, 11, 12, 13, 27, 29].map((at) => grown(16, at)), [16, 16, 16, 16, 32, 32, 48]);
+  assert.equal(grown(100, 20), 100);
 });
 
 test("a sequence lasts as long as its steps", () => {

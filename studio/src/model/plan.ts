@@ -92,6 +92,16 @@ export function scoreLength(structure: Structure): number {
   return Math.max(OPEN_END, ...ends.map(Math.ceil));
 }
 
+/** Whether the score ends, or begins again, after its last measure. */
+export function hasEnd(score: Score): boolean {
+  return sectionSpans(score).length > 0 || typeof score["loop_measures"] === "number";
+}
+
+/** Measures that are shown of a score without an end: they grow with the playhead (measures from 0), in few steps. */
+export function grown(written: number, playhead: number | null): number {
+  return Math.max(written, OPEN_END * Math.ceil(((playhead ?? 0) + 4) / OPEN_END));
+}
+
 /** How many measures a written sequence lasts. */
 export function sequenceLength(steps: unknown, library: Map<string, number>): number {
   if (!Array.isArray(steps)) return 1;

@@ -5,7 +5,7 @@ import { Values } from "../net/values";
 import { Library } from "./library";
 import { ShowDocument, type Edit, type SingleEdit } from "./document";
 import { groundOf, type Copied, type Snap } from "./arrange";
-import { allBoxes, beatsPerMeasure, planRows, scoreLength, sectionSpans, type Box, type Mode } from "./plan";
+import { allBoxes, beatsPerMeasure, grown, hasEnd, planRows, scoreLength, sectionSpans, type Box, type Mode } from "./plan";
 import { entries, type Entry } from "./score";
 
 export type View = "make" | "play" | "show" | "storyboard";
@@ -55,7 +55,8 @@ export class Studio {
   readonly selectedKeys = computed(() => new Set(this.selected.value.map(keyOf)));
   readonly rows = computed(() => (this.doc.structure.value ? planRows(this.doc.structure.value, this.mode.value) : []));
   readonly spans = computed(() => sectionSpans(this.score.value));
-  readonly length = computed(() => (this.doc.structure.value ? scoreLength(this.doc.structure.value) : 16));
+  private readonly written = computed(() => (this.doc.structure.value ? scoreLength(this.doc.structure.value) : 16));
+  readonly length = computed(() => (hasEnd(this.score.value) ? this.written.value : grown(this.written.value, this.playhead.value)));
   readonly ground = computed(() => groundOf(this.score.value, this.doc.structure.value?.library ?? []));
   readonly beats = computed(() => beatsPerMeasure(this.score.value));
   /** Where the show is danced now, in measures of the written score from 0; null before it begins. */
