@@ -1,8 +1,8 @@
 """A made-up score of any length: two groups of 25 dancers, with entries of every kind in each eight measures."""
 
 
-def score_text(measures: int, dancers: int = 50) -> str:
-    """Return the text of the patch."""
+def score_text(measures: int, dancers: int = 50, calls: int = 1) -> str:
+    """Return the text of the patch; `calls` in each eight measures, a beat apart."""
     half = dancers // 2
     blocks = [
         '# Made for a benchmark.\nname = "long"\nseed = 1\n',
@@ -21,7 +21,11 @@ def score_text(measures: int, dancers: int = 50) -> str:
             ]
         blocks += [
             f'[[element]]\nkind = "attract"\nmeasure = {measure + 4}\nmeasures = 2\nat = [1.0, 2.0]\n',
-            f'[[at]]\nmeasure = {measure + 6}\ncall = "/dance/spread"\nvalues = [1]\n',
             f'[[signal]]\nname = "s{measure}"\nmeasure = {measure}\n',
+        ]
+        blocks += [
+            f"[[at]]\nmeasure = {measure + 6 - call // 4}\nbeat = {1 + call % 4}\n"
+            'call = "/dance/spread"\nvalues = [1]\n'
+            for call in range(calls)
         ]
     return "\n".join(blocks)

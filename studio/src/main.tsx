@@ -24,13 +24,8 @@ async function askWhat(key: string): Promise<{ start?: StartFacts } | null> {
   return answer?.ok ? ((await answer.json()) as { start?: StartFacts }) : null;
 }
 
-async function isRight(key: string): Promise<boolean> {
-  return (await askWhat(key)) !== null;
-}
-
-async function enter(key: string): Promise<void> {
-  const what = await askWhat(key);
-  if (what?.start) {
+async function enter(key: string, what: { start?: StartFacts }): Promise<void> {
+  if (what.start) {
     render(<StartPage secret={key} facts={what.start} isShow={async () => { const now = await askWhat(key); return now !== null && !now.start; }} />, place);
     return;
   }
@@ -44,16 +39,18 @@ async function enter(key: string): Promise<void> {
 
 const place = document.getElementById("app") as HTMLElement;
 const key = storedKey();
-if (await isRight(key)) await enter(key);
+const what = await askWhat(key);
+if (what) await enter(key, what);
 else {
   render(
     <Door
       wrong={key !== ""}
       onKey={async (tried) => {
         const found = tried.includes("#") ? tried.slice(tried.lastIndexOf("#") + 1).replace(/^key=/, "") : tried.trim();
-        if (!(await isRight(found))) return false;
+        const there = await askWhat(found);
+        if (!there) return false;
         localStorage.setItem(KEY, found);
-        await enter(found);
+        await enter(found, there);
         return true;
       }}
     />,

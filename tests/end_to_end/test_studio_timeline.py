@@ -288,7 +288,8 @@ def test_the_inspector_changes_one_several_and_the_show(show: Studio, page: Any)
 def test_each_sees_what_the_other_selects_and_changes(show: Studio) -> None:
     with opened_page(show, more=1) as (one, other):
         box(one, "circle, ember").click()
-        other.locator(".box.other").first.wait_for()
+        box(one, "star, tide").click(modifiers=["Shift"])
+        other.locator(".box.other").nth(1).wait_for()
         one.keyboard.press("Alt+ArrowRight")
         other.locator(".box.changed").first.wait_for()
         assert other.locator(".box.changed em").first.inner_text() == one.evaluate("studio.by")

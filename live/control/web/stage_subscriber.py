@@ -19,11 +19,13 @@ MAX_WAITING_TEXTS: Final = 256
 """A page that has so many texts to read that may not be left out is closed; it may come again."""
 MAX_CHOSEN: Final = 450
 MAX_NAME: Final = 64
+MAX_LISTS: Final = 32
+MAX_LIST_NAME: Final = 32
 PER_SECOND: Final = 60.0
 """Messages per second that one page may send; more are refused."""
 MAX_UNANSWERED: Final = 64
 """Edits of one page that may wait for their answers."""
-CHOICES: Final = ("positions", "joints", "clock", "dancers", "name", "segment", "measures", "notes")
+CHOICES: Final = ("positions", "joints", "clock", "dancers", "name", "segment", "measures", "notes", "selected")
 
 
 class StageSubscriber:
@@ -41,6 +43,8 @@ class StageSubscriber:
         self.segment: int | None = None
         self.measures: list[int] | None = None
         """The segment, or the first and last measure, whose ways it wants; both from 1."""
+        self.selected: dict[str, list[int]] = {}
+        """What its person has selected: numbers, from 1, by the list of the document, or `dancer`; others see it."""
         self.notes = False
         """Whether it wants the doubts about the document."""
         self.revision: int | None = None
@@ -77,6 +81,10 @@ class StageSubscriber:
             isinstance(measures, list) and len(measures) == 2 and all(_is_number(each) for each in measures)
         ):
             return "measures: the first and the last one, or null, expected"
+        selected = said.get("selected", self.selected)
+        if not _is_selection(selected):
+            return f"selected: lists of numbers from 1 by name expected, {MAX_CHOSEN} numbers at most"
+        self.selected = selected
         self.hertz |= {kind: float(rate) for kind, rate in hertz.items()}
         self.joints, self.name = sorted(set(dancers)), name
         self.notes = self.notes if notes is None else notes
@@ -87,7 +95,7 @@ class StageSubscriber:
     @property
     def person(self) -> dict[str, Any]:
         """What other pages see of it."""
-        return {"name": self.name, "segment": self.segment, "measures": self.measures, "dancers": self.joints}
+        return {"name": self.name, "selected": self.selected}
 
     @property
     def question(self) -> dict[str, Any] | None:
@@ -144,6 +152,16 @@ def read_object(text: Any) -> dict[str, Any] | None:
     except (ValueError, TypeError, RecursionError):
         return None
     return found if isinstance(found, dict) else None
+
+
+def _is_selection(value: object) -> bool:
+    return (
+        isinstance(value, dict)
+        and all(name.isidentifier() and len(name) <= MAX_LIST_NAME for name in value)
+        and all(isinstance(numbers, list) and all(map(_is_number, numbers)) for numbers in value.values())
+        and sum(map(len, value.values())) <= MAX_CHOSEN
+        and len(value) <= MAX_LISTS
+    )
 
 
 def _is_number(value: object) -> bool:

@@ -157,7 +157,9 @@ class WebServer:
             self._refused += 1
             return await self._failed.answer(request)
         if request.path == "/surface.json":
-            return web.json_response(self._surface, headers=SECURITY_HEADERS)
+            answer = web.json_response(self._surface, headers=SECURITY_HEADERS)
+            answer.enable_compression()
+            return answer
         return await self._open(request)
 
     def _refuse(self, status: int) -> web.Response:

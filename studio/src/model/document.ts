@@ -29,9 +29,8 @@ export interface StageElement {
 
 export interface Person {
   name: string;
-  segment: number | null;
-  measures: [number, number] | null;
-  dancers: number[];
+  /** Numbers, from 1, by the list of the score, or "dancer". */
+  selected: Record<string, number[]>;
 }
 
 export interface Fault {
@@ -91,7 +90,6 @@ export class ShowDocument {
   readonly clock = signal<Clock | null>(null);
   readonly positions = signal<Positions | null>(null);
   readonly joints = signal<Joints | null>(null);
-  readonly ways = signal<Ways | null>(null);
   readonly people = signal<Person[]>([]);
   readonly doubts = signal<{ measure: number | null; what: string }[]>([]);
   readonly notices = signal<Notice[]>([]);
@@ -225,9 +223,6 @@ export class ShowDocument {
         break;
       case "clock":
         this.clock.value = told as unknown as Clock;
-        break;
-      case "ways":
-        this.ways.value = told["ways"] ? (told as unknown as Ways) : null;
         break;
       case "notes":
         this.doubts.value = (told["notes"] as { measure: number | null; what: string }[]) ?? [];

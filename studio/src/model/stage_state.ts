@@ -89,7 +89,6 @@ export class StageState {
   /** Of the same measure: what would go wrong in it. */
   readonly momentNotes = signal<PreviewAnswer | null>(null);
   readonly segmentAnswer = signal<PreviewAnswer | null>(null);
-  readonly dragAnswer = signal<PreviewAnswer | null>(null);
   readonly waits = signal(false);
 
   /** The danced measure (from 1) at the cursor; null: now. */
@@ -113,18 +112,17 @@ export class StageState {
   });
   readonly ways = computed((): Ways | null => {
     if (this.played.value) return null;
-    const drag = this.dragAnswer.value;
+    const drag = this.studio.dragAnswer.value;
     if (drag) return waysIn(drag);
     const chosen = this.segmentAnswer.value;
     if (chosen) return waysIn(chosen);
-    if (this.studio.doc.ways.value) return this.studio.doc.ways.value;
     const moment = this.looked.value === null ? null : this.momentAnswer.value;
     return moment?.positions.length ? { from: 0, to: 0, segment: null, ...waysOf(moment.positions) } : null; // as they are danced
   });
   /** Where everybody stands at the end of the chosen measures. */
   readonly ghost = computed((): Positions | null => {
     if (this.played.value) return null;
-    const drag = this.dragAnswer.value;
+    const drag = this.studio.dragAnswer.value;
     const chosen = this.segmentAnswer.value ?? (this.looked.value === null ? null : this.momentAnswer.value);
     const like = chosen?.positions.at(-1) ?? this.shown.value;
     const ways = drag && waysIn(drag);
@@ -132,7 +130,7 @@ export class StageState {
     return chosen?.positions.at(-1) ?? null;
   });
   readonly faults = computed(() => {
-    const answer = this.played.value?.answer ?? this.dragAnswer.value ?? this.segmentAnswer.value ?? (this.looked.value === null ? null : this.momentNotes.value);
+    const answer = this.played.value?.answer ?? this.studio.dragAnswer.value ?? this.segmentAnswer.value ?? (this.looked.value === null ? null : this.momentNotes.value);
     const notes = answer?.texts["notes"];
     return {
       meetings: (notes?.["meetings"] as Meeting[] | undefined) ?? [],
@@ -185,7 +183,7 @@ export class StageState {
       effect(() => {
         void this.studio.selected.value;
         void this.studio.doc.revision.value;
-        this.dragAnswer.value = null;
+        this.studio.dragAnswer.value = null;
       }),
     ];
     return () => {
@@ -218,7 +216,7 @@ export class StageState {
     void this.studio.preview.ask(question, "drag", true).then((answer) => {
       if (answer.replaced) return;
       if (simulated && answer.positions.length) answer.texts["ways"] = { ...answer.texts["ways"], ...waysOf(answer.positions) };
-      this.dragAnswer.value = answer;
+      this.studio.dragAnswer.value = answer;
     });
   }
 
@@ -229,7 +227,7 @@ export class StageState {
       return true;
     }
     const answer = await this.studio.doc.edits(edits);
-    this.dragAnswer.value = null;
+    this.studio.dragAnswer.value = null;
     return !answer.refused;
   }
 
@@ -248,7 +246,7 @@ export class StageState {
   discard(): void {
     this.tried.value = [];
     this.without.value = false;
-    this.dragAnswer.value = null;
+    this.studio.dragAnswer.value = null;
     this.trying.value = false;
     this.stop();
   }

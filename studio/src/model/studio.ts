@@ -16,6 +16,10 @@ export interface Selected {
   number: number;
 }
 
+/** Selected entries, and dancers, that the others are told. */
+const MOST_TOLD = 200;
+const TELL_MS = 60;
+
 export class Studio {
   readonly view = signal<View>("make");
   readonly panel = signal<Panel>("steps");
@@ -43,14 +47,20 @@ export class Studio {
 
   readonly score = computed(() => this.doc.structure.value?.score ?? {});
   readonly boxes = computed(() => (this.doc.structure.value ? allBoxes(this.doc.structure.value) : []));
-  /** What others have chosen: by key, who, and their colour. */
+  /** What others have selected, "dancer 3" too: by key, who, and the name of their colour. */
   readonly lookedAt = computed(() => {
     const found = new Map<string, { name: string; colour: string }>();
     for (const person of this.doc.people.value) {
-      if (person.name !== this.by && person.segment !== null) found.set(`segment ${person.segment}`, { name: person.name, colour: personColour(person.name) });
+      if (person.name === this.by) continue;
+      for (const [list, numbers] of Object.entries(person.selected)) {
+        for (const number of numbers) found.set(`${list} ${number}`, { name: person.name, colour: personColour(person.name) });
+      }
     }
     return found;
   });
+  /** What the preview says of what is dragged, on the stage or in the timeline. */
+  readonly dragAnswer = signal<PreviewAnswer | null>(null);
+  private telling = 0;
   private readonly boxesByKey = computed(() => new Map(this.boxes.value.map((box) => [keyOf(box), box])));
   readonly selectedKeys = computed(() => new Set(this.selected.value.map(keyOf)));
   readonly rows = computed(() => (this.doc.structure.value ? planRows(this.doc.structure.value, this.mode.value) : []));
@@ -71,9 +81,11 @@ export class Studio {
     this.values = new Values(key);
     this.library = new Library(this.preview, this.doc);
     effect(() => {
-      const chosen = this.selected.value.filter((one) => one.list === "segment");
-      this.doc.want({ segment: chosen.length === 1 ? chosen[0]?.number : null });
-      if (chosen.length !== 1) this.doc.ways.value = null;
+      const told: Record<string, number[]> = {};
+      for (const one of this.selected.value.slice(0, MOST_TOLD)) (told[one.list] ??= []).push(one.number);
+      if (this.dancers.value.length) told["dancer"] = this.dancers.value.slice(0, MOST_TOLD);
+      clearTimeout(this.telling);
+      this.telling = window.setTimeout(() => this.doc.want({ selected: told }), TELL_MS); // a marquee changes it often
     });
     effect(() => {
       // an entry that was selected may be another one after a change, or gone
@@ -134,11 +146,11 @@ export class Studio {
 
 const PERSON_COLOURS = 8;
 
-/** The colour of a person, the same in all pages. */
+/** The name of a person's colour in the style sheet, the same in all pages. */
 export function personColour(name: string): string {
   let sum = 7;
   for (const letter of name) sum = (sum * 31 + (letter.codePointAt(0) ?? 0)) >>> 0;
-  return `var(--person-${sum % PERSON_COLOURS})`;
+  return `--person-${sum % PERSON_COLOURS}`;
 }
 
 export function keyOf(one: Selected): string {

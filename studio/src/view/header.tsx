@@ -28,7 +28,7 @@ export function Header({ studio }: { studio: Studio }) {
       </div>
       <ul class="people" aria-label="Who is here">
         {doc.people.value.map((person, index) => (
-          <li key={index} title={person.name} style={{ boxShadow: `inset 0 0 0 2px ${personColour(person.name)}` }}>{initials(person.name)}</li>
+          <li key={index} title={person.name} style={{ boxShadow: `inset 0 0 0 2px var(${personColour(person.name)})` }}>{initials(person.name)}</li>
         ))}
       </ul>
       {state !== "open" && <p class="link" role="status">{state === "connecting" ? "Connecting …" : "No connection: trying again"}</p>}

@@ -266,10 +266,10 @@ def test_chosen_ways_and_doubts_come_from_the_preview_and_follow_the_document(st
 
 def test_pages_see_who_looks(studio: Studio) -> None:
     async def act(ana: Page, bea: Page) -> None:
-        await ana.say(name="ana", segment=1, dancers=[3])
+        await ana.say(name="ana", segment=1, dancers=[3], selected={"sequence": [2, 4], "dancer": [3]})
         people = await bea.wait("people", lambda one: any(person["name"] for person in one["people"]))
         assert people["count"] == 2
-        assert people["people"][1] == {"name": "ana", "segment": 1, "measures": None, "dancers": [3]}
+        assert people["people"][1] == {"name": "ana", "selected": {"sequence": [2, 4], "dancer": [3]}}
         await ana.ws.close()
         assert (await bea.wait("people", lambda one: one["count"] == 1))["people"][0]["name"] == ""
 
@@ -282,7 +282,9 @@ HOSTILE = (
     '{"positions": 1e9}', '{"positions": "x"}', '{"positions": NaN}', '{"nonsense": 1}', '{"dancers": ["x"]}',
     '{"dancers": [0]}', '{"dancers": ' + json.dumps([1] * 451) + "}", '{"name": 5}', '{"name": "\\n"}',
     '{"name": "' + "x" * 65 + '"}', '{"segment": -1}', '{"segment": true}', '{"measures": [1]}',
-    '{"measures": [1, "x"]}',
+    '{"measures": [1, "x"]}', '{"selected": [1]}', '{"selected": {"segment": 1}}', '{"selected": {"segment": [0]}}',
+    '{"selected": {"<b>": [1]}}', '{"selected": {"segment": ' + json.dumps([1] * 451) + "}}",
+    '{"selected": ' + json.dumps({f"list{number}": [1] for number in range(33)}) + "}",
     '{"notes": 1}', '{"do": "undo", "by": 5}', '{"do": "undo", "revision": "x"}', '{"do": "restore", "revision": -1}',
     '{"do": "set", "at": ["seed"], "value": 1, "id": []}', '{"do": "set", "at": ["seed"], "value": "\\ud800"}',
     '{"do": "set", "at": ["seed"], "value": ' + "[" * 900 + "]" * 900 + "}",

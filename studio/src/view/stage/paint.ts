@@ -14,6 +14,8 @@ export interface Theme {
   dim: string;
   accent: string;
   alarm: string;
+  /** The value of a colour of the style sheet, by its name. */
+  named: (name: string) => string;
 }
 
 /** What is drawn at this moment: a line, a shape, or the outline of a selection. */
@@ -40,6 +42,8 @@ export interface Scene {
   elements: StageElement[];
   written: Written[];
   chosen: ReadonlySet<number>;
+  /** Dancers, from 1, that others have selected, with the names of their colours. */
+  others: ReadonlyMap<number, string>;
   /** Dancers who would meet somebody, or cannot get there, from 1. */
   alarmed: ReadonlySet<number>;
   meetings: [number, number][];
@@ -224,6 +228,8 @@ function paintDancers(context: CanvasRenderingContext2D, scene: Scene, positions
     context.fill();
     if (scene.alarmed.has(dancer)) ring(context, px, py, radius + 2.5, theme.alarm, 2.5);
     if (scene.chosen.has(dancer)) ring(context, px, py, radius + (scene.alarmed.has(dancer) ? 6 : 3), theme.ink, 2.5);
+    const other = scene.others.get(dancer);
+    if (other) ring(context, px, py, radius + 5.5, theme.named(other), 2);
     if (scene.focus === dancer) ring(context, px, py, radius + 8, theme.accent, 2);
     context.fillStyle = "rgb(0 0 0 / 0.72)";
     triangle(context, px, py, positions.rows[3 * row + 2] ?? 0, radius);

@@ -147,7 +147,7 @@ export function PlacingBar({ studio, stage }: { studio: Studio; stage: StageStat
   const close = (): void => {
     stage.placing.value = null;
     stage.held.value = null;
-    stage.dragAnswer.value = null;
+    stage.studio.dragAnswer.value = null;
   };
   return (
     <form

@@ -135,13 +135,14 @@ function sceneOf(studio: Studio, stage: StageState, drawing: Drawing, camera: Ca
     elements: stage.looked.value === null && !stage.played.value ? (studio.doc.clock.value?.elements ?? []) : [],
     written: writtenHere(studio, stage),
     chosen: new Set(studio.dancers.value),
+    others: new Map([...studio.lookedAt.value].flatMap(([key, { colour }]) => (key.startsWith("dancer ") ? [[Number(key.slice(7)), colour] as const] : []))),
     alarmed: stage.alarmed.value,
     meetings: faults.meetings.map((one) => one.dancers),
     focus: stage.focus.value,
     labels: stage.labels.value,
     distances: stage.distances.value,
     held: stage.held.value,
-    places: placing ? placing.places : stage.dragAnswer.value ? [] : stage.thought.value,
+    places: placing ? placing.places : stage.studio.dragAnswer.value ? [] : stage.thought.value,
     sketch: drawing.sketch.value ?? (stage.stroke.value ? { points: stage.stroke.value.points, closed: stage.stroke.value.closed, kind: "line" } : null),
     pen: drawing.pen.value,
   };
@@ -163,5 +164,5 @@ function writtenHere(studio: Studio, stage: StageState): Written[] {
 function themeOf(element: HTMLElement): Theme {
   const style = getComputedStyle(element);
   const read = (name: string): string => style.getPropertyValue(name).trim();
-  return { floor: read("--floor"), line: read("--line"), ink: read("--ink"), dim: read("--dim"), accent: read("--accent"), alarm: read("--alarm") };
+  return { floor: read("--floor"), line: read("--line"), ink: read("--ink"), dim: read("--dim"), accent: read("--accent"), alarm: read("--alarm"), named: read };
 }

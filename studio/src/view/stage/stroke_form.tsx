@@ -25,7 +25,7 @@ export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: S
   const close = (): void => {
     stage.stroke.value = null;
     stage.thought.value = [];
-    stage.dragAnswer.value = null;
+    stage.studio.dragAnswer.value = null;
   };
 
   useEffect(() => form.current?.querySelector("input")?.focus(), []);
@@ -36,7 +36,7 @@ export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: S
     const first = dancedMeasure(studio.score.value, now.start);
     if (first === null) return;
     if (!isElement) stage.drag(drawnEdits(studio.score.value, now), first, first + now.measures - 1);
-    else stage.dragAnswer.value = null;
+    else stage.studio.dragAnswer.value = null;
   }, [now]);
 
   const keep = async (): Promise<void> => {

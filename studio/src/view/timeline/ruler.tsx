@@ -45,7 +45,8 @@ function Numbers({ studio, state }: { studio: Studio; state: TimelineState }) {
 function SectionBlock({ studio, state, span }: { studio: Studio; state: TimelineState; span: SectionSpan }) {
   const gesture = state.gesture.value;
   const held = gesture?.kind === "section" && gesture.number === span.number ? gesture : null;
-  const style = { "--start": held ? held.start : span.first, "--length": held ? held.measures : span.measures };
+  const other = studio.lookedAt.value.get(`section ${span.number}`);
+  const style = { "--start": held ? held.start : span.first, "--length": held ? held.measures : span.measures, ...(other ? { "--other": `var(${other.colour})` } : {}) };
   if (state.naming.value === span.number) {
     const done = (value: string): void => {
       state.naming.value = null;
@@ -70,7 +71,7 @@ function SectionBlock({ studio, state, span }: { studio: Studio; state: Timeline
   const more = [span.repeat > 1 ? `×${span.repeat}` : "", span.wait || span.repeat === 0 ? "waits" : "", span.then ? `→ ${span.then}` : ""].filter(Boolean).join(" · ");
   return (
     <button
-      class={`section${held ? " held" : ""}${span.wait ? " waits" : ""}`}
+      class={`section${other ? " other" : ""}${held ? " held" : ""}${span.wait ? " waits" : ""}`}
       aria-pressed={studio.isSelected({ list: "section", number: span.number })}
       aria-label={`Section ${span.name}, measures ${span.first + 1} to ${span.first + span.measures}${more ? `, ${more}` : ""}`}
       title={`${span.name}: drag it to its place, its end to make it longer; F2 or a double click renames it`}

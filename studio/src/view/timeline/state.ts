@@ -19,7 +19,8 @@ const SCREENS = 0.5;
 const MOST_ELEMENTS = 300;
 /** What changes who dances which step: it is simulated, not only planned. */
 const STEP_LISTS = ["sequence", "improvise"];
-const TRY_WAIT_MS = 200;
+/** Before what has to be simulated is tried; what is only planned is tried at once [ms]. */
+const TRY_WAIT_MS = 150;
 
 /** What is done with the pointer, as it stands now. */
 export type Gesture =
@@ -236,7 +237,7 @@ export class TimelineState {
     }
   }
 
-  /** Ask what the preview says of what is held, soon; it shows the ways on the stage. */
+  /** Ask what the preview says of what is held; it shows the ways on the stage. */
   ask(): void {
     const gesture = this.gesture.peek();
     const edits = this.editsOf(gesture);
@@ -246,7 +247,8 @@ export class TimelineState {
     this.caution.value = null;
     clearTimeout(this.timer);
     if (!edits.length) return;
-    this.timer = window.setTimeout(() => void this.askNow(edits, said), TRY_WAIT_MS);
+    if (isPlanned(edits)) void this.askNow(edits, said);
+    else this.timer = window.setTimeout(() => void this.askNow(edits, said), TRY_WAIT_MS);
   }
 
   private async askNow(edits: SingleEdit[], said: string): Promise<void> {
@@ -257,7 +259,7 @@ export class TimelineState {
     const from = dancedMeasure(this.studio.score.peek(), first) ?? 1;
     const to = from + Math.min(Math.max(last - first, 1), 32) - 1;
     const list = edits.length === 1 ? edits : [{ do: "together" as const, edits }];
-    const answer = await this.studio.preview.ask({ from, to, with: list, positions: "none", planned: !edits.some((one) => STEP_LISTS.includes(String(one.at[0]))), notes: true }, "timeline", true);
+    const answer = await this.studio.preview.ask({ from, to, with: list, positions: "none", planned: isPlanned(edits), notes: true }, "timeline", true);
     if (answer.replaced || said !== this.tried || !this.gesture.peek()) return;
     const told = answer.texts["notes"] as { answers?: { refused?: { what: string; remedy?: string }[] }[]; notes?: { what: string }[]; meetings?: unknown[]; too_far?: { dancer: number; measure: number }[] } | undefined;
     const faults = answer.refused ?? told?.answers?.flatMap((one) => one.refused ?? []) ?? [];
@@ -272,8 +274,7 @@ export class TimelineState {
     const fresh = told?.notes?.find((doubt) => !known.has(doubt.what));
     const words = [fresh?.what ?? "", far ? `${far} cannot get there in time: make it longer, or record a longer step` : "", near ? `${near} ${near === 1 ? "pair comes" : "pairs come"} too near` : ""];
     this.caution.value = words.some(Boolean) ? { refused: false, words: words.filter(Boolean).join("; ") } : null;
-    const ways = answer.texts["ways"];
-    if (ways) this.studio.doc.ways.value = { segment: null, ...ways } as never;
+    this.studio.dragAnswer.value = answer;
   }
 
   /** Let go: send the edits, or forget them. */
@@ -285,8 +286,12 @@ export class TimelineState {
     this.gesture.value = null;
     this.caution.value = null;
     if (edits.length) await this.studio.doc.edits(edits);
-    else if (gesture && gesture.kind !== "marquee") this.studio.doc.want({ segment: this.studio.selected.peek().find((one) => one.list === "segment")?.number ?? null });
+    else this.studio.dragAnswer.value = null;
   }
+}
+
+function isPlanned(edits: SingleEdit[]): boolean {
+  return !edits.some((one) => STEP_LISTS.includes(String(one.at[0])));
 }
 
 export function heightOf(row: Row): number {

@@ -126,7 +126,7 @@ const BoxView = memo(({ studio, box, lane, chosen, other, by, beats }: { studio:
         title={words}
         tabIndex={chosen ? 0 : -1}
         data-key={keyOf(box)}
-        style={{ "--start": box.start, "--length": box.length, "--lane": lane, ...(other ? { "--other": other } : {}) }}
+        style={{ "--start": box.start, "--length": box.length, "--lane": lane, ...(other ? { "--other": `var(${other})` } : {}) }}
       >
         <span>{box.label}</span>
         {by ? <em>{by}</em> : null}
