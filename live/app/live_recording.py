@@ -1,6 +1,7 @@
-"""Recording of a running show to a film, and sharing of its picture by shared memory or network streams."""
+"""Recording of a running show to a film, and sharing of its picture by shared memory, network streams or web pages."""
 
 from pathlib import Path
+from typing import Protocol
 
 import moderngl
 from rich.console import Console
@@ -13,9 +14,12 @@ from live.render.film.image_sequence import ImageSequenceWriter
 from live.render.film.network_stream import NetworkStream
 from live.render.film.shared_memory import FrameRing
 from live.render.film.streams import FilmSound
-from live.render.headless import FrameReader, is_software
+from live.render.headless import FrameReader, Picture, is_software
+from live.render.outputs.picture_sampler import PictureSampler
 
 SOFTWARE_FPS = 30.0
+PAGE_INTERVAL = 0.25
+"""Time between two pictures for web pages [s]."""
 
 
 def film_sound(music: Music | None) -> FilmSound | None:
@@ -160,3 +164,33 @@ class LiveSharing:
             told += f", {stream.dropped} dropped" if stream.dropped else ""
             told += f" ({stream.error})" if stream.error else ""
             console.print(told, style="dim", soft_wrap=True, markup=False)
+
+
+class PicturePages(Protocol):
+    """Web pages that show the picture as it is projected."""
+
+    @property
+    def wants_picture(self) -> bool:
+        """Whether a page looks at it, and the last one has been sent."""
+
+    def put_picture(self, picture: Picture) -> None:
+        """Show a picture: RGB, uint8, shape (height, width, 3); copied if kept."""
+
+
+class LivePages:
+    """Passes small pictures to web pages, a few in a second, while one looks. Thread: as `LiveSharing`."""
+
+    def __init__(self, pages: PicturePages, ctx: moderngl.Context, size: tuple[int, int]) -> None:
+        self._pages, self._sampler, self._next = pages, PictureSampler(ctx, size), 0.0
+
+    def frame(self, framebuffer: moderngl.Framebuffer, time: float) -> None:
+        """Pass on the picture that was begun, or begin one of what was drawn at `time` [s of the show]."""
+        if (picture := self._sampler.take()) is not None:
+            self._pages.put_picture(picture)
+        elif time >= self._next and self._pages.wants_picture:
+            self._next = time + PAGE_INTERVAL
+            self._sampler.start(framebuffer)
+
+    def close(self, console: Console) -> None:
+        """Free what it made; there is no result to print."""
+        self._sampler.release()

@@ -147,6 +147,7 @@ class ServiceBuilder:
             page.resumes = self.resumes
             document.answer_listeners.append(page.answer)
             self.add("web", page)
+            self.services.web = page
         audience = make_audience(options, show, self.venue, self.inbox.add_queue(), self.clock)
         if audience is not None:
             audience.resumes = self.resumes

@@ -14,6 +14,7 @@ from live.app.service_builder import ServiceBuilder
 from live.app.services.audience_service import AudienceService
 from live.app.services.osc_services import OperatorOscPort
 from live.app.services.service_registry import ValuePublisher, make_file_watches
+from live.app.services.web_service import WebService
 from live.app.session_audio import AudioChoice, SessionAudio, start_tempo
 from live.app.session_records import SessionRecords, resident_megabytes
 from live.base.errors import PersonError
@@ -215,6 +216,11 @@ class Session:
             show, self.osc, self._audio.input_source, midi, self._watch, library, journal=self._records.problem,
             extra_refusals=self._services.refusals,
         )  # fmt: skip
+
+    @property
+    def web(self) -> WebService | None:
+        """The service of the web pages; None if there is none."""
+        return self._services.web
 
     @property
     def audience(self) -> AudienceService | None:

@@ -8,7 +8,7 @@ from rich.console import Console
 
 from live.app.adaptive_quality import QualityController, watch_shaders
 from live.app.launch_options import LaunchOptions
-from live.app.live_recording import LiveRecording, LiveSharing, live_fps
+from live.app.live_recording import LivePages, LiveRecording, LiveSharing, live_fps
 from live.app.output_config import window_placement
 from live.app.projector_setup import OutputSetup, make_output_setup
 from live.app.services.join_card import JoinCard
@@ -52,7 +52,7 @@ class ShowWindows(Projection):
 
 
 class FrameSinks:
-    """Consumers of the drawn pictures besides the window: recording and sharing.
+    """Consumers of the drawn pictures besides the window: recording, sharing, and web pages.
 
     Thread: the main thread, which owns the OpenGL context.
     """
@@ -64,7 +64,7 @@ class FrameSinks:
         self._shared_sink = sharing
         options, music, fps = session.options, session.sound.music, live_fps(session.options, ctx)
         self._calls = Bulkhead()
-        self._sinks: list[LiveRecording | LiveSharing] = []
+        self._sinks: list[LiveRecording | LiveSharing | LivePages] = []
         if options.record is not None:
             self._sinks.append(LiveRecording(options.record, ctx, size, fps, music))
         if options.share:
@@ -72,6 +72,8 @@ class FrameSinks:
             self._sinks.append(sharing)
             session.status.notices.append(sharing.problem_text)
             session.status.extra_figures["shared"] = sharing.facts
+        if session.web is not None:
+            self._sinks.append(LivePages(session.web, ctx, size))
 
     @property
     def is_active(self) -> bool:

@@ -1,16 +1,23 @@
-"""The audience's QR code on a real window: shown by a key, hidden over OSC."""
+"""A real window: the audience's QR code, shown by a key, hidden over OSC; and the picture that web pages get of it."""
 
+import asyncio
+import io
+import json
 import shutil
 import subprocess
 import time
 from pathlib import Path
 
+import aiohttp
+import numpy as np
 import pytest
+from PIL import Image
 
 from tests.fixtures.two_monitor_x import FIRST, SECOND, TwoMonitorX
 
 pytestmark = [pytest.mark.x11, pytest.mark.liblo, pytest.mark.long]
-OSC, PHONES = 19023, 19024
+OSC, PHONES, WEB = 19023, 19024, 19025
+KEY = "a-key-of-the-tests-4711"
 
 
 @pytest.mark.skipif(not (shutil.which("xdotool") and shutil.which("oscsend")), reason="needs xdotool and liblo-tools")
@@ -42,3 +49,35 @@ def wait_until(what, seconds=60.0):
     while not what():
         assert time.monotonic() < deadline, "waited in vain"
         time.sleep(0.1)  # a look costs more than a frame of the show
+
+
+def test_pages_see_the_picture_as_it_is_projected(play, patch: Path, two_monitor_x: TwoMonitorX):
+    two_monitor_x.plug_both()
+    running = play(
+        str(patch), "--bpm", "120", "--monitor", "2", "--fullscreen", "--alone", "--web", str(WEB), "--web-key", KEY,
+        env={"DISPLAY": two_monitor_x.display},
+    )  # fmt: skip
+    running.wait_for(lambda line: line["frames"] > 20, 60)
+
+    async def look() -> bytes:
+        headers = {"Authorization": f"Bearer {KEY}"}
+        async with (
+            aiohttp.ClientSession() as session,
+            session.ws_connect(f"http://127.0.0.1:{WEB}/studio/stream", headers=headers, max_msg_size=1 << 24) as page,
+        ):
+            await page.send_str(json.dumps({"positions": 0, "clock": 0, "picture": 4}))
+            seen = 0
+            async for message in page:
+                if message.type is aiohttp.WSMsgType.BINARY and message.data[0] == 4:
+                    seen += 1
+                    if seen == 3:
+                        return bytes(message.data)
+        raise AssertionError("the page was closed")
+
+    frame = asyncio.run(asyncio.wait_for(look(), 90))
+    with Image.open(io.BytesIO(frame[8:])) as image:
+        small = np.asarray(image.convert("RGB").resize((32, 18), Image.Resampling.BOX), np.float64)
+    screen = two_monitor_x.screenshot()[: SECOND[1], FIRST[0] : FIRST[0] + SECOND[0]]
+    projected = np.asarray(Image.fromarray(screen).resize((32, 18), Image.Resampling.BOX), np.float64)
+    assert small.std() > 3.0  # something is drawn
+    assert np.corrcoef(small.ravel(), projected.ravel())[0, 1] > 0.8  # they danced on meanwhile

@@ -8,6 +8,7 @@ from typing import Final
 
 from live.app.services.audience_service import AudienceService
 from live.app.services.service import Service
+from live.app.services.web_service import WebService
 from live.base.errors import PersonError
 from live.base.fault_isolation import FAULTS, Bulkhead, callback_name, run_once
 from live.control.events.events import ControlEvent
@@ -41,6 +42,7 @@ class ServiceRegistry:
         self.before_frame_calls: list[Callable[[], None]] = []
         """Functions called before each frame, to receive input for it."""
         self.audience: AudienceService | None = None
+        self.web: WebService | None = None
         """The service for phones, if there is one."""
         self.refusals: list[Callable[[], str]] = []
         """Functions that return the last refusal in words, one per service."""

@@ -121,7 +121,11 @@ class StageStream:
 
 def text_parts(name: str, number: int, text: str) -> Iterator[list[Any]]:
     """Yield the packets of a text."""
-    data = text.encode()
+    yield from byte_parts(name, number, text.encode())
+
+
+def byte_parts(name: str, number: int, data: bytes) -> Iterator[list[Any]]:
+    """Yield the packets of a text, or of other data with a name."""
     parts = range(0, len(data), PART_BYTES)
     for part, start in enumerate(parts):
         yield ["text", name, number, part, len(parts), data[start : start + PART_BYTES]]

@@ -1,14 +1,17 @@
 """Service of the operator's web page and of the studio's streams, whose process is a web server."""
 
 import json
+import struct
 from collections import deque
 from collections.abc import Sequence
 from typing import Any, Final
 
+import numpy as np
+import numpy.typing as npt
 from rich.console import Console
 
 from live.app.services.http_services import HttpService, own_address
-from live.app.services.stage_stream import StageStream, text_parts
+from live.app.services.stage_stream import StageStream, byte_parts, text_parts
 from live.base.event_queue import PriorityQueue
 from live.clock.time_source import Clock
 from live.control.events.document import EditDocument, RedoDocument, RestoreDocument, UndoDocument
@@ -51,6 +54,8 @@ class WebService(HttpService):
         self._key, self._stage, self._show, self._inbox = key, stage, show, inbox
         self._texts: deque[list[Any]] = deque()  # packets that may not be left out
         self._answers: deque[tuple[int, str]] = deque()  # the edit's number, and the answer
+        self._picture: deque[list[Any]] = deque()  # parts of a picture that may be left out
+        self._pictures = 0
 
     def _surface(self) -> dict[str, Any]:
         """Return what the page's controls are made of."""
@@ -89,6 +94,18 @@ class WebService(HttpService):
             text = json.dumps({**answer, "inverse": {**answer["inverse"], "exact": None}})
         self._answers.append((int(event.source.removeprefix(SOURCE)), text))
 
+    @property
+    def wants_picture(self) -> bool:
+        """Whether a page looks at the projected picture, and the last one has been sent."""
+        return not self._picture and bool((self.status().get("stage") or {}).get("picture"))
+
+    def put_picture(self, picture: npt.NDArray[np.uint8]) -> None:
+        """Send a small picture to the pages in the next frames: RGB, uint8, shape (height, width, 3)."""
+        self._pictures += 1
+        height, width = picture.shape[:2]
+        data = struct.pack("<HH", width, height) + picture.tobytes()
+        self._picture.extend(byte_parts("picture", self._pictures, data))
+
     def frame(self) -> None:
         """Send changed values, and frames of the stage for the pages that look at it."""
         super().frame()
@@ -107,6 +124,8 @@ class WebService(HttpService):
             self._texts.extend(text_parts("answer", number, text))
         while self._texts and self._helper.send(self._texts[0]):
             self._texts.popleft()
+        if self._picture and not self._texts:
+            self._helper.send(self._picture.popleft())  # one part a frame: the rest of the channel is free
 
     def start(self) -> None:
         """Listen, start the process and print the link; raise PersonError if that fails."""

@@ -25,7 +25,9 @@ PER_SECOND: Final = 60.0
 """Messages per second that one page may send; more are refused."""
 MAX_UNANSWERED: Final = 64
 """Edits of one page that may wait for their answers."""
-CHOICES: Final = ("positions", "joints", "clock", "dancers", "name", "segment", "measures", "notes", "selected")
+CHOICES: Final = (
+    "positions", "joints", "clock", "picture", "dancers", "name", "segment", "measures", "notes", "selected",
+)  # fmt: skip
 
 
 class StageSubscriber:
@@ -34,7 +36,7 @@ class StageSubscriber:
     def __init__(self, ws: web.WebSocketResponse, request: web.BaseRequest) -> None:
         self.ws, self.request = ws, request
         self.limit = TokenBucket(PER_SECOND, PER_SECOND)
-        self.hertz = {"positions": 30.0, "joints": 0.0, "clock": 10.0}
+        self.hertz = {"positions": 30.0, "joints": 0.0, "clock": 10.0, "picture": 0.0}
         """Frames of each kind that it wants in a second, at most."""
         self.joints: list[int] = []
         """Dancers whose joints it wants, from 1; empty: all."""

@@ -1,16 +1,23 @@
 """All pages that look at the stage: frames of the show for each, edits of each for the show, and who looks."""
 
+import io
 import json
 import secrets
+import struct
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from aiohttp import WSMsgType, web
+from PIL import Image
 
 from live.control.web.preview_client import PreviewClient
 from live.control.web.stage_subscriber import MAX_CHOSEN, MAX_UNANSWERED, StageSubscriber, read_object
 from live.control.web.task_guard import keep_task
 
+PICTURE: Final = 4
+"""Kind of the binary frame with the projected picture."""
+PICTURE_HEAD: Final = struct.Struct("<BBHHH")
+JPEG_QUALITY: Final = 72
 KINDS: Final = {1: "positions", 2: "joints"}
 """Names of the kinds of binary frames."""
 MAX_TEXT_BYTES: Final = 16_000_000
@@ -58,13 +65,16 @@ class StageSubscribers:
     @property
     def wants(self) -> dict[str, Any]:
         """What the show has to send: the number of pages, the dancers whose joints somebody wants, and a number that is
-        another one when the whole structure is wanted; also the frames that slow pages missed."""
+        another one when the whole structure is wanted; whether somebody wants the projected picture; also the frames
+        that slow pages missed."""
         looking = [page for page in self._all if page.hertz["joints"] > 0.0]
         everybody = any(not page.joints for page in looking)
         chosen = sorted({each for page in looking for each in page.joints})
         joints = None if not looking else [] if everybody else chosen[:MAX_CHOSEN]
         missed = self._missed + sum(page.missed for page in self._all)
-        return {"pages": len(self._all), "joints": joints, "structure": self._wish, "missed": missed}
+        picture = any(page.hertz["picture"] > 0.0 for page in self._all)
+        told = {"pages": len(self._all), "joints": joints, "structure": self._wish, "missed": missed}
+        return {**told, "picture": picture}
 
     # -- pages -------------------------------------------------------------------------------------------------------
 
@@ -251,9 +261,24 @@ class StageSubscribers:
         pieces.append(data)
         if part + 1 < parts or sum(map(len, pieces)) > MAX_TEXT_BYTES:
             return
-        text = b"".join(pieces).decode()
+        data = b"".join(pieces)
         pieces.clear()
-        self._take_text(name, number, text)
+        if name == "picture":
+            self._take_picture(data)
+        else:
+            self._take_text(name, number, data.decode())
+
+    def _take_picture(self, data: bytes) -> None:
+        """Pass the projected picture on as a JPEG; `data`: u16 width, u16 height, RGB."""
+        width, height = struct.unpack_from("<HH", data)
+        if width * height * 3 + 4 != len(data):
+            return  # a part of another one
+        compressed = io.BytesIO()
+        Image.frombuffer("RGB", (width, height), data[4:]).save(compressed, "JPEG", quality=JPEG_QUALITY)
+        frame = PICTURE_HEAD.pack(PICTURE, 0, width, height, 0) + compressed.getvalue()
+        for page in self._all:
+            if page.is_due("picture", self._now()):
+                page.put_frame("picture", frame)
 
     def _take_text(self, name: str, number: int, text: str) -> None:
         """Take a whole text of the show; `number`: the revision, or of an answer that of the edit."""

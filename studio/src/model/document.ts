@@ -1,7 +1,7 @@
 // The show that all pages edit: its structure, edits that are sent and answered, and undo.
 import { computed, signal } from "@preact/signals";
 import { Link } from "../net/link";
-import { frameKind, JOINTS, POSITIONS, readJoints, readPositions, type Joints, type Positions } from "../net/frames";
+import { frameKind, JOINTS, PICTURE, POSITIONS, readJoints, readPicture, readPositions, type Joints, type Positions, type ProjectedPicture } from "../net/frames";
 import { applyChange, type Change, type Structure } from "./score";
 
 export interface Clock {
@@ -90,6 +90,8 @@ export class ShowDocument {
   readonly clock = signal<Clock | null>(null);
   readonly positions = signal<Positions | null>(null);
   readonly joints = signal<Joints | null>(null);
+  /** The picture as it is projected; null: none yet. */
+  readonly picture = signal<ProjectedPicture | null>(null);
   readonly people = signal<Person[]>([]);
   readonly doubts = signal<{ measure: number | null; what: string }[]>([]);
   readonly notices = signal<Notice[]>([]);
@@ -117,6 +119,7 @@ export class ShowDocument {
       const kind = frameKind(data);
       if (kind === POSITIONS) this.positions.value = { ...readPositions(data) };
       else if (kind === JOINTS) this.joints.value = readJoints(data);
+      else if (kind === PICTURE) this.picture.value = readPicture(data);
     };
   }
 

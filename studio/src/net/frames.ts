@@ -3,6 +3,7 @@
 export const POSITIONS = 1;
 export const JOINTS = 2;
 export const WAVEFORM = 3;
+export const PICTURE = 4;
 export const JOINT_COUNT = 22;
 const HEAD = 8;
 const METRES = 1e-3;
@@ -60,4 +61,16 @@ export interface Waveform {
 export function readWaveform(data: DataView): Waveform {
   const count = Math.min(data.getUint32(4, true), data.byteLength - HEAD);
   return { rate: Math.max(data.getUint16(2, true), 1), peaks: new Uint8Array(data.buffer, data.byteOffset + HEAD, count) };
+}
+
+/** The picture as it is projected. */
+export interface ProjectedPicture {
+  width: number;
+  height: number;
+  jpeg: Blob;
+}
+
+export function readPicture(data: DataView): ProjectedPicture {
+  const jpeg = new Blob([new Uint8Array(data.buffer, data.byteOffset + HEAD, data.byteLength - HEAD).slice()], { type: "image/jpeg" });
+  return { width: data.getUint16(2, true), height: data.getUint16(4, true), jpeg };
 }

@@ -1,6 +1,7 @@
 """Pages of the studio: a real show, a real web server, real WebSockets; and hostile pages."""
 
 import asyncio
+import io
 import json
 import os
 import signal
@@ -15,6 +16,7 @@ from typing import Any
 import aiohttp
 import numpy as np
 import pytest
+from PIL import Image
 
 from live.app.services.score_stream import ScoreStream
 from live.app.services.stage_stream import StageStream
@@ -272,6 +274,32 @@ def test_pages_see_who_looks(studio: Studio) -> None:
         assert people["people"][1] == {"name": "ana", "selected": {"sequence": [2, 4], "dancer": [3]}}
         await ana.ws.close()
         assert (await bea.wait("people", lambda one: one["count"] == 1))["people"][0]["name"] == ""
+
+    with_pages(studio, 2, act)
+
+
+def test_page_gets_the_projected_picture_while_it_wants_it(studio: Studio) -> None:
+    picture = np.zeros((90, 160, 3), np.uint8)
+    picture[:45, :, 0], picture[45:, :, 2] = 200, 150
+
+    async def act(ana: Page, bea: Page) -> None:
+        await ana.wait("structure")
+        assert not studio.web.wants_picture
+        await ana.say(picture=4)
+        while not studio.web.wants_picture:
+            await asyncio.sleep(0.01)
+        studio.web.put_picture(picture)
+        assert not studio.web.wants_picture  # it is on its way
+        frame = await ana.wait("4")
+        assert struct.unpack_from("<BBHH", frame) == (4, 0, 160, 90)
+        with Image.open(io.BytesIO(frame[8:])) as image:
+            seen = np.asarray(image, np.float64)
+        assert np.abs(seen[8:37] - (200, 0, 0)).mean() < 3.0
+        assert np.abs(seen[53:82] - (0, 0, 150)).mean() < 3.0
+        assert "4" not in bea.got
+        await ana.say(picture=0)
+        while studio.web.wants_picture:
+            await asyncio.sleep(0.01)
 
     with_pages(studio, 2, act)
 

@@ -1,4 +1,5 @@
 import type { Studio } from "../../model/studio";
+import { Projected } from "./projected";
 import { entries, number, text, type Entry } from "../../model/score";
 
 /** The cue list: what is on standby, what counts in, and GO. */
@@ -25,6 +26,7 @@ export function GoPage({ studio }: { studio: Studio }) {
           {toggle("/dance/blackout", "Blackout")}
           <button class="stop" onClick={() => values.send("/dance/panic")}>Panic</button>
         </div>
+        <Projected studio={studio} />
       </section>
       <section class="cue-list" aria-label="Cues">
         <h2>Cues</h2>

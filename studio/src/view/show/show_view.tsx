@@ -5,6 +5,7 @@ import type { Studio } from "../../model/studio";
 import type { Widget } from "../../net/values";
 import { GoPage } from "./go_page";
 import { Health } from "./health";
+import { Projected } from "./projected";
 import { StageView } from "../stage/stage_view";
 import "./show.css";
 
@@ -31,6 +32,7 @@ export function ShowView({ studio }: { studio: Studio }) {
       </nav>
       {role.value === "Go" && <GoPage studio={studio} />}
       {role.value === "Stage" && <StageView studio={studio} />}
+      {role.value === "Light" && <Projected studio={studio} />}
       {role.value === "Everything" ? <Everything studio={studio} /> : role.value !== "Go" && <Parts studio={studio} parts={PARTS[role.value] ?? []} />}
     </main>
   );
