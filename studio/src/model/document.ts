@@ -1,5 +1,5 @@
 // The show that all pages edit: its structure, edits that are sent and answered, and undo.
-import { computed, signal } from "@preact/signals";
+import { computed, effect, signal } from "@preact/signals";
 import { Link } from "../net/link";
 import { frameKind, JOINTS, PICTURE, POSITIONS, readJoints, readPicture, readPositions, type Joints, type Positions, type ProjectedPicture } from "../net/frames";
 import { applyChange, type Change, type Structure } from "./score";
@@ -84,6 +84,9 @@ interface WaitingEdit {
 const MOST_NOTICES = 4;
 const ANSWER_WAIT = 65_000;
 
+/** Presses of keys that wait for the answers to earlier ones; more are left out. */
+const MOST_TURNS = 32;
+
 /** One show, seen through its stream. */
 export class ShowDocument {
   readonly structure = signal<Structure | null>(null);
@@ -106,6 +109,10 @@ export class ShowDocument {
   private noticeCount = 0;
   /** Whether there is a new connection, whose structure has not come yet. */
   private opened = false;
+  /** The latest revision that an answer has told. */
+  private readonly answeredRevision = signal(0);
+  private turns: Promise<void> = Promise.resolve();
+  private turnsWait = 0;
   private page = Math.random().toString(36).slice(2, 8);
 
   constructor(key: string, readonly by: string) {
@@ -142,6 +149,30 @@ export class ShowDocument {
     if (!list.length) return Promise.resolve({ id: "" });
     if (list.length === 1) return this.edit(list[0] as SingleEdit, quiet);
     return this.edit({ do: "together", edits: list }, quiet);
+  }
+
+  /** Do something that begins from the show as it is, after all that was sent before is answered and known here: a key
+   * that is held down moves a box step by step, also on a slow connection. */
+  inTurn(act: () => void): void {
+    if (this.turnsWait >= MOST_TURNS) return;
+    this.turnsWait++;
+    this.turns = this.turns.then(() => this.settled()).then(() => {
+      this.turnsWait--;
+      act();
+    });
+  }
+
+  private settled(): Promise<void> {
+    const isSettled = (): boolean => !this.waiting.value.length && this.revision.value >= this.answeredRevision.value;
+    if (isSettled()) return Promise.resolve();
+    return new Promise((resolve) => {
+      const stop = effect(() => {
+        if (isSettled()) {
+          resolve();
+          queueMicrotask(() => stop());
+        }
+      });
+    });
   }
 
   undo(): Promise<Answer> {
@@ -201,6 +232,7 @@ export class ShowDocument {
   }
 
   private answered(answer: Answer, _quiet: boolean): void {
+    if (answer.revision) this.answeredRevision.value = answer.revision;
     this.waiting.value = this.waiting.value.filter((one) => one.id !== answer.id);
     const how = this.answers.get(answer.id);
     this.answers.delete(answer.id);
@@ -211,6 +243,7 @@ export class ShowDocument {
     switch (told["kind"]) {
       case "structure":
         this.structure.value = told as unknown as Structure;
+        this.answeredRevision.value = Math.min(this.answeredRevision.value, this.revision.value); // an heir's may be an earlier one
         if (this.opened) this.sendAgain(this.revision.value);
         break;
       case "change": {

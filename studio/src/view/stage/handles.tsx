@@ -44,7 +44,7 @@ export function Handles({ studio, stage, camera }: { studio: Studio; stage: Stag
         const [px, py] = toPixels(camera.value, place[0], place[1]);
         return (
           <button
-            key={`${handle.list} ${handle.number} ${handle.key}`}
+            key={keyOf(handle)}
             class={`handle ${handle.list}`}
             style={{ left: `${px}px`, top: `${py}px` }}
             title={handle.label}
@@ -80,13 +80,20 @@ export function Handles({ studio, stage, camera }: { studio: Studio; stage: Stag
               event.preventDefault();
               event.stopPropagation();
               const far = event.shiftKey ? 10 * NUDGE_M : NUDGE_M;
-              drop(handle, [place[0] + far * (by[0] ?? 0), place[1] + far * (by[1] ?? 0)]);
+              studio.doc.inTurn(() => {
+                const now = handlesOf(studio).find((one) => keyOf(one) === keyOf(handle));
+                if (now) drop(now, [now.place[0] + far * (by[0] ?? 0), now.place[1] + far * (by[1] ?? 0)]);
+              });
             }}
           />
         );
       })}
     </div>
   );
+}
+
+function keyOf(handle: Handle): string {
+  return `${handle.list} ${handle.number} ${handle.key}`;
 }
 
 function isPlace(value: unknown): value is Place {

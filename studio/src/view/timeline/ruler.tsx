@@ -78,15 +78,11 @@ function SectionBlock({ studio, state, span }: { studio: Studio; state: Timeline
       style={style}
       data-section={span.number}
       onKeyDown={(event) => {
-        const list = ["section", span.number];
+        const sign = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
         if (event.key === "F2") state.naming.value = span.number;
-        else if (event.shiftKey && (event.key === "ArrowLeft" || event.key === "ArrowRight")) {
-          const measures = span.measures + (event.key === "ArrowRight" ? 1 : -1);
-          if (measures >= 1) void studio.doc.edit({ do: "resize", at: list, value: measures });
-        } else if (event.altKey && (event.key === "ArrowLeft" || event.key === "ArrowRight")) {
-          const number = span.number + (event.key === "ArrowRight" ? 1 : -1);
-          if (number >= 1 && number <= studio.spans.peek().length) void studio.doc.edit({ do: "move", at: list, value: { number } });
-        } else return;
+        else if (event.shiftKey && sign) studio.doc.inTurn(() => resizeSection(studio, span.number, sign));
+        else if (event.altKey && sign) studio.doc.inTurn(() => moveSection(studio, span.number, sign));
+        else return;
         event.preventDefault();
         event.stopPropagation();
       }}
@@ -95,6 +91,16 @@ function SectionBlock({ studio, state, span }: { studio: Studio; state: Timeline
       <span>{span.name}{more ? <small> {more}</small> : null}</span>
     </button>
   );
+}
+
+function resizeSection(studio: Studio, number: number, by: number): void {
+  const measures = (studio.spans.peek()[number - 1]?.measures ?? 0) + by;
+  if (measures >= 1) void studio.doc.edit({ do: "resize", at: ["section", number], value: measures });
+}
+
+function moveSection(studio: Studio, number: number, by: number): void {
+  const to = number + by;
+  if (to >= 1 && to <= studio.spans.peek().length) void studio.doc.edit({ do: "move", at: ["section", number], value: { number: to } });
 }
 
 function Range({ studio }: { studio: Studio }) {

@@ -124,24 +124,29 @@ function selectAll(studio: Studio): void {
   studio.selected.value = rows.flatMap((one) => one.boxes.map(({ list, number }) => ({ list, number })));
 }
 
+/** After all that was sent before, so that quick presses add up. */
+function inTurn(act: (studio: Studio) => void): (studio: Studio) => void {
+  return (studio) => studio.doc.inTurn(() => act(studio));
+}
+
 export const TIMELINE_SHORTCUTS: Shortcut[] = [
   { keys: "ArrowLeft", words: "the box before; without one, the cursor earlier", run: (studio) => along(studio, -1) },
   { keys: "ArrowRight", words: "the next box; without one, the cursor later", run: (studio) => along(studio, 1) },
   { keys: "ArrowUp", words: "a box of the row above", run: (studio) => across(studio, -1) },
   { keys: "ArrowDown", words: "a box of the row below", run: (studio) => across(studio, 1) },
-  { keys: "Alt+ArrowLeft", words: "move what is selected earlier", run: (studio) => nudge(studio, -1) },
-  { keys: "Alt+ArrowRight", words: "move what is selected later", run: (studio) => nudge(studio, 1) },
-  { keys: "Alt+ArrowUp", words: "give it to the row above", run: (studio) => toRow(studio, -1) },
-  { keys: "Alt+ArrowDown", words: "give it to the row below", run: (studio) => toRow(studio, 1) },
-  { keys: "Shift+ArrowLeft", words: "shorter", run: (studio) => resize(studio, -1) },
-  { keys: "Shift+ArrowRight", words: "longer", run: (studio) => resize(studio, 1) },
+  { keys: "Alt+ArrowLeft", words: "move what is selected earlier", run: inTurn((studio) => nudge(studio, -1)) },
+  { keys: "Alt+ArrowRight", words: "move what is selected later", run: inTurn((studio) => nudge(studio, 1)) },
+  { keys: "Alt+ArrowUp", words: "give it to the row above", run: inTurn((studio) => toRow(studio, -1)) },
+  { keys: "Alt+ArrowDown", words: "give it to the row below", run: inTurn((studio) => toRow(studio, 1)) },
+  { keys: "Shift+ArrowLeft", words: "shorter", run: inTurn((studio) => resize(studio, -1)) },
+  { keys: "Shift+ArrowRight", words: "longer", run: inTurn((studio) => resize(studio, 1)) },
   { keys: "Ctrl+A", words: "select all of the row", run: selectAll },
   { keys: "Ctrl+C", words: "copy", run: copy },
-  { keys: "Ctrl+X", words: "cut", run: (studio) => { copy(studio); void studio.removeSelected(); } },
-  { keys: "Ctrl+V", words: "paste at the cursor", run: (studio) => void paste(studio) },
-  { keys: "Ctrl+D", words: "repeat what is selected behind itself", run: duplicate },
-  { keys: "S", words: "split at the cursor", run: split },
-  { keys: "J", words: "join the selected boxes", run: join },
+  { keys: "Ctrl+X", words: "cut", run: inTurn((studio) => { copy(studio); void studio.removeSelected(); }) },
+  { keys: "Ctrl+V", words: "paste at the cursor", run: inTurn((studio) => void paste(studio)) },
+  { keys: "Ctrl+D", words: "repeat what is selected behind itself", run: inTurn(duplicate) },
+  { keys: "S", words: "split at the cursor", run: inTurn(split) },
+  { keys: "J", words: "join the selected boxes", run: inTurn(join) },
   { keys: "+", words: "zoom in", run: (studio) => timelineOf(studio).zoom(1.25) },
   { keys: "-", words: "zoom out", run: (studio) => timelineOf(studio).zoom(0.8) },
   { keys: "0", words: "the whole show", run: (studio) => timelineOf(studio).fit(0, studio.length.value) },
