@@ -70,7 +70,7 @@ export class Drawing {
     if (now.kind === "select") {
       this.sketch.value = null;
       if (now.points.length < 3 || now.points.every((one) => distance(one, begun) < STILL_M)) {
-        this.choose(begun, this.more);
+        this.choose(begun, this.more || (tool === "lasso" && this.nearest(begun) > 0)); // a finger has no Shift key
       } else this.chooseWithin(now.points);
     } else if (isElementTool(tool)) {
       this.sketch.value = null;

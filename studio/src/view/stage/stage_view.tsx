@@ -14,7 +14,7 @@ import { beginPlacing, PlaceHandles, PlacingBar } from "./placing";
 import type { Written } from "./paint_marks";
 import { SolidStage } from "./solid_stage";
 import { StrokeForm } from "./stroke_form";
-import { ToolBar, ToolOptions } from "./tool_bar";
+import { LineOptions, ToolBar, ToolOptions } from "./tool_bar";
 import "./stage.css";
 
 /** The stage from above, with everybody on it; and in 3D. */
@@ -78,6 +78,7 @@ export function StageView({ studio }: { studio: Studio }) {
       </header>
       <MomentBar studio={studio} stage={stage} />
       <ToolOptions stage={stage} />
+      <LineOptions stage={stage} drawing={drawing} />
       <PlacingBar studio={studio} stage={stage} />
       <div class={`floor tool-${stage.tool.value}${stage.stroke.value ? " with-form" : ""}`}>
         <DancerList studio={studio} stage={stage} drawing={drawing}>

@@ -2,12 +2,12 @@ import type { Signal } from "@preact/signals";
 import type { Labels, StageState, Tool } from "../../model/stage_state";
 import type { Studio } from "../../model/studio";
 import { colourOf } from "./paint";
-import { isElementTool } from "./drawing";
+import { isElementTool, type Drawing } from "./drawing";
 
 /** Name, title and the path of the icon, in a square of 16. */
 const TOOLS: [Tool, string, string][] = [
   ["select", "Select: click dancers, or draw a box around them", "M3 2l9 6.5-4 .7 2.4 4.3-1.8 1L6.2 10 3.4 13z"],
-  ["lasso", "Lasso: draw around dancers", "M8 3c3.3 0 6 1.7 6 3.8S11.300 10.500 8 10.500 2 9 2 6.800 4.700 3 8 3zM5 10c-1 1.500-.5 3 1 3.500"],
+  ["lasso", "Lasso: draw around dancers; a click adds one", "M8 3c3.3 0 6 1.7 6 3.8S11.300 10.500 8 10.500 2 9 2 6.800 4.700 3 8 3zM5 10c-1 1.500-.5 3 1 3.500"],
   ["line", "Line: click its points; Enter or a double click ends it", "M2.500 13L7 5l6.500 3.500"],
   ["curve", "Curve: draw freehand", "M2 12c2-9 5-9 6-4s4 4 6-4"],
   ["shape", "Closed shape: draw its outline", "M8 2.500c4 0 6 2 5.500 5.500S10 13 7 13.500 2 11 2.500 7.500 5 2.500 8 2.500z"],
@@ -93,6 +93,20 @@ export function ToolOptions({ stage }: { stage: StageState }) {
       <NumberField words="measures" value={stage.measures} least={1} most={64} step={1} />
       <Switch value={stage.live} words="Live" />
       <span class="hint">{stage.live.value ? "acts at once in the show" : `from measure ${stage.here() + 1} of the score`}</span>
+    </div>
+  );
+}
+
+/** A line that is drawn by clicks or taps: how it ends. */
+export function LineOptions({ stage, drawing }: { stage: StageState; drawing: Drawing }) {
+  const points = drawing.sketch.value?.kind === "line" && stage.tool.value === "line" ? drawing.sketch.value.points.length : 0;
+  if (!points) return null;
+  return (
+    <div class="strip options" role="group" aria-label="The line">
+      <span class="hint">{points} {points === 1 ? "point" : "points"}</span>
+      <button class="primary" disabled={points < 2} onClick={() => drawing.finish()}>Finish</button>
+      <button onClick={() => drawing.removePoint()}>One point back</button>
+      <button onClick={() => drawing.cancel()}>Cancel</button>
     </div>
   );
 }

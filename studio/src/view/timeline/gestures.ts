@@ -6,7 +6,10 @@ import type { TimelineState } from "./state";
 
 const EDGE_PX = 8;
 const SLACK_PX = 4;
+/** A finger that rests so long adds a box to the selection, or begins a box around several. */
 const LONG_PRESS_MS = 450;
+const DOUBLE_TAP_MS = 350;
+const DOUBLE_TAP_PX = 24;
 
 interface Held {
   pointer: number;
@@ -18,18 +21,24 @@ interface Held {
   begin: (event: PointerEvent) => void;
   move: (event: PointerEvent) => void;
   click: (event: PointerEvent) => void;
+  /** A finger rested on it. */
+  rest: () => void;
 }
 
-export function listenToGestures(studio: Studio, state: TimelineState, element: HTMLElement): () => void {
+type Hold = Pick<Held, "begin" | "move" | "click"> & Partial<Pick<Held, "rest">>;
+
+/** Listen to mouse, pen and fingers; `double` is told of a double tap, which browsers do not tell alike. */
+export function listenToGestures(studio: Studio, state: TimelineState, element: HTMLElement, double: (event: PointerEvent) => void): () => void {
   let held: Held | null = null;
   let pinch: { distance: number; scale: number } | null = null;
+  let tapped: { time: number; x: number; y: number } | null = null;
 
   const boxOf = (target: Element): Box | undefined => {
     const [list = "", number = ""] = target.closest<HTMLElement>("[data-key]")?.dataset["key"]?.split(" ") ?? [];
     return list ? studio.box({ list, number: Number(number) }) : undefined;
   };
 
-  const holdBox = (event: PointerEvent, box: Box): Pick<Held, "begin" | "move" | "click"> => {
+  const holdBox = (event: PointerEvent, box: Box): Hold => {
     const scale = studio.scale.peek();
     const inside = state.place(event).x - box.start * scale;
     const width = box.length * scale;
@@ -37,6 +46,7 @@ export function listenToGestures(studio: Studio, state: TimelineState, element: 
     const edge = sized && inside > width - EDGE_PX ? "end" : sized && inside < EDGE_PX ? "begin" : null;
     const more = event.shiftKey || event.ctrlKey || event.metaKey;
     const wasChosen = studio.isSelected(box);
+    const before = studio.selected.peek();
     if (!wasChosen) studio.select(box, more);
     const unit = unitOf(box.list, studio.snap.peek(), studio.beats.peek());
     return {
@@ -69,10 +79,14 @@ export function listenToGestures(studio: Studio, state: TimelineState, element: 
         if (wasChosen) studio.select(box, more);
         state.focus(box);
       },
+      rest: () => {
+        const others = before.filter((one) => one.list !== box.list || one.number !== box.number);
+        studio.selected.value = wasChosen ? others : [...before, { list: box.list, number: box.number }];
+      },
     };
   };
 
-  const holdCanon = (key: string): Pick<Held, "begin" | "move" | "click"> => {
+  const holdCanon = (key: string): Hold => {
     const [list = "", text = ""] = key.split(" ");
     const number = Number(text);
     const box = studio.box({ list, number });
@@ -92,7 +106,7 @@ export function listenToGestures(studio: Studio, state: TimelineState, element: 
     };
   };
 
-  const holdSection = (event: PointerEvent, target: HTMLElement): Pick<Held, "begin" | "move" | "click"> => {
+  const holdSection = (event: PointerEvent, target: HTMLElement): Hold => {
     const span = studio.spans.peek()[Number(target.dataset["section"]) - 1];
     const atEnd = event.clientX > target.getBoundingClientRect().right - EDGE_PX && target.offsetWidth > 3 * EDGE_PX;
     return {
@@ -114,7 +128,7 @@ export function listenToGestures(studio: Studio, state: TimelineState, element: 
     };
   };
 
-  const holdRuler = (measure: number): Pick<Held, "begin" | "move" | "click"> => {
+  const holdRuler = (measure: number): Hold => {
     const grid = studio.snap.peek() === "beat" ? 1 / studio.beats.peek() : 1;
     return {
       begin: () => {},
@@ -131,14 +145,14 @@ export function listenToGestures(studio: Studio, state: TimelineState, element: 
     };
   };
 
-  const holdGround = (event: PointerEvent): Pick<Held, "begin" | "move" | "click"> => {
+  const holdGround = (event: PointerEvent): Hold => {
     const more = event.shiftKey;
     const before = more ? studio.selected.peek() : [];
     const from = state.place(event);
+    const beginMarquee = (): void => { state.gesture.value = { kind: "marquee", x: [from.x, from.x], y: [from.y, from.y] }; };
     return {
-      begin: () => {
-        if (event.pointerType !== "touch") state.gesture.value = { kind: "marquee", x: [from.x, from.x], y: [from.y, from.y] };
-      },
+      begin: () => { if (event.pointerType !== "touch") beginMarquee(); },
+      rest: beginMarquee,
       move: (now) => {
         const gesture = state.gesture.peek();
         if (gesture?.kind !== "marquee") return;
@@ -173,11 +187,21 @@ export function listenToGestures(studio: Studio, state: TimelineState, element: 
       : target.closest(".lane") ? holdGround(event)
       : null;
     if (!own) return;
-    held = { pointer: event.pointerId, x: event.clientX, y: event.clientY, measure: place.measure, row: place.row, moved: false, ...own };
+    const mine: Held = { pointer: event.pointerId, x: event.clientX, y: event.clientY, measure: place.measure, row: place.row, moved: false, rest: () => {}, ...own };
+    held = mine;
     if (isBox || event.pointerType !== "touch" || place.row < 0) {
       element.setPointerCapture(event.pointerId);
       if (!isBox) event.preventDefault();
-    } else window.setTimeout(() => { if (held && !held.moved && held.pointer === event.pointerId) held = null; }, LONG_PRESS_MS);
+    }
+    if (event.pointerType === "touch" && own.rest) {
+      window.setTimeout(() => {
+        if (held !== mine || mine.moved) return;
+        mine.click = () => { state.gesture.value = null; };
+        mine.begin = () => {}; // from here on the finger does what the rest began; a box stays where it is
+        if (box) mine.move = () => {};
+        mine.rest();
+      }, LONG_PRESS_MS);
+    }
   };
   const onMove = (event: PointerEvent): void => {
     if (!held || event.pointerId !== held.pointer) return;
@@ -193,8 +217,15 @@ export function listenToGestures(studio: Studio, state: TimelineState, element: 
     if (!held || event.pointerId !== held.pointer) return;
     const own = held;
     held = null;
-    if (!own.moved) own.click(event);
-    else void finish(studio, state);
+    if (own.moved) {
+      void finish(studio, state);
+      return;
+    }
+    own.click(event);
+    if (event.pointerType !== "touch") return;
+    const twice = tapped !== null && event.timeStamp - tapped.time < DOUBLE_TAP_MS && Math.hypot(event.clientX - tapped.x, event.clientY - tapped.y) < DOUBLE_TAP_PX;
+    tapped = twice ? null : { time: event.timeStamp, x: event.clientX, y: event.clientY };
+    if (twice) double(event);
   };
   const stop = (): void => {
     held = null;
@@ -225,6 +256,7 @@ export function listenToGestures(studio: Studio, state: TimelineState, element: 
     const [a, b] = [event.touches[0], event.touches[1]];
     if (!a || !b) {
       pinch = null;
+      if (state.gesture.peek()?.kind === "marquee" && event.cancelable) event.preventDefault(); // not scrolled
       return;
     }
     event.preventDefault();

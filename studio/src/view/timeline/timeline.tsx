@@ -17,6 +17,9 @@ import "./timeline.css";
 
 const FLASH_MS = 1600;
 const MOST_DIVIDED = 64;
+/** A double click that a browser tells so soon after a double tap is the same one. */
+const DOUBLE_TAP_REST_MS = 700;
+let doubleTap = -Infinity;
 
 /** Measures from left to right: sections, music, signals, and a row for each group, with boxes that can be moved. */
 export function Timeline({ studio }: { studio: Studio }) {
@@ -34,7 +37,10 @@ export function Timeline({ studio }: { studio: Studio }) {
     element.addEventListener("scroll", onScroll, { passive: true });
     const sizes = new ResizeObserver(measureNames);
     sizes.observe(element);
-    const stop = listenToGestures(studio, state, element);
+    const stop = listenToGestures(studio, state, element, (event) => {
+      doubleTap = event.timeStamp;
+      doubleClick(event, studio, state);
+    });
     const onDragEnd = (): void => {
       dragging.now = null;
       if (state.gesture.peek()?.kind === "drop") void state.end(false);
@@ -69,7 +75,7 @@ export function Timeline({ studio }: { studio: Studio }) {
         }}
         style={{ "--px": `${studio.scale.value}px`, "--measures": studio.length.value, "--beats": studio.beats.value }}
         data-grid={studio.scale.value / studio.beats.value >= 14 ? "beats" : studio.scale.value >= 9 ? "measures" : "eights"}
-        onDblClick={(event) => doubleClick(event, studio, state)}
+        onDblClick={(event) => { if (event.timeStamp - doubleTap > DOUBLE_TAP_REST_MS) doubleClick(event, studio, state); }}
         onDragOver={(event) => dragOver(event, studio, state)}
         onDragLeave={(event) => { if (!scroller.current?.contains(event.relatedTarget as Node | null)) void state.end(false); }}
         onDrop={(event) => {
