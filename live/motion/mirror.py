@@ -37,14 +37,22 @@ def swap_sides(text: str) -> str:
     return _SIDE.sub(exchange, text)
 
 
+MIRRORED_SUFFIX: Final = " (mirrored)"
+
+
+def unmirrored_name(name: str) -> str:
+    """Return the name of the clip of which this may be the mirror image."""
+    return name.removesuffix(MIRRORED_SUFFIX)
+
+
 def mirror_step(step: StepClip) -> StepClip:
     """Return the step mirrored (T042): motion, direction, leading foot and pose names.
 
     `mirrored` is inverted.
     """
-    name = step.clip.name.removesuffix(" (mirrored)")
+    name = unmirrored_name(step.clip.name)
     if not step.mirrored:
-        name += " (mirrored)"
+        name += MIRRORED_SUFFIX
     return replace(
         step,
         clip=mirror_clip(step.clip, name),

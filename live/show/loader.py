@@ -17,6 +17,7 @@ from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.step_library import StepLibrary, build_library
 from live.library.capture_material import NO_BEAT_TAG, read_material
 from live.library.step_folder import load_folder
+from live.motion.mirror import unmirrored_name
 from live.motion.step_clip import StepClip
 from live.motion.texture.live_bank import TextureBank
 from live.render.custom_pass import try_passes
@@ -92,6 +93,8 @@ def with_locomotion(patch: Patch, **changes: float) -> Patch:
     return patch.model_copy(update={"locomotion": patch.locomotion.model_copy(update=changes)})
 
 
+MAX_NAMES: Final = 40
+"""Names that an error lists."""
 RECORDING_THRESHOLDS_M: Final = (0.25, 0.35)
 """Thresholds on the pose distance for transitions between recordings [m]: preferred, and used if the preferred one
 leaves a step without transitions."""
@@ -156,6 +159,10 @@ class LoadedShow:
     def clips(self) -> list[StepClip]:
         """Read all clips again, as at a start."""
         return read_clips(self.patch, self.path, self.recordings)
+
+    def check_takes(self, patch: Patch) -> None:
+        """Raise PersonError if a patch chooses takes that are not among its steps."""
+        read_clips(patch, self.path, self.recordings)
 
     @property
     def steps_folder(self) -> Path | None:
@@ -241,7 +248,29 @@ def locate_errors(sources: TomlSources) -> Iterator[None]:
 
 def read_clips(patch: Patch, path: Path, recordings: Path | None) -> list[StepClip]:
     """Return the clips with which a show of the patch begins, in order."""
-    return _read_own_steps(patch, path) if recordings is None else load_folder(recordings)
+    clips = _read_own_steps(patch, path) if recordings is None else load_folder(recordings)
+    return _chosen_takes(patch, clips)
+
+
+def _chosen_takes(patch: Patch, clips: list[StepClip]) -> list[StepClip]:
+    """Leave out the takes that the patch does not choose, with their mirror images; PersonError for unknown names."""
+    there: dict[str, set[str]] = {}
+    for clip in clips:
+        there.setdefault(clip.step.casefold(), set()).add(unmirrored_name(clip.clip.name))
+    wanted = {step.casefold(): set(names) for step, names in patch.takes.items()}
+    for step, names in patch.takes.items():
+        takes = there.get(step.casefold())
+        if takes is None:
+            known = ", ".join(sorted({clip.step for clip in clips})[:MAX_NAMES])
+            raise PersonError(f"there is no step {step!r}; there are: {known}", "correct the name", ("takes", step))
+        if unknown := next((name for name in names if name not in takes), None):
+            message = f"the step {step!r} has no take {unknown!r}; there are: {'; '.join(sorted(takes)[:MAX_NAMES])}"
+            raise PersonError(message, "correct the name", ("takes", step))
+    return [
+        clip
+        for clip in clips
+        if (chosen := wanted.get(clip.step.casefold())) is None or unmirrored_name(clip.clip.name) in chosen
+    ]
 
 
 def replace_clips(clips: list[StepClip], names: Sequence[str], former: Mapping[str, StepClip]) -> list[StepClip]:

@@ -5,7 +5,7 @@ import { formationEdits, freeName, simplified, usesOf, withPattern, withShape } 
 import { alongWay, fillEntry, freeBefore, gapEdits, gapOf, keysOf, linkedAlso } from "../src/model/gap";
 import { allBoxes } from "../src/model/plan";
 import type { Structure } from "../src/model/score";
-import { chainsOf, directionInWords, isWanted, turnInWords, written, type StepFacts } from "../src/model/steps";
+import { chainsOf, directionInWords, isWanted, takesEdit, turnInWords, written, type StepFacts } from "../src/model/steps";
 
 const SCORE = {
   formation: [{ name: "Gate", shape: "arc", size: [5, 3] }, { name: "gate 2", shape: "line" }],
@@ -128,4 +128,13 @@ test("sequences that touch are one chain, those of others and random ones are no
   assert.deepEqual(chainsOf(allBoxes({ ...STRUCTURE, library, score })), [
     { group: "ember", start: 2, words: ["walk x2", "turn"] }, { group: "*", start: 4, words: ["bow"] }, { group: "ember", start: 8, words: ["jump"] },
   ]);
+});
+
+test("takes are chosen by name, one stays, and all need no list", () => {
+  const take = (name: string, mirrored = false) => ({ take: name, mirrored }) as never;
+  const facts = { name: "walk", takes: [take("walk"), take("walk", true), take("walk, textured 1"), take("walk, textured 2")] } as never;
+  assert.deepEqual(takesEdit(facts, undefined, "walk", false), { do: "set", at: ["takes", "walk"], value: ["walk, textured 1", "walk, textured 2"] });
+  assert.deepEqual(takesEdit(facts, ["walk, textured 1"], "walk, textured 2", true), { do: "set", at: ["takes", "walk"], value: ["walk, textured 1", "walk, textured 2"] });
+  assert.deepEqual(takesEdit(facts, ["walk", "walk, textured 1"], "walk, textured 2", true), { do: "set", at: ["takes", "walk"], value: null });
+  assert.equal(takesEdit(facts, ["walk"], "walk", false), null);
 });

@@ -2,6 +2,7 @@
 
 import re
 import time
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -184,3 +185,21 @@ def test_on_a_phone_the_library_and_the_ways_are_reached(show: Studio, page: Any
     assert box["x"] + box["width"] <= 390
     page.keyboard.press("Escape")
     window.wait_for(state="detached")
+
+
+def test_takes_dance_side_by_side_and_are_chosen(show: Studio, page: Any) -> None:
+    page.get_by_role("button", name="Steps", exact=True).first.click()
+    page.get_by_role("button", name=re.compile("^side step")).first.click()
+    takes = page.get_by_role("region", name="Takes").get_by_role("checkbox")
+    takes.nth(1).wait_for()
+    page.get_by_role("region", name="Takes").locator("canvas.figure").nth(1).wait_for()
+    assert takes.first.is_checked()
+    takes.first.uncheck()
+    text = written(show, r'"?side step"? = \["')
+    assert tomllib.loads(text)["takes"].keys() == {"side step"}
+    page.get_by_text("From the next start on: takes").wait_for()
+    takes.first.check()
+    deadline = time.monotonic() + 8.0 * BUSY
+    while tomllib.loads(show.loaded.path.read_text()).get("takes"):
+        assert time.monotonic() < deadline
+        time.sleep(0.02)

@@ -7,8 +7,10 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
+from live.motion.mirror import mirror_step
+from live.motion.step_clip import StepClip
 from live.show import loader
-from live.show.loader import load_from_patch, load_show
+from live.show.loader import LoadedShow, load_from_patch, load_show
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from tests.fixtures.made_steps import made_clip, made_steps
@@ -79,3 +81,37 @@ def test_metric_weights_come_from_the_patch(tmp_path):
     assert edges("leftHand = 50, rightHand = 50") != edges("leftFoot = 50, rightFoot = 50")
     with pytest.raises(PersonError, match="leftHoof"):
         edges("leftHoof = 1")
+
+
+def two_takes() -> list[StepClip]:
+    first, second = made_clip("sway"), made_clip("sway")
+    second = replace(second, clip=replace(second.clip, name="sway, textured 1"))
+    return [*made_steps(), first, second, mirror_step(first), mirror_step(second)]
+
+
+def names_of(show: LoadedShow, step: str) -> set[str]:
+    return {clip.clip.name for clip in show.graph.library.clips if clip.step == step}
+
+
+def test_chosen_takes_are_danced_with_their_mirror_images(monkeypatch):
+    clips = two_takes()
+    first = clips[-4].clip.name
+    assert len(names_of(load_with_clips(monkeypatch, clips), "sway")) == 4
+    show = load_with_clips(monkeypatch, clips, 'takes = {Sway = ["sway, textured 1"]}\n' + PATCH)
+    assert names_of(show, "sway") == {"sway, textured 1", "sway, textured 1 (mirrored)"}
+    others = {clip.step for clip in clips} - {"sway"}
+    assert others <= set(show.graph.library.steps)
+    assert first not in names_of(show, "sway")
+
+
+@pytest.mark.parametrize(
+    ("takes", "words"),
+    [
+        ('{swim = ["swim"]}', "there is no step 'swim'; there are: "),
+        ('{sway = ["sway, textured 2"]}', "the step 'sway' has no take 'sway, textured 2'; there are: "),
+        ("{sway = []}", "takes.sway"),
+    ],
+)
+def test_unknown_takes_are_refused(monkeypatch, takes, words):
+    with pytest.raises(PersonError, match=words):
+        load_with_clips(monkeypatch, two_takes(), f"takes = {takes}\n" + PATCH)

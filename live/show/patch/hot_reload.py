@@ -224,6 +224,8 @@ class PatchWatch:
             check_characters(patch, self._loaded.path)
         if patch.background != self._last_written.background:
             make_backgrounds(patch, self._loaded.path)
+        if patch.takes != self._last_written.takes:
+            self._loaded.check_takes(patch)
 
     def _set_message(self, different: tuple[str, ...], sources: TomlSources) -> None:
         words = [f"patch: new from the next measure on: {', '.join(different)}"] if different else []

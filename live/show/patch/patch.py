@@ -64,6 +64,10 @@ class Patch(WholeFile):
     """Dancers who wait in the wings, for `/dance/enter`."""
     selections: dict[Name, Annotated[str, Field(min_length=1, max_length=400)]] = Field(default={})
     """Names for dancers chosen by group, attribute, number or place: `pair = "ember & 1-2"`."""
+    takes: dict[str, Annotated[tuple[str, ...], Field(min_length=1, max_length=1000)]] = Field(
+        default={}, max_length=2000
+    )
+    """Of a step with several takes, those that are danced, by their names: `walk = ["walk, textured 2"]`."""
     music: MusicSection = MusicSection()
     sound: SoundSection = SoundSection()
     clock: ClockSection = ClockSection()

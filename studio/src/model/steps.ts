@@ -1,4 +1,5 @@
 // What the engine tells about the steps of the show, and how it is said.
+import type { SingleEdit } from "./document";
 import type { Box } from "./plan";
 
 export interface Take {
@@ -83,6 +84,17 @@ export function stepDetail(step: StepFacts): string {
 export function takeInWords(take: Take, number: number): string {
   const words = [take.direction, take.mirrored ? "mirrored" : "", take.begin_pose ? `from ${take.begin_pose}` : "", take.style, take.author];
   return `${number}: ${words.filter(Boolean).join(", ")}`;
+}
+
+/** Choose a take of a step to be danced, or leave it out; null: none would stay. With all takes the show needs no list. */
+export function takesEdit(facts: StepFacts, chosen: string[] | undefined, take: string, danced: boolean): SingleEdit | null {
+  const all = [...new Set(facts.takes.filter((one) => !one.mirrored).map((one) => one.take))]; // mirror images go with their takes
+  const kept = new Set(chosen ?? all);
+  if (danced) kept.add(take);
+  else kept.delete(take);
+  const names = all.filter((name) => kept.has(name));
+  if (!names.length) return null;
+  return { do: "set", at: ["takes", facts.name], value: names.length === all.length ? null : names };
 }
 
 export function isWanted(step: { name: string; takes?: Take[] }, wanted: string): boolean {

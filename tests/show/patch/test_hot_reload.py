@@ -199,6 +199,15 @@ def test_edits_that_need_restart_are_deferred_and_others_act(patch):
     assert night.watch.problem == ""
 
 
+def test_chosen_takes_act_at_the_next_start_and_unknown_ones_are_refused(patch):
+    night = WatchedShow(patch)
+    name = next(clip.clip.name for clip in night.show.graph.library.clips if clip.step == "side step")
+    assert not night.edit("reserve = 0", f'reserve = 0\ntakes = {{"side step" = ["{name}"]}}')
+    assert night.watch.deferred_keys == ("takes",)
+    assert not night.edit(f'"{name}"', '"side step by nobody"')
+    assert "line 4: takes.side step: the step 'side step' has no take" in night.watch.problem
+
+
 def test_live_values_stay_unless_the_edit_changes_them(patch):
     night = WatchedShow(patch)
     for parameter, value in (("head", 0.3), ("larger", 0.2)):

@@ -5,6 +5,7 @@ import { feetInWords, measuresInWords, stepDetail, takeInWords, written, type Mi
 import type { Studio } from "../../model/studio";
 import { Dialog } from "../../ui/dialog";
 import { Figure } from "./figure";
+import { TakesGallery } from "./takes_gallery";
 import { drag, putAtCursor } from "./put";
 
 const LOOKS: [Look, string][] = [["front", "from the public"], ["side", "from the side"], ["above", "from above"]];
@@ -48,6 +49,7 @@ export function StepCard({ studio, name, onOpen, onClose }: { studio: Studio; na
             </div>
           )}
         </div>
+        {facts && facts.takes.filter((one) => !one.mirrored).length > 1 && <TakesGallery studio={studio} facts={facts} onLook={(number) => { take.value = number; }} />}
         {facts && <Chain studio={studio} facts={facts} onOpen={onOpen} onPut={onClose} />}
       </div>
     </Dialog>
