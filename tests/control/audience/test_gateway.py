@@ -40,8 +40,14 @@ def test_page_is_localized_small_and_self_contained():
                 assert elsewhere not in body
             assert answer.headers["Content-Security-Policy"].startswith("default-src 'none'; script-src 'sha256-")
             assert "Set-Cookie" not in answer.headers
-        async with session.get(address, headers={"Accept-Language": "de, en;q=0.1"}) as answer:
-            assert b'<html lang="en"' in await answer.read()
+        for accepted, language in (
+            ("de, en;q=0.1", "de"),
+            ("ja-JP", "ja"),
+            ("sv, nl;q=0.5", "en"),
+            ("es;q=0.2, fr", "fr"),
+        ):
+            async with session.get(address, headers={"Accept-Language": accepted}) as answer:
+                assert f'<html lang="{language}"'.encode() in await answer.read()
         for path, status in (("/../../etc/passwd", 404), ("/%2e%2e/x", 404), ("/ws", 404), ("/x" * 500, 404)):
             async with session.get(address + path) as answer:
                 assert answer.status == status
