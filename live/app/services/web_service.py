@@ -2,7 +2,7 @@
 
 import json
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 from rich.console import Console
@@ -51,6 +51,9 @@ class WebService(HttpService):
         self._key, self._stage, self._show, self._inbox = key, stage, show, inbox
         self._texts: deque[list[Any]] = deque()  # packets that may not be left out
         self._answers: deque[tuple[int, str]] = deque()  # the edit's number, and the answer
+        self.join_link: Callable[[], str] = str
+        """Returns the invitation for phones, which pages show; empty: no audience can join."""
+        self._told_link = ""
 
     def _surface(self) -> dict[str, Any]:
         """Return what the page's controls are made of."""
@@ -89,9 +92,16 @@ class WebService(HttpService):
             text = json.dumps({**answer, "inverse": {**answer["inverse"], "exact": None}})
         self._answers.append((int(event.source.removeprefix(SOURCE)), text))
 
+    def _on_start(self) -> None:
+        super()._on_start()
+        self._told_link = ""
+
     def frame(self) -> None:
-        """Send changed values, and frames of the stage for the pages that look at it."""
+        """Send changed values, the invitation, and frames of the stage for the pages that look at it."""
         super().frame()
+        link = self.join_link()
+        if link != self._told_link and self._helper is not None and self._helper.send(["join", link]):
+            self._told_link = link
         if self._helper is None or self._stage is None:
             return
         wants = self._helper.status().get("stage")
