@@ -5,6 +5,7 @@ import os
 import signal
 import threading
 import time
+from dataclasses import replace
 from statistics import median
 
 import numpy as np
@@ -31,7 +32,7 @@ BEAT_WITHIN = 0.015
 class Stage:
     """A show that runs in a thread, with its audience; hold `lock` to inspect it."""
 
-    def __init__(self, audience='regions = ["stalls", "balcony"]\nvote_measures = 1\n', **wished):
+    def __init__(self, audience='regions = ["stalls", "balcony"]\nvote_measures = 64\n', **wished):
         self.show = made_show(f"[audience]\n{audience}")
         self.clock, self.inbox, self.lock = SystemClock(), EventQueue(), threading.Lock()
         status = Status(self.show, rejected=dict, memory=lambda: 1.0)
@@ -61,6 +62,12 @@ class Stage:
 
     def say(self, kind, **values):
         self.inbox.put(kind(time=self.clock.now(), source="osc", **values))
+
+    def close_vote(self):
+        """Let the vote close at the next measure line: how long a test takes to vote does not matter."""
+        with self.lock:
+            audience = self.show.audience
+            audience.vote = replace(audience.vote, closes=self.show.span.number + 1)
 
     def elements(self):
         with self.lock:
@@ -188,7 +195,9 @@ def test_five_phones_vote_and_take_turns_and_winner_is_reported(hall):
     stage.say(events.AskVote, what="step", first="sway", second="spin")
     for phone, choice in zip(phones, (1, 2, 2, 2, 1), strict=True):
         phone.page.click(f"#choices button:nth-of-type({choice})")
-    assert "more beat" in phones[0].page.inner_text("#ask")
+    phones[0].until("document.getElementById('ask').textContent.includes('more beat')")
+    assert wait_for(lambda: stage.show.audience.vote.counts == (200, 300), 10.0)
+    stage.close_vote()
     assert wait_for(lambda: stage.show.audience.result[1] == "spin", 10.0)
     phones[0].until("document.getElementById('said').textContent.includes('spin')")
     stage.say(events.GiveTurn, name="balcony", measures=2.0)
@@ -268,7 +277,7 @@ def test_phone_returns_with_same_number_after_long_silence(hall):
 
 def test_phone_sees_dancers_is_heard_votes_and_sees_tally_and_winner(chromium):
     opened, device = chromium
-    with Stage('regions = ["stalls", "balcony"]\nvote_measures = 2\n') as stage:
+    with Stage('regions = ["stalls", "balcony"]\nvote_measures = 64\nwinner_measures = 64\n') as stage:
         one, other = (Phone(opened, device, stage.part.invitation_link, language) for language in ("en-GB", "de-DE"))
         for phone in (one, other):
             phone.ready()
@@ -281,6 +290,11 @@ def test_phone_sees_dancers_is_heard_votes_and_sees_tally_and_winner(chromium):
         assert lights_on(one, stage) > 0.9 * len(seen)
         before = one.page.evaluate("live.dancers()")
         one.until(f"JSON.stringify(live.dancers()) !== {json.dumps(json.dumps(before))}")  # they move between frames
+        other.page.emulate_media(reduced_motion="reduce")
+        other.page.focus("#stage")
+        other.page.keyboard.press("ArrowLeft")  # a screen reader is told who is near
+        other.until("/Nähe/.test(document.getElementById('near').textContent)")
+        assert lights_on(other, stage) > 0.9 * len(seen)
         assert one.page.evaluate("live.hearing()") == 0
         one.hold((0.4, 0.5))
         one.until("live.hearing() === 2")
@@ -299,6 +313,8 @@ def test_phone_sees_dancers_is_heard_votes_and_sees_tally_and_winner(chromium):
         one.until("document.querySelectorAll('#choices b')[0].textContent === '50 %'")
         assert one.page.evaluate("document.activeElement.textContent").startswith("sway")  # focus stays on its button
         one.page.click("#choices button:nth-of-type(2)")
+        assert wait_for(lambda: stage.show.audience.vote.counts == (0, 200), 10.0)
+        stage.close_vote()
         assert wait_for(lambda: stage.show.audience.result[1] == "spin", 10.0)
         one.until("document.querySelector('#choices .won span')?.textContent === 'spin'")
         one.until(

@@ -278,7 +278,7 @@ class AudienceService:
     def status(self) -> dict[str, Any]:
         """Return the values for the status line, without personal data or keys."""
         facts = {} if self._helper is None else self._helper.status()
-        told = ("messages", "late_ms", "ways_ms", "left_out", "restarts", "voices", "crowded", "held")
+        told = ("messages", "late_ms", "ways_ms", "left_out", "missed_frames", "restarts", "voices", "crowded", "held")
         kept = {name: facts.get(name) for name in told}
         until = None if self._identity is None else f"{self._identity.valid_until:%Y-%m-%dT%H:%M:%SZ}"
         return {"at": self.address, "public": self.is_public, "network": self.network, "certificate_until": until,

@@ -110,7 +110,8 @@ class Gateway:
             if fresh != key:
                 link = f"{self._link}/#{fresh}"
                 key = fresh if self._send(("code", link, qr_rows(link))) else ""
-            self._channel.send_facts({**self.session.facts(), "late_ms": self._lateness()})
+            missed = self._broadcaster.missed_frames
+            self._channel.send_facts({**self.session.facts(), "late_ms": self._lateness(), "missed_frames": missed})
             self._collect_garbage()
             await asyncio.sleep(STATUS_INTERVAL)
 
