@@ -180,7 +180,7 @@ function arrow(from, to, fine) {
 }
 function dancers(fine) {
   const now = mine(), passed = Math.min(now - drawnAt, 0.1), fresh = now - stageAt < STALE ? 1 : 0.35;
-  const base = Math.min(Math.max(0.055 * canvas.width, 13 * fine), 24 * fine);
+  const base = Math.min(Math.max(Math.min(0.055 * canvas.width, 0.12 * canvas.height), 9 * fine), 24 * fine);
   drawnAt = now;
   ctx.globalCompositeOperation = "lighter";
   for (const one of places) {
