@@ -217,6 +217,8 @@ def _load(full: bool) -> list[Row]:
             peers={"unread p99": late, "waits for the turn p99": wait, "median": middle, "to the tick p99": way,
                    "a ping there and back, median": told.get("trip_p50_ms", 0.0),
                    "p99": told.get("trip_p99_ms", 0.0), "load average": psutil.getloadavg()[0]}),
+        Row("2,000 phones: the stage comes so often to each", told.get("frames", 0.0), "1/s", 4.0, "at least",
+            peers={"bytes of a frame": told.get("frame_bytes", 0.0)}),
         Row("2,000 phones: the gateway's memory", max(found.memory, default=0.0), "MB", 200.0),
         Row("2,000 phones: the gateway's growth in an hour", growth, "MB", 20.0),
         Row("2,000 phones: skipped ticks", found.skipped, "", 0.0,

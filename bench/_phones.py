@@ -46,6 +46,10 @@ class Phone(asyncio.Protocol):
     """One phone; it learns from its own pings how long a message takes."""
 
     trips: list[float]
+    frames = 0
+    """Frames of the stage that have come ..."""
+    frame_bytes = 0
+    """... and their bytes."""
 
     def __init__(self, port: int, hello: bytes, trips: list[float], began: float) -> None:
         self._port, self._hello, self._trips = port, hello, trips
@@ -84,6 +88,9 @@ class Phone(asyncio.Protocol):
             payload, self._data = self._data[begin : begin + size], self._data[begin + size :]
             if payload[:1] == b"\x02" and size == 17:
                 self._trips.append(now - struct.unpack_from("<d", payload, 1)[0])
+            elif payload[:1] == b"\x06":
+                self.frames += 1
+                self.frame_bytes += begin + size
             elif payload[:4] == b'{"w"' and not self.joined.done():
                 self.joined.set_result(now - self._began)
             elif payload[:5] == b'{"no"' and not self.joined.done():
@@ -140,6 +147,7 @@ async def run(
     chance, sent = random.Random(5), 0
     centre = [(chance.gauss(x_at, 0.05), chance.gauss(0.5, 0.05)) for _ in phones]
     began, spent = time.perf_counter(), psutil.Process().cpu_times()
+    had = np.array([(phone.frames, phone.frame_bytes) for phone in phones]).reshape(-1, 2)
     due = [(k / max(len(phones), 1)) / rate for k in range(len(phones))]
     write: list[Callable[[bytes], None]] = [phone.transport.write for phone in phones]
     turn = 0
@@ -159,6 +167,7 @@ async def run(
         turn += 1
         await asyncio.sleep(0.002)
     took, now = time.perf_counter() - began, psutil.Process().cpu_times()
+    frames = np.array([(phone.frames, phone.frame_bytes) for phone in phones]).reshape(-1, 2) - had
     await asyncio.sleep(0.5)
     tell = {
         "joined": len(came), "join_p99_ms": 1e3 * float(np.percentile(came, 99)) if came else 0.0, "sent": sent,
@@ -166,6 +175,8 @@ async def run(
         "rate": sent / took, "cpu": (now.user + now.system - spent.user - spent.system) / took,
         "trip_p50_ms": 1e3 * float(np.percentile(trips, 50)) if trips else 0.0,
         "trip_p99_ms": 1e3 * float(np.percentile(trips, 99)) if trips else 0.0,
+        "frames": float(np.median(frames[:, 0])) / took if len(frames) else 0.0,
+        "frame_bytes": float(frames[:, 1].sum() / max(frames[:, 0].sum(), 1)),
         "lost": sum(phone.lost for phone in phones),
     }  # fmt: skip
     for phone in phones:

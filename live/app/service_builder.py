@@ -137,6 +137,7 @@ class ServiceBuilder:
     def add_web(self, loaded: LoadedShow, document: DocumentService) -> None:
         """Add the operator's web page, with a preview of these files, and the audience's phones."""
         options, show = self.options, self.engine.show
+        audience = make_audience(options, show, self.venue, self.inbox.add_queue(), self.clock)
         if options.web is not None:
             score = ScoreStream(show, document)
             stage = StageStream(show, lambda: self.engine.view, score, lambda: self.status.late_frames)
@@ -145,10 +146,11 @@ class ServiceBuilder:
                 files=preview_files(loaded, options.seed), inbox=self.inbox.add_queue(rank=ROLE_RANKS["operator"]),
             )  # fmt: skip
             page.resumes = self.resumes
+            if audience is not None:
+                page.join_link = lambda: audience.invitation_link
             document.answer_listeners.append(page.answer)
             self.add("web", page)
             self.services.web = page
-        audience = make_audience(options, show, self.venue, self.inbox.add_queue(), self.clock)
         if audience is not None:
             audience.resumes = self.resumes
             self.add("audience", audience)

@@ -166,6 +166,10 @@ class StageView:
     """Positions of the follow spots (x, z) [m], shape (4, 2)."""
     count_in: float = 0.0
     """Beats until the cue that is counting in; 0: none."""
+    caption: tuple[tuple[str, float], ...] = ()
+    """Lines for the audience: a text, and a share from 0 to 1 that a bar shows; -1: no bar. Empty = hidden."""
+    caption_level: float = 1.0
+    """Opacity of the caption, 0 to 1."""
     overlay: tuple[str, ...] = ()
     """Lines of the operator's overlay; empty = hidden."""
     guide: Float32 = field(default_factory=lambda: np.zeros((GUIDE_CAPACITY, 10), np.float32))

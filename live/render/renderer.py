@@ -15,6 +15,7 @@ from live.base.stage_snapshot import Camera, Scene, StageView
 from live.render.adaptive_quality import HARDWARE, Quality, QualityStep, choose_quality, quality_steps
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.pass_context import Moment, PassSetup
+from live.render.passes.caption_pass import CaptionPass
 from live.render.passes.overlay_pass import FrameTimeGraphPass, GuidePass, OverlayPass
 from live.render.pipeline import Pipeline
 from live.render.shader import FullscreenShader, release_all
@@ -65,6 +66,7 @@ class Renderer:
         self._custom_passes: tuple[CustomShader, ...] = ()  # custom passes whose source was replaced
         self._pipeline = Pipeline(self._setup)
         self._uniforms.vignette_at_end = self._pipeline.chain.vignette_at_end
+        self._caption = CaptionPass(ctx, self._size)
         self._guide = GuidePass(ctx)
         self._overlay = OverlayPass(ctx)
         self.graph = FrameTimeGraphPass(ctx)
@@ -89,7 +91,7 @@ class Renderer:
         view.element_count, view.obstacle_count = 3, 1  # a point, a disc, and a line with something running along it
         view.element_radius[1], view.obstacle[0, 2] = 1.0, 1.0
         view.element_kind[2], view.element_corners[2] = PATH, 2
-        view.guide_count = 1
+        view.guide_count, view.caption = 1, (("Warm up", 0.5),)
         self._pipeline.set_stage(self._scene.stage_size, self._scene.items or _WARM_UP_ITEMS)
         for step in (*reversed(range(len(self.steps))), 0) if len(self.steps) > 1 else (0,):
             self.set_step(step)
@@ -99,6 +101,11 @@ class Renderer:
         self._pipeline.set_stage(self._scene.stage_size, self._scene.items)
         self._moment.cut = True
         release_all(framebuffer, scratch)
+
+    @property
+    def _texts(self) -> tuple[CaptionPass, GuidePass, OverlayPass, FrameTimeGraphPass]:
+        """What is drawn over the finished picture."""
+        return self._caption, self._guide, self._overlay, self.graph
 
     @property
     def size(self) -> tuple[int, int]:
@@ -130,9 +137,20 @@ class Renderer:
                 self._pipeline.draw(moment, target)
             else:
                 self._draw_scaled(moment, target, self._scaled_target)
+            self._draw_caption(view, target)
         moment.cut = frame.level <= 0.0
         self.annotate(view, target)
         self._pipeline.faults.record_success()
+
+    def _draw_caption(self, view: StageView, target: moderngl.Framebuffer) -> None:
+        """Draw the audience's caption, which belongs to the picture."""
+        faults = self._pipeline.faults
+        try:
+            if faults.begin("caption"):
+                self._caption.draw(view, target)
+        except Exception as error:
+            faults.record_failure(error)
+            raise
 
     def annotate(self, view: StageView, target: moderngl.Framebuffer) -> None:
         """Draw what only the operator sees over a finished picture: guides and overlay, if shown."""
@@ -155,6 +173,7 @@ class Renderer:
             return
         self._size, self._moment.cut = size, True
         self._uniforms.resize(size)
+        self._caption.resize(size)
         self._resize_targets()
         self._batch.set_camera(self._uniforms.camera, size)
 
@@ -192,14 +211,15 @@ class Renderer:
         ctx = self._ctx
         made = Pipeline(replace(self._setup, size=self._drawn_size))
         others = (
+            CaptionPass(ctx, self._size),
             GuidePass(ctx),
             OverlayPass(ctx),
             FrameTimeGraphPass(ctx),
             FullscreenShader(ctx, "stretch_fragment.glsl"),
         )
         made.chain.set_custom_passes(self._custom_passes)
-        release_all(self._pipeline, self._guide, self._overlay, self.graph, self._stretch)
-        self._pipeline, (self._guide, self._overlay, self.graph, self._stretch) = made, others
+        release_all(self._pipeline, *self._texts, self._stretch)
+        self._pipeline, (self._caption, self._guide, self._overlay, self.graph, self._stretch) = made, others
         made.set_quality(self.quality)
         made.set_camera(self._uniforms.camera)
         made.invalidate_backdrop()
@@ -250,7 +270,7 @@ class Renderer:
 
     def release(self) -> None:
         """Free everything; the renderer must not be used afterwards."""
-        release_all(self._uniforms, self._batch, self._pipeline, self._guide, self._overlay, self.graph, self._stretch)
+        release_all(self._uniforms, self._batch, self._pipeline, *self._texts, self._stretch)
         if self._scaled_target is not None:
             release_all(*reversed(self._scaled_target))
 

@@ -1,9 +1,11 @@
 """Phones in headless Chromium: join by the link, drag, appear in show and picture, disconnect and resume."""
 
+import json
 import os
 import signal
 import threading
 import time
+from dataclasses import replace
 from statistics import median
 
 import numpy as np
@@ -15,6 +17,7 @@ from live.base.event_queue import EventQueue
 from live.base.stage_snapshot import Camera, Scene
 from live.clock.time_source import SystemClock
 from live.control.events import events
+from live.show.audience.voting import Vote
 from live.show.engine import Engine
 from live.show.view.status import Status
 from tests.control.waiting import wait_for
@@ -29,7 +32,7 @@ BEAT_WITHIN = 0.015
 class Stage:
     """A show that runs in a thread, with its audience; hold `lock` to inspect it."""
 
-    def __init__(self, audience='regions = ["stalls", "balcony"]\nvote_measures = 1\n', **wished):
+    def __init__(self, audience='regions = ["stalls", "balcony"]\nvote_measures = 64\n', **wished):
         self.show = made_show(f"[audience]\n{audience}")
         self.clock, self.inbox, self.lock = SystemClock(), EventQueue(), threading.Lock()
         status = Status(self.show, rejected=dict, memory=lambda: 1.0)
@@ -59,6 +62,12 @@ class Stage:
 
     def say(self, kind, **values):
         self.inbox.put(kind(time=self.clock.now(), source="osc", **values))
+
+    def close_vote(self):
+        """Let the vote close at the next measure line: how long a test takes to vote does not matter."""
+        with self.lock:
+            audience = self.show.audience
+            audience.vote = replace(audience.vote, closes=self.show.span.number + 1)
 
     def elements(self):
         with self.lock:
@@ -150,8 +159,10 @@ def test_hold_repels_and_phone_knows_beat(hall):
     phone = phone_of(language="pt-PT").ready()
     assert phone.page.get_attribute("html", "lang") == "pt"
     assert phone.page.inner_text("#come") == "Venham cá"
-    phone.page.click("#tongue")
-    assert phone.page.inner_text("#come") == "Come here"
+    for tongue, words in (("de", "Kommt her"), ("ja", "こっちへ"), ("en", "Come here")):
+        phone.page.select_option("#tongue", tongue)
+        assert phone.page.inner_text("#come") == words
+        assert phone.page.get_attribute("html", "lang") == tongue
     phone.hold((0.3, 0.5))
     assert wait_for(
         lambda: any(e.kind == 1 and e.source.startswith("audience") for e in stage.elements().values()), 5.0
@@ -184,7 +195,9 @@ def test_five_phones_vote_and_take_turns_and_winner_is_reported(hall):
     stage.say(events.AskVote, what="step", first="sway", second="spin")
     for phone, choice in zip(phones, (1, 2, 2, 2, 1), strict=True):
         phone.page.click(f"#choices button:nth-of-type({choice})")
-    assert "more beat" in phones[0].page.inner_text("#ask")
+    phones[0].until("document.getElementById('ask').textContent.includes('more beat')")
+    assert wait_for(lambda: stage.show.audience.vote.counts == (200, 300), 10.0)
+    stage.close_vote()
     assert wait_for(lambda: stage.show.audience.result[1] == "spin", 10.0)
     phones[0].until("document.getElementById('said').textContent.includes('spin')")
     stage.say(events.GiveTurn, name="balcony", measures=2.0)
@@ -202,7 +215,7 @@ def test_killed_gateway_restarts_and_phones_resume_while_frames_continue(hall):
     me = phone.page.evaluate("live.me()")
     frames, ticks = stage.engine._status.frames, stage.engine.ticks.index
     phone.page.evaluate("window.before = live.me()")
-    os.kill(stage.part.process, signal.SIGKILL)
+    os.kill(stage.part.pid, signal.SIGKILL)
     died = time.monotonic()
     phone.until("live.me() !== null && live.me() !== window.before")
     assert time.monotonic() - died < 3.0 * 4.0  # on an idle machine within 3 s: see waiting.py
@@ -251,12 +264,112 @@ def test_phone_returns_with_same_number_after_long_silence(hall):
     stage, phone_of = hall
     phone = phone_of().ready()
     number = phone.page.evaluate("live.me().number")
-    os.kill(stage.part.process, signal.SIGSTOP)  # as if it were out of reach: no socket is closed
+    os.kill(stage.part.pid, signal.SIGSTOP)  # as if it were out of reach: no socket is closed
     try:
         phone.until("live.why() === 'away'")
     finally:
-        os.kill(stage.part.process, signal.SIGCONT)
+        os.kill(stage.part.pid, signal.SIGCONT)
     phone.ready()
     assert phone.page.evaluate("live.me().number") == number
     assert phone.errors == []
     phone.context.close()
+
+
+def test_phone_sees_dancers_is_heard_votes_and_sees_tally_and_winner(chromium):
+    opened, device = chromium
+    with Stage('regions = ["stalls", "balcony"]\nvote_measures = 64\nwinner_measures = 64\n') as stage:
+        one, other = (Phone(opened, device, stage.part.invitation_link, language) for language in ("en-GB", "de-DE"))
+        for phone in (one, other):
+            phone.ready()
+            phone.until("live.dancers().length === 9")
+        seen = np.array(one.page.evaluate("live.dancers()"))
+        with stage.lock:
+            hips = stage.show.dancers.drawn_hips.copy()
+        assert seen[:, 2].tolist() == [1] * 5 + [2] * 4
+        assert np.abs((2 * seen[:, :2] - 1) * (6.0, 4.0) - hips).max() < 1.0  # they dance on meanwhile
+        assert lights_on(one, stage) > 0.9 * len(seen)
+        before = one.page.evaluate("live.dancers()")
+        one.until(f"JSON.stringify(live.dancers()) !== {json.dumps(json.dumps(before))}")  # they move between frames
+        other.page.emulate_media(reduced_motion="reduce")
+        other.page.focus("#stage")
+        other.page.keyboard.press("ArrowLeft")  # a screen reader is told who is near
+        other.until("/Nähe/.test(document.getElementById('near').textContent)")
+        assert lights_on(other, stage) > 0.9 * len(seen)
+        assert one.page.evaluate("live.hearing()") == 0
+        one.hold((0.4, 0.5))
+        one.until("live.hearing() === 2")
+        one.until("document.getElementById('me').className === 'seen'")
+        one.until("live.elements().length > 0")  # where the phone pulls
+        one.lift()
+        stage.say(events.AskVote, what="step", first="sway", second="spin")
+        one.page.click("#choices button:nth-of-type(2)")
+        other.page.click("#choices button:nth-of-type(2)")
+        for phone in (one, other):
+            phone.until("document.querySelectorAll('#choices b')[1].textContent === '100 %'")
+            phone.until("document.querySelectorAll('#choices b')[0].textContent === '0 %'")
+        assert caption(stage) == (("sway", 0.0), ("spin", 1.0))  # the projectors have the same
+        one.page.focus("#choices button:nth-of-type(1)")
+        one.page.keyboard.press("Enter")  # thinks again, by keyboard
+        one.until("document.querySelectorAll('#choices b')[0].textContent === '50 %'")
+        assert one.page.evaluate("document.activeElement.textContent").startswith("sway")  # focus stays on its button
+        one.page.click("#choices button:nth-of-type(2)")
+        assert wait_for(lambda: stage.show.audience.vote.counts == (0, 200), 10.0)
+        stage.close_vote()
+        assert wait_for(lambda: stage.show.audience.result[1] == "spin", 10.0)
+        one.until("document.querySelector('#choices .won span')?.textContent === 'spin'")
+        one.until(
+            "document.getElementById('said').textContent.replace(/[\u2068\u2069]/g, '') === 'You all chose: spin'"
+        )
+        other.until("document.getElementById('ask').textContent.startsWith('Ihr habt gewählt')")
+        assert caption(stage) == (("spin", -1.0),)
+        stage.say(events.GiveTurn, name="balcony", measures=64.0)
+        one.hold((0.4, 0.5))
+        one.until("live.hearing() === 3")
+        one.until("document.getElementById('me').className === 'none'")
+        one.lift()
+        for phone in (one, other):
+            assert phone.errors == []
+            phone.context.close()
+
+
+def lights_on(phone, stage):
+    """How many of the dancers' lights are bright on the phone's canvas where the page says that they are."""
+    return phone.page.evaluate("""() => live.dancers().filter(([x, z]) => {
+        const [px, py] = outside(x, z), data = ctx.getImageData(px - 3, py - 3, 7, 7).data;
+        let most = 0;
+        for (let i = 0; i < data.length; i += 4) most = Math.max(most, data[i] + data[i + 1] + data[i + 2]);
+        return most > 560;
+    }).length""")
+
+
+def caption(stage):
+    """The audience's caption in the picture now."""
+    view = stage.show.view()
+    with stage.lock:
+        stage.show.fill(view, stage.show.time)
+    return view.caption
+
+
+def test_hostile_names_are_text_and_fit_on_the_smallest_phone(chromium):
+    opened, device = chromium
+    hostile = '<img src=x onerror="document.title=1">'
+    with Stage(f'regions = ["{{n}}", {json.dumps(hostile)}]\nvote_measures = 64\n') as stage:
+        small = device | {"viewport": {"width": 320, "height": 568}}
+        phone = Phone(opened, small, stage.part.invitation_link, "fr-FR").ready()
+        with stage.lock:
+            names = (hostile, "\u202eevil" + "x" * 200, "{who}", "ok")
+            stage.show.audience.vote = Vote(5, "step", names, 999)
+        phone.until("document.querySelectorAll('#choices button').length === 4")
+        shown = phone.page.evaluate("[...document.querySelectorAll('#choices span')].map(one => one.textContent)")
+        assert shown == list(names)
+        assert phone.page.evaluate("document.querySelectorAll('img, script:not(body script)').length") == 0
+        wide = phone.page.evaluate("[document.documentElement.scrollWidth, document.documentElement.scrollHeight]")
+        assert wide == [320, 568]
+        sizes = phone.page.evaluate(
+            "[...document.querySelectorAll('button:not([hidden]), #pick')].filter(one => one.offsetParent)"
+            ".map(one => [one.offsetWidth, one.offsetHeight])"
+        )
+        assert min(min(size) for size in sizes) >= 48  # for fingers
+        assert phone.page.evaluate("document.getElementById('stage').clientHeight") >= 100
+        assert phone.errors == []
+        phone.context.close()

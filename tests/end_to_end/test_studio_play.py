@@ -94,3 +94,29 @@ def test_the_storyboard_has_a_picture_for_each_arrival(show: Studio, page: Any) 
     assert page.locator("article").count() == 6
     page.get_by_role("button", name="measures 2 to 3: line").first.click()
     page.get_by_role("region", name="Timeline").wait_for()
+
+
+def test_show_has_the_invitation_for_phones_and_asks_for_a_new_one(
+    show: Studio, port: socket.socket, page: Any
+) -> None:
+    page.get_by_role("navigation", name="Views").get_by_role("button", name="Show").click()
+    page.get_by_role("navigation", name="Roles").get_by_role("button", name="Phones").click()
+    page.get_by_text("No audience can join").wait_for()
+    links = ["http://192.168.1.5:8020/#i.first", "http://192.168.1.5:8020/#i.second"]
+    show.web.join_link = lambda: links[0]
+    page.get_by_role("link", name=links[0]).wait_for()
+    page.get_by_role("button", name="New invitation").click()
+    assert received(port, show) == ("/dance/audience/invite",)
+    until(lambda: show.show.audience.invitation == 2, page)
+    links.pop(0)
+    page.get_by_role("link", name=links[0]).wait_for()
+    page.get_by_role("switch", name="tally").or_(page.get_by_text("tally")).first.wait_for()
+    vote = page.get_by_role("region", name="Vote")
+    for name in ("side step", "walk"):
+        vote.get_by_role("switch", name=name, exact=True).click()
+    vote.get_by_role("button", name="Let them vote").click()
+    assert received(port, show) == ("/dance/audience/vote", "step", "side step", "walk")
+    until(lambda: show.show.audience.vote is not None, page)
+    show.web.join_link = lambda: "javascript:alert(1)"
+    page.get_by_text("javascript:alert(1)").wait_for()
+    assert page.get_by_text("javascript:alert(1)").get_attribute("href") is None

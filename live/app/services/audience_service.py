@@ -16,9 +16,12 @@ from live.app.services.http_services import own_address
 from live.app.services.listening_socket import listening_socket
 from live.base.errors import PersonError
 from live.base.event_queue import PriorityQueue
+from live.base.picture_parameters import COLOURS_START, STYLES_START
 from live.clock.time_source import Clock
 from live.control.audience.admission import BEHIND_NAT, OWN_WIFI
+from live.control.audience.phone_registry import invitation_key
 from live.control.audience.session_state import BeatClock, Rules
+from live.control.audience.stage_lights import STAGE_EVERY, ElementLight, StageLights, colour_texts
 from live.control.events.events import AudienceHeard, ControlEvent
 from live.control.helper_process import HelperProcess
 from live.show.patch.section_io import AudienceSection
@@ -74,6 +77,9 @@ class AudienceService:
         """The present link with its key; empty until the gateway reports it."""
         self.code: list[str] = []
         """The link's QR code, rows of 0 and 1."""
+        self._stage, self._stage_due = StageLights(), 0.0
+        self._invitation = 0
+        """The invitation that was printed."""
         self.events_received = 0
         """Number of events received from the gateway."""
 
@@ -116,6 +122,22 @@ class AudienceService:
             self._print_note(
                 f"audience: open to the network at {self.address}; Q shows the code to join by", "bold red"
             )
+        self._invitation = self._show.audience.invitation
+        if not self.resumes:
+            self._print_invitation()
+
+    @property
+    def invitation_link(self) -> str:
+        """The operator's invitation, a link that works as long as the show runs; empty before the start."""
+        if self._helper is None:
+            return ""
+        return f"{self.address}/#{invitation_key(self._secret, self._show.audience.invitation)}"
+
+    def _print_invitation(self) -> None:
+        if self.is_public:
+            self._print_note(f"audience: for you and your team, as long as this show runs: {self.invitation_link}", "")
+        else:
+            self._print_note(f"note: audience: {self.invitation_link}, on this machine only", "yellow")
 
     def _load_identity(self) -> None:
         """Read the certificate, if there is one, and print its warnings; raise PersonError if it is invalid."""
@@ -199,8 +221,6 @@ class AudienceService:
 
     def _on_packet(self, packet: tuple[Any, ...]) -> None:
         if packet[0] == "code":
-            if not self.link and not self.is_public:  # the link contains a key, but works only here
-                self._print_note(f"note: audience: {packet[1]}, on this machine only", "yellow")
             _, self.link, self.code = packet
             return
         _, at, phones, order, share, places, lights, votes, shaken = packet
@@ -222,7 +242,13 @@ class AudienceService:
         rules = rules_of(self._show)
         if rules != self._rules and self._helper.send(rules):
             self._rules = rules
+        if self._invitation != self._show.audience.invitation:
+            self._invitation = self._show.audience.invitation
+            self._print_invitation()
         beat, now = beat_of(self._show), self._clock.now()
+        if now >= self._stage_due and self._show.audience.phones and self._show.audience.open:
+            self._stage_due = now + STAGE_EVERY
+            self._helper.send(stage_packet(self._show, self._stage))  # one that finds no room is left out
         slipped = self._beat is None or self._beat.differs(beat, now)
         if (slipped or now - self._beat_at > BEAT_INTERVAL) and self._helper.send(beat):
             self._beat, self._beat_at = beat, now
@@ -252,7 +278,7 @@ class AudienceService:
     def status(self) -> dict[str, Any]:
         """Return the values for the status line, without personal data or keys."""
         facts = {} if self._helper is None else self._helper.status()
-        told = ("messages", "late_ms", "ways_ms", "left_out", "restarts", "voices", "crowded", "held")
+        told = ("messages", "late_ms", "ways_ms", "left_out", "missed_frames", "restarts", "voices", "crowded", "held")
         kept = {name: facts.get(name) for name in told}
         until = None if self._identity is None else f"{self._identity.valid_until:%Y-%m-%dT%H:%M:%SZ}"
         return {"at": self.address, "public": self.is_public, "network": self.network, "certificate_until": until,
@@ -281,7 +307,21 @@ def rules_of(show: Show) -> Rules:
         turn=None if turn is None else (turn.region, line(turn.begins), line(turn.ends)),
         vote=None if vote is None else (vote.number, vote.kind, vote.choices, line(vote.closes)),
         won=audience.result,
+        invitation=audience.invitation,
     )
+
+
+def stage_packet(show: Show, lights: StageLights) -> tuple[str, bytes, tuple[str, ...]]:
+    """Return the packet with the dancers, the elements, and the colours of the groups, for phones."""
+    motion, elements = show.motion, show.motion.elements
+    shown = (
+        ElementLight(one.kind, one.flow_kind, one.points, one.radius, level)
+        for one, level in zip(elements.in_force, elements.levels.tolist(), strict=True)
+    )
+    half = (float(motion.stage_area.border[0]), float(motion.stage_area.border[1]))
+    frame = lights.frame(show.dancers.drawn_hips, motion.group_states(), shown, half)
+    colours = show.desk.parameters.picture[COLOURS_START:STYLES_START].reshape(-1, 3)
+    return "stage", frame, colour_texts(colours[: len(show.patch.group)])
 
 
 def beat_of(show: Show) -> BeatClock:

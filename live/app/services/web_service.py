@@ -3,7 +3,7 @@
 import json
 import struct
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, Final
 
 import numpy as np
@@ -56,6 +56,9 @@ class WebService(HttpService):
         self._answers: deque[tuple[int, str]] = deque()  # the edit's number, and the answer
         self._picture: deque[list[Any]] = deque()  # parts of a picture that may be left out
         self._pictures = 0
+        self.join_link: Callable[[], str] = str
+        """Returns the invitation for phones, which pages show; empty: no audience can join."""
+        self._told_link = ""
 
     def _surface(self) -> dict[str, Any]:
         """Return what the page's controls are made of."""
@@ -106,9 +109,16 @@ class WebService(HttpService):
         data = struct.pack("<HH", width, height) + picture.tobytes()
         self._picture.extend(byte_parts("picture", self._pictures, data))
 
+    def _on_start(self) -> None:
+        super()._on_start()
+        self._told_link = ""
+
     def frame(self) -> None:
-        """Send changed values, and frames of the stage for the pages that look at it."""
+        """Send changed values, the invitation, and frames of the stage for the pages that look at it."""
         super().frame()
+        link = self.join_link()
+        if link != self._told_link and self._helper is not None and self._helper.send(["join", link]):
+            self._told_link = link
         if self._helper is None or self._stage is None:
             return
         wants = self._helper.status().get("stage")

@@ -35,6 +35,8 @@ GROUP_RECOVERY: Final = 15.0
 """One more such join is allowed after each interval of this length [s]."""
 CROWD_SECONDS: Final = 60.0
 """A crowded group has no voice until this long [s] after its last excess join."""
+INVITED_WAIT: Final = 10.0
+"""Shortest wait [s] of a phone while the invitation admits nobody."""
 MOST_GROUPS: Final = 16_384
 SLOT_TOLERANCE: Final = 0.05
 """A phone may be this early [s] for its slot, because clocks differ."""
@@ -123,26 +125,21 @@ class Admission:
         return JoinAnswer()
 
     def admit_new(self, key: str, voucher: str, group: int, now: float) -> JoinAnswer:
-        """Answer a new phone, which has a code's `key` or an earlier `voucher`."""
-        held = self._tickets.find_voucher(voucher, now) if voucher else None
-        ticket = held.ticket if held is not None else self._tickets.find(key, now) if key else -1
-        if ticket < 0:
-            return JoinAnswer(RefusalReason.LINK if key or voucher else RefusalReason.TOKEN)
+        """Answer a new phone, which has the `key` of a code or of the invitation, or an earlier `voucher`."""
+        tickets = self._tickets
+        held = tickets.find_voucher(voucher, now) if voucher else None
         if held is None:
-            if self._makes_crowd(group, now):
-                return self._refuse_for_now(RefusalReason.ADDRESS, 30.0, 60.0)
-            if self._tickets.is_rate_limited(ticket, now):
-                return self._refuse_for_now(RefusalReason.JOINS, 2.0, 6.0)
-            if not self._tickets.use(ticket):
-                return JoinAnswer(RefusalReason.SPENT)
+            ticket, refusal = self._check_key(key, had_voucher=bool(voucher), group=group, now=now)
+            if refusal is not None:
+                return refusal
+        else:
+            ticket = held.ticket
         serial = 0 if held is None else held.serial
         if self._phones.is_full(now, fresh=True):
-            return self._refuse_for_now(
-                RefusalReason.FULL, 3.0, 8.0, self._tickets.issue_voucher(ticket, 0.0, now, serial)
-            )
+            return self._refuse_for_now(RefusalReason.FULL, 3.0, 8.0, tickets.issue_voucher(ticket, 0.0, now, serial))
         if len(self._phones.in_group(group)) >= self._per_group:
             return self._refuse_for_now(
-                RefusalReason.ADDRESS, 15.0, 30.0, self._tickets.issue_voucher(ticket, 0.0, now, serial)
+                RefusalReason.ADDRESS, 15.0, 30.0, tickets.issue_voucher(ticket, 0.0, now, serial)
             )
         slot = 0.0 if held is None else held.slot_ms / 1e3
         if slot and now < slot - SLOT_TOLERANCE:
@@ -153,11 +150,29 @@ class Admission:
                 at = now + wait if wait <= MAX_RESERVED_WAIT else 0.0
                 low, high = (wait, wait + 0.5) if at else (MAX_RESERVED_WAIT / 4.0, MAX_RESERVED_WAIT / 2.0)
                 return self._refuse_for_now(
-                    RefusalReason.JOINS, low, high, self._tickets.issue_voucher(ticket, at, now, serial)
+                    RefusalReason.JOINS, low, high, tickets.issue_voucher(ticket, at, now, serial)
                 )
         if held is not None:
-            self._tickets.redeem(held)
+            tickets.redeem(held)
         return JoinAnswer(ticket=ticket)
+
+    def _check_key(self, key: str, *, had_voucher: bool, group: int, now: float) -> tuple[int, JoinAnswer | None]:
+        """Use a key for one device; return its ticket, and the refusal if there is one."""
+        tickets = self._tickets
+        invited = bool(key) and tickets.is_invitation(key)
+        ticket = tickets.newest(now) if invited else tickets.find(key, now) if key else -1
+        if ticket < 0:
+            return -1, JoinAnswer(RefusalReason.LINK if key or had_voucher else RefusalReason.TOKEN)
+        if self._makes_crowd(group, now):
+            return -1, self._refuse_for_now(RefusalReason.ADDRESS, 30.0, 60.0)
+        if invited:
+            allowed = tickets.use_invitation(now)
+            return ticket, None if allowed else self._refuse_for_now(
+                RefusalReason.JOINS, INVITED_WAIT, 2.0 * INVITED_WAIT
+            )
+        if tickets.is_rate_limited(ticket, now):
+            return -1, self._refuse_for_now(RefusalReason.JOINS, 2.0, 6.0)
+        return (ticket, None) if tickets.use(ticket) else (-1, JoinAnswer(RefusalReason.SPENT))
 
     def _reserve(self, group: int, now: float) -> float:
         """Reserve a slot and return the wait for it [s]; beyond `HORIZON` nothing is reserved."""

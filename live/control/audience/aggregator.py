@@ -4,14 +4,14 @@ It also rotates highlights: a few voices at a time are visible on the projector,
 """
 
 from collections import deque
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any, Final, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from live.control.audience.participant_state import PLACES, Force, Voices
-from live.control.audience.phone_registry import Phone, hue_of
+from live.control.audience.phone_registry import hue_of
 from live.control.events.audience import VoiceLight, VoicePlace
 
 Rows = TypeVar("Rows", bound=tuple[Any, ...])
@@ -77,7 +77,6 @@ class Aggregator:
         self._known: dict[str, tuple[Any, ...]] = {}
         self._places: dict[int, tuple[int, int, int, int]] = {}
         self._next_lights = self._next_choice = self._next_votes = self._repeat_at = 0.0
-        self._shown: dict[int, None] = {}
         self._waits = np.zeros(MAX_WAIT_TIMES)
         self._wait_count = 0
         self._updated_at = -np.inf
@@ -157,17 +156,6 @@ class Aggregator:
             x, z = (round(float(value) * 20) * 5 for value in (voices.x[row], voices.z[row]))
             rows.append((number, x, z, hue_of(number), int(voices.mode[row])))
         return tuple(rows)
-
-    def changed_highlights(self, phones: dict[int, Phone]) -> Iterator[tuple[Phone, bool]]:
-        """Return the phones whose highlight has appeared or ended since the last call."""
-        seen = dict.fromkeys(int(self._voices.number[row]) for row in self.highlights.rows)
-        if seen.keys() == self._shown.keys():
-            return
-        before, self._shown = self._shown, seen
-        for number in before.keys() ^ seen.keys():
-            phone = phones.get(number)
-            if phone is not None and phone.highlighted != (number in seen):
-                yield phone, number in seen
 
     def _record_waits(self, now: float, rows: npt.NDArray[np.intp]) -> None:
         """Record the waiting times of messages received since the show was last informed."""

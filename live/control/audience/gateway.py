@@ -57,6 +57,7 @@ class Gateway:
     def receive(self) -> None:
         """Handle packets from the show."""
         for packet in self._channel.packets():
+            self.session.heard_show_at = self.session.now()
             if isinstance(packet, Rules):
                 self.session.update_rules(packet)
                 self._broadcaster.update_rules(packet)
@@ -65,6 +66,8 @@ class Gateway:
             elif isinstance(packet, BeatClock):
                 self.session.beat = packet
                 self._broadcaster.update_beat(packet)
+            elif isinstance(packet, tuple) and packet[0] == "stage":
+                self._broadcaster.update_stage(packet[1], packet[2])
         if self._channel.closed:
             self._ended.set()
             self._has_rules.set()
@@ -81,7 +84,7 @@ class Gateway:
         packet = self.session.update(now)
         if packet is not None and not self._send(packet):
             self.session.aggregator.resend()
-        self._broadcaster.update_highlights()
+        self._broadcaster.update(now)
 
     def _run_timer(self) -> None:
         """Gather by timer when no message does."""
@@ -107,7 +110,8 @@ class Gateway:
             if fresh != key:
                 link = f"{self._link}/#{fresh}"
                 key = fresh if self._send(("code", link, qr_rows(link))) else ""
-            self._channel.send_facts({**self.session.facts(), "late_ms": self._lateness()})
+            missed = self._broadcaster.missed_frames
+            self._channel.send_facts({**self.session.facts(), "late_ms": self._lateness(), "missed_frames": missed})
             self._collect_garbage()
             await asyncio.sleep(STATUS_INTERVAL)
 
@@ -143,7 +147,8 @@ class Gateway:
         )  # fmt: skip
         tasks = [
             keep_task("telling phones", self._broadcaster.run),
-            keep_task("the phones' lights", self._broadcaster.run_highlights),
+            keep_task("telling phones whether they are heard", self._broadcaster.run_hearing),
+            keep_task("the stage for phones", self._broadcaster.run_stage),
             keep_task("the gateway's figures", lambda: self.report_status(runner)),
         ]
         self._run_timer()

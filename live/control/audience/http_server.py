@@ -29,8 +29,22 @@ from live.control.audience.session_state import SessionState
 from live.control.audience.websocket_reader import WebSocketReader
 from live.control.web.http_protection import is_local_host
 
-PAGE: Final = Path(__file__).with_name("page.html")
-LANGUAGES: Final = ("en", "pt")
+_FOLDER: Final = Path(__file__).parent
+SCRIPTS: Final = ("page.js", "page_stage.js")
+WORDS: Final[dict[str, Any]] = json.loads((_FOLDER / "page_words.json").read_text("utf-8"))
+"""The page's texts by language; the first is used where none fits."""
+LANGUAGES: Final = tuple(WORDS)
+
+
+def page_text() -> str:
+    """Return the page, one file: its markup and style, its texts in all languages, and its script."""
+    words = json.dumps(WORDS, ensure_ascii=False, separators=(",", ":")).replace("<", "\\u003c")
+    script = "".join((_FOLDER / name).read_text("utf-8") for name in SCRIPTS)
+    text = (_FOLDER / "page.html").read_text("utf-8")
+    for place, part in (("/*words*/", words), ("/*script*/\n", script)):
+        before, _, after = text.partition(place)
+        text = before + part + after
+    return text
 
 
 class Pages:
@@ -39,7 +53,7 @@ class Pages:
     def __init__(self, link: str) -> None:
         """`link`: the address that phones open."""
         self.host = link.partition("://")[2].partition("/")[0].rpartition("@")[2]
-        text = PAGE.read_text("utf-8")
+        text = page_text()
         self._pages = {}
         for language in LANGUAGES:
             page = text.replace('<html lang="en"', f'<html lang="{language}"', 1).encode()

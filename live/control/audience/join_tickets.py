@@ -2,6 +2,9 @@
 
 A code admits a limited number of devices. It is fully valid while it is displayed and for a short time after, because
 pages load slowly. Then it admits only a few devices at a time until it expires.
+
+The operator's invitation is one key that is valid as long as the show runs, until the operator makes a new one. Whoever
+has it gets the ticket of the moment, at a low rate: it is for a team, and of little use to a crowd.
 """
 
 import secrets
@@ -11,6 +14,7 @@ from live.control.audience.phone_registry import (
     MOST_SERIAL,
     Voucher,
     find_ticket,
+    is_invitation,
     ticket_key,
     verify_voucher,
     voucher_text,
@@ -22,6 +26,9 @@ PAGE_LOAD_SECONDS: Final = 20.0
 LATE_RATE: Final = 1.0
 LATE_BURST: Final = 8.0
 """Devices per second, and at once, admitted by a code that has been off display for longer than that."""
+INVITED_RATE: Final = 1.0 / 15.0
+INVITED_BURST: Final = 12.0
+"""Devices per second, and at once, admitted by the operator's invitation."""
 VOUCHER_SECONDS: Final = 180.0
 """Validity of a voucher after it was issued, or after its slot [s]; a returning phone gets a new one."""
 MOST_USED: Final = 65_536
@@ -37,6 +44,7 @@ class JoinTickets:
         self._spent: dict[int, int] = {}
         self._late: dict[int, TokenBucket] = {}
         self._used: dict[int, float] = {}
+        self._invitation, self._invited = 1, TokenBucket(INVITED_RATE, INVITED_BURST)
 
     def newest(self, now: float) -> int:
         """Return the ticket displayed at `now` [s of the show]."""
@@ -51,6 +59,19 @@ class JoinTickets:
         valid = int(self._grace // self._shown) + 1
         found = find_ticket(self._secret, key, self.newest(now), valid)
         return found if found >= 0 and self._expired_for(found, now) < self._grace else -1
+
+    def set_invitation(self, number: int) -> None:
+        """Set the number of the invitation that is valid; the one before is void."""
+        if number != self._invitation:
+            self._invitation, self._invited = number, TokenBucket(INVITED_RATE, INVITED_BURST)
+
+    def is_invitation(self, key: str) -> bool:
+        """Whether a key is that of the operator's invitation."""
+        return is_invitation(self._secret, key, self._invitation)
+
+    def use_invitation(self, now: float) -> bool:
+        """Use the invitation for one device; return whether its rate allows that now."""
+        return self._invited.try_take(now)
 
     def _expired_for(self, ticket: int, now: float) -> float:
         """Return how long a ticket has been off display [s]."""

@@ -7,9 +7,11 @@ no place, so one person has no force among many.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from enum import IntEnum
 from typing import Final
 
 import numpy as np
+import numpy.typing as npt
 
 from live.base.arrays import Float64
 from live.control.audience.phone_protocol import ATTRACT, FULL_SCALE, REPEL, TOUCH_DTYPE
@@ -32,6 +34,21 @@ FULL_FORCE_SHARE: Final = 0.05
 """The force is full from this share of the phones on, but needs at least `MIN_PHONES` phones if there are several."""
 SHAKE_SECONDS: Final = 1.0
 """A shake counts this long [s]."""
+
+
+class Hearing(IntEnum):
+    """What becomes of a phone's touch; phones are told the number."""
+
+    SILENT = 0
+    """It says nothing."""
+    HEARD = 1
+    """It counts."""
+    SEEN = 2
+    """It counts, and its light is on the stage."""
+    WAITS = 3
+    """Another region has its turn."""
+    NO_VOICE = 4
+    """It does not count: its place is crowded, its region has no weight, or the show does not answer."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,6 +90,8 @@ class Voices:
         """False for a banned phone."""
         self.share: Float64 = np.ones(most)
         """Fraction of a voice of each row."""
+        self.told_hearing: npt.NDArray[np.int8] = np.zeros(most, np.int8)
+        """The `Hearing` that each row's phone was last told."""
         self.pending_touches: dict[int, tuple[bytes, float]] = {}
         """Latest raw message and its time [s] of each row since the last `apply_touches`."""
         self._free = list(range(most - 1, -1, -1))
@@ -91,6 +110,7 @@ class Voices:
         row = self._free.pop()
         self.number[row], self.region[row], self.allowed[row] = number, region, allowed
         self.mode[row], self.touching[row], self.share[row] = 0, False, 1.0
+        self.told_hearing[row] = Hearing.SILENT
         self.message_time[row] = self.shake_time[row] = -np.inf
         return row
 
@@ -124,12 +144,38 @@ class Voices:
 
     def weights(self, now: float) -> Float64:
         """Return the present weight of each row, (N,)."""
-        region = np.minimum(self.region, len(self._weights) - 1)
-        age = np.maximum(now - self.message_time - FRESH_SECONDS * self.touching, 0.0)
-        fresh = 0.5 ** (age / FADE_HALF_LIFE)
-        weight = self._weights[region] * self.share * fresh
+        fresh = self._freshness(now)
+        weight = self._region_weights() * self.share * fresh
         weight[(fresh < MIN_FRESHNESS) | (self.mode == 0) | ~self.allowed] = 0.0
         return weight
+
+    def _freshness(self, now: float) -> Float64:
+        """Return the share of its weight that each row's voice has left, (N,)."""
+        age = np.maximum(now - self.message_time - FRESH_SECONDS * self.touching, 0.0)
+        fresh: Float64 = 0.5 ** (age / FADE_HALF_LIFE)
+        return fresh
+
+    def _region_weights(self) -> Float64:
+        """Return the weight of each row's region, (N,)."""
+        weights: Float64 = self._weights[np.minimum(self.region, len(self._weights) - 1)]
+        return weights
+
+    def hearing(self, now: float, seen: Sequence[int], *, turn: int, answers: bool) -> npt.NDArray[np.int8]:
+        """Return the `Hearing` of each row, (N,).
+
+        `seen`: highlighted rows; `turn`: the region that has its turn, -1: none; `answers`: whether the show does.
+        Banned phones are told the same as if they were not.
+        """
+        found = np.full(len(self.number), Hearing.HEARD, np.int8)
+        found[list(seen)] = Hearing.SEEN
+        found[self._region_weights() == 0.0] = Hearing.NO_VOICE
+        if turn >= 0:
+            found[(found == Hearing.NO_VOICE) & (self.region != turn)] = Hearing.WAITS
+        found[self.share == 0.0] = Hearing.NO_VOICE
+        if not answers:
+            found[:] = Hearing.NO_VOICE
+        found[(self._freshness(now) < MIN_FRESHNESS) | (self.mode == 0) | (self.number == 0)] = Hearing.SILENT
+        return found
 
     def people(self) -> float:
         """Return the total number of voices, speaking or not; fractions of a voice are added."""

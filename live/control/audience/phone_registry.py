@@ -42,8 +42,6 @@ class Phone:
     fast: int = 0
     disconnected: Any = None
     """Future that is done when the connection is lost."""
-    highlighted: bool = False
-    """Whether the phone was informed that it is highlighted."""
     vote: tuple[int, int] = (0, 0)
     """Number of the vote, and the choice."""
     left_by_itself: bool = False
@@ -162,6 +160,16 @@ def _parse_numbers(text: str, count: int) -> tuple[int, ...] | None:
 def ticket_key(secret: bytes, ticket: int) -> str:
     """Return a ticket's key as used in the link."""
     return _sign(secret, f"link {ticket}")
+
+
+def invitation_key(secret: bytes, number: int) -> str:
+    """Return the key of the operator's invitation of this number; the dot tells it from a ticket's."""
+    return f"i.{_sign(secret, f'invitation {number}')}"
+
+
+def is_invitation(secret: bytes, key: str, number: int) -> bool:
+    """Whether a key is that of the invitation of this number."""
+    return key.startswith("i.") and _is_signature(secret, f"invitation {number}", key[2:])
 
 
 def find_ticket(secret: bytes, key: str, newest: int, valid: int) -> int:

@@ -1,17 +1,20 @@
 """State of the gateway: connected phones, their latest input, and the rules and beat received from the show."""
 
+import math
 import time
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Final
 
+import numpy as np
+
 from live.control.audience import phone_protocol as wire
 from live.control.audience.admission import OWN_WIFI, Admission
 from live.control.audience.aggregator import Aggregator
 from live.control.audience.bans import Bans
 from live.control.audience.join_tickets import JoinTickets
-from live.control.audience.participant_state import Voices
+from live.control.audience.participant_state import Hearing, Voices
 from live.control.audience.phone_registry import MAX_FAST, MAX_MALFORMED, Device, Phone, Phones
 from live.control.audience.rate_limit import ALL_BURST, ALL_RATE, BURST, RATE, RefusalReason
 from live.control.message_codec import registered
@@ -42,6 +45,8 @@ class Rules:
     vote: tuple[int, str, tuple[str, ...], float] | None = None
     """Number, subject, choices, and the beat at which it closes."""
     won: tuple[int, str] = (0, "")
+    invitation: int = 1
+    """Number of the operator's invitation that is valid."""
 
 
 @registered("beat")
@@ -74,6 +79,8 @@ SILENCE_TIMEOUT = 50.0
 """A phone sends at least a ping every 20 s; one that is silent for this long [s] is disconnected."""
 MIN_JOINS_PER_CODE: Final = 200
 """A code admits twice the maximum of simultaneous phones, as some wait, and at least this number."""
+SHOW_SILENCE: Final = 5.0
+"""The show sends its beat every second; without a packet for this long [s] phones are not heard."""
 SPARE_ROWS = 64
 """Additional rows for phones that have just disconnected."""
 
@@ -94,6 +101,10 @@ class SessionState:
         self.aggregator = Aggregator(self.voices, int(plan["visible"]))
         self.rules, self.beat = Rules(), BeatClock()
         self.refused: Counter[str] = Counter()
+        self.tally: tuple[int, ...] = ()
+        """The open vote's number and the votes for each choice in hundredths; empty: there is no vote."""
+        self.heard_show_at = -math.inf
+        """Time [s] of the show's last packet."""
         self.messages = 0
         self.due = 0.0
         """Time [s] of the next aggregate."""
@@ -113,6 +124,7 @@ class SessionState:
             self.bans.spread((one.number, one.group, one.origin) for one in self.phones.by_number.values())
         self.voices.update_rules(rules.weights, sorted(self.bans.numbers()), rules.half)
         self.aggregator.order = rules.order
+        self.tickets.set_invitation(rules.invitation)
 
     # -- connections ---------------------------------------------------------------------------------------------
 
@@ -135,6 +147,7 @@ class SessionState:
         if row < 0:
             return None
         self.voices.region[row], self.voices.allowed[row] = region, heard
+        self.voices.told_hearing[row] = Hearing.SILENT
         phone = Phone(number, row, group, ws, transport, device.origin, last_message_at=now)
         self.phones.add(phone)
         if before is not None:
@@ -231,12 +244,27 @@ class SessionState:
         self._tokens_left = min(max(self._tokens_left, 0.0) + (now - self._filled) * ALL_RATE, ALL_BURST)
         self._filled = now
         self.voices.apply_touches()
-        return self.aggregator.update(now, len(self.phones.by_number), self.rules.open, self._votes)
+        return self.aggregator.update(now, len(self.phones.by_number), self.rules.open, self._count_votes)
 
-    def _votes(self) -> tuple[int, ...]:
-        """Return the open vote's number and the voices for each choice in hundredths; empty if there is no vote."""
+    def changed_hearing(self, now: float) -> list[tuple[Phone, int]]:
+        """Return the phones that have to be told another `Hearing`; they count as told."""
+        voices, turn = self.voices, self.rules.turn
+        found = voices.hearing(
+            now, self.aggregator.highlights.rows, turn=-1 if turn is None else turn[0],
+            answers=now - self.heard_show_at < SHOW_SILENCE,
+        )  # fmt: skip
+        if not self.rules.open:
+            found[:] = Hearing.SILENT
+        changed = np.flatnonzero(found != voices.told_hearing)
+        voices.told_hearing[changed] = found[changed]
+        phones = ((self.phones.by_number.get(int(voices.number[row])), int(found[row])) for row in changed)
+        return [(phone, hearing) for phone, hearing in phones if phone is not None]
+
+    def _count_votes(self) -> tuple[int, ...]:
+        """Count and return the `tally`."""
         vote = self.rules.vote
         if vote is None:
+            self.tally = ()
             return ()
         counts = [0.0] * len(vote[2])
         weights = self.rules.weights or (1.0,)
@@ -244,7 +272,8 @@ class SessionState:
             if phone.vote[0] == vote[0] and phone.row >= 0 and self.voices.allowed[phone.row]:
                 region = min(int(self.voices.region[phone.row]), len(weights) - 1)
                 counts[phone.vote[1]] += weights[region] * float(self.voices.share[phone.row])
-        return (vote[0], *(round(100 * count) for count in counts))
+        self.tally = (vote[0], *(round(100 * count) for count in counts))
+        return self.tally
 
     def facts(self) -> dict[str, Any]:
         """Return facts for the status, without personal data."""

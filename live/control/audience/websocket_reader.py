@@ -20,6 +20,12 @@ PONG: Final = 0x8A
 MAX_PAYLOAD: Final = 125
 
 
+def binary_frame(payload: bytes) -> bytes:
+    """Return a server's frame of a message of less than 64 KiB (RFC 6455, 5.2)."""
+    size = len(payload)
+    return (bytes((BINARY, size)) if size <= MAX_PAYLOAD else bytes((BINARY, 126, size >> 8, size & 255))) + payload
+
+
 class WebSocketReader(asyncio.Protocol):
     """Protocol that takes a connection over from the server's `handler`. Thread: the gateway's loop."""
 
@@ -60,7 +66,7 @@ class WebSocketReader(asyncio.Protocol):
         if first == BINARY:
             answer = self._session.handle_message(self._phone, payload, now)
             if answer:
-                self._transport.write(bytes((BINARY, len(answer))) + answer)
+                self._transport.write(binary_frame(answer))
             return answer is not None
         if first == PING:
             self._transport.write(bytes((PONG, len(payload))) + payload)

@@ -107,6 +107,18 @@ class DropVote(ControlEvent):
     """Cancels the vote; nothing is called."""
 
 
+@command("/dance/audience/tally", "operator", value=1, start=(True,))
+class ShowTally(ControlEvent):
+    """Whether projectors show how a vote stands, and its winner for some measures; phones always do."""
+
+    on: Annotated[bool, Argument.switch("1: projectors show the tally and the winner, 0: phones alone do")]
+
+
+@command("/dance/audience/invite", "operator")
+class RenewInvitation(ControlEvent):
+    """Makes a new invitation for you and your team; with the one before nobody comes in any more."""
+
+
 @command("/dance/audience/shake", "operator", value=1, start=(True,))
 class AllowShaking(ControlEvent):
     """Whether shaken phones count."""

@@ -65,6 +65,8 @@ class Client:
     def __init__(self, ws: web.WebSocketResponse, request: web.BaseRequest) -> None:
         self.ws, self.request = ws, request
         self.pending: dict[str, None] = dict.fromkeys(READABLE)
+        self.wants_join = False
+        """Whether the page has to be told how phones join."""
         self.limit = TokenBucket(PER_SECOND, PER_SECOND)
 
 
@@ -94,6 +96,7 @@ class WebServer:
         self._text = PAGE.read_text(encoding="utf-8")
         self._studio = StudioFiles()
         self.values = Values()
+        self._join = ""
         self._clients: set[Client] = set()
         files = plan.get("preview") or {"module": ""}  # without them there is no preview
         self._preview = PreviewClient(str(files["module"]), dict(files))
@@ -127,6 +130,10 @@ class WebServer:
             if not isinstance(changes, dict):
                 if changes[0] == "surface":
                     self._surface = _surface_json(changes[1])
+                elif changes[0] == "join":
+                    self._join = str(changes[1])
+                    for client in self._clients:
+                        client.wants_join = True
                 else:
                     self._stage.take(changes)
                 continue
@@ -184,6 +191,7 @@ class WebServer:
             self._refused += await self._preview_pages.open(ws)
             return ws
         client = Client(ws, request)
+        client.wants_join = bool(self._join)
         self._clients.add(client)
         try:
             async for message in ws:
@@ -223,7 +231,7 @@ class WebServer:
         while True:
             await asyncio.sleep(UPDATE_INTERVAL)
             for client in list(self._clients):
-                if client.pending:
+                if client.pending or client.wants_join:
                     try:
                         await self._send_values(client)
                     except (ConnectionError, RuntimeError):  # disconnected
@@ -245,8 +253,11 @@ class WebServer:
                 told |= {where: list(values) for where, values in self.values.messages(address) if where != address}
             elif rows := self.values.rows(address):
                 told[address] = list(rows[0][1])
-        if told:
-            await client.ws.send_str(json.dumps({"values": told}))
+        news: dict[str, Any] = {"values": told} if told else {}
+        if client.wants_join:
+            news["join"], client.wants_join = self._join, False
+        if news:
+            await client.ws.send_str(json.dumps(news))
 
     def _tell_show(self) -> None:
         facts = {

@@ -4,6 +4,7 @@ The gateway (`live/control/audience`) sends one aggregated event per tick at mos
 measure lines alone, so that a replay has the same audience.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -19,16 +20,20 @@ from live.control.events.audience import VoiceLight
 from live.control.events.elements import PlaceElement
 from live.control.events.events import ControlEvent
 from live.control.registry.element_controls import VOICE_MEASURES
-from live.show.audience.voting import Turn, Vote, VoteNames, resolve_choices, winner_events
+from live.show.audience.voting import NO_BAR, Turn, Vote, VoteNames, resolve_choices, winner_events
 from live.show.group.elements import SCORE, Elements
 from live.show.patch.section_io import AudienceSection
 from live.show.stages.now import Now
 
 AUDIENCE_EVENTS: Final = (
     events.AudienceHeard, events.OpenAudience, events.SetAudienceGain, events.MuteAudience, events.WeighRegion,
-    events.GiveTurn, events.BanPhone, events.AskVote, events.DropVote, events.AllowShaking,
+    events.GiveTurn, events.BanPhone, events.AskVote, events.DropVote, events.ShowTally, events.RenewInvitation,
+    events.AllowShaking,
 )  # fmt: skip
 """Events that `handle` handles."""
+_SWITCHES: Final[Mapping[type, str]] = {
+    events.MuteAudience: "muted", events.AllowShaking: "shaking", events.ShowTally: "tally",
+}  # fmt: skip
 SOURCE: Final = "audience"
 FULL_VOICES: Final = 4.0
 """Votes that pull with full strength: see `QUORUM` of the fair kernels."""
@@ -45,6 +50,8 @@ LIGHT_MOVE_HALFLIFE: Final = 0.06
 """Half-life [s] of a light's approach to its phone's position."""
 LIGHT_FADE_HALFLIFE: Final = 0.12
 """Half-life [s] of a light's fade in and out."""
+CAPTION_FADE_BEATS: Final = 2.0
+"""The winner's name fades out within this many beats."""
 REPEL_MODE: Final = 2
 """Mode of a touch that repels dancers."""
 
@@ -69,7 +76,7 @@ class Audience:
         self._elements, self._names = elements, names
         self._seed = seed
         self.regions: tuple[str, ...] = section.regions
-        self._vote_measures = section.vote_measures
+        self._vote_measures, self._winner_measures = section.vote_measures, section.winner_measures
         self.open, self.gain, self.muted, self.shaking = section.open, section.gain, False, section.shake
         self.weights: list[float] = [1.0] * len(section.regions)
         """Weight of each region's votes and touches."""
@@ -77,6 +84,12 @@ class Audience:
         self.vote: Vote | None = None
         self.result: tuple[int, str] = (0, "")
         """Number of the last vote and its winner; empty: none."""
+        self._result_measure = 0
+        """The measure (from 0) that began when the last vote closed."""
+        self.tally = section.tally
+        """Whether projectors show the state of a vote, and its winner."""
+        self.invitation = 1
+        """Number of the present invitation for the operator's team; a new one makes the one before void."""
         self.banned: dict[int, None] = {}
         """Numbers of banned phones, oldest first."""
         self.command_count = 0
@@ -99,7 +112,7 @@ class Audience:
             self.regions, self.weights = fresh.regions, [known.get(name, 1.0) for name in fresh.regions]
             self.turn = None
             self.command_count += 1
-        self._vote_measures = fresh._vote_measures
+        self._vote_measures, self._winner_measures = fresh._vote_measures, fresh._winner_measures
 
     # -- events ------------------------------------------------------------------------------------------------
 
@@ -122,10 +135,8 @@ class Audience:
                     self._light_on[:] = False
             case events.SetAudienceGain():
                 self.gain = event.gain
-            case events.MuteAudience():
-                self.muted = event.on
-            case events.AllowShaking():
-                self.shaking = event.on
+            case events.MuteAudience() | events.AllowShaking() | events.ShowTally():
+                setattr(self, _SWITCHES[type(event)], event.on)
             case events.WeighRegion():
                 for index in self._region_indices(event.name):
                     self.weights[index] = event.weight
@@ -142,6 +153,8 @@ class Audience:
                 self.vote = Vote(self._votes, event.what, resolve_choices(event, self._names.known()), closes)
             case events.DropVote():
                 self.vote = None
+            case events.RenewInvitation():
+                self.invitation += 1
         self.command_count += 1
 
     def _region_indices(self, name: str) -> list[int]:
@@ -234,7 +247,7 @@ class Audience:
         if vote is None or measure < vote.closes:
             return []
         winner = vote.winner(self._seed)
-        self.vote, self.result = None, (vote.number, winner)
+        self.vote, self.result, self._result_measure = None, (vote.number, winner), measure
         self.command_count += 1
         return winner_events(vote.kind, winner, time) if winner else []
 
@@ -257,11 +270,22 @@ class Audience:
     # -- drawing -------------------------------------------------------------------------------------------------
 
     def show(self, view: StageView) -> None:
-        """Copy the lights into the drawing snapshot."""
+        """Copy the lights and the caption into the drawing snapshot, whose moment is known."""
+        view.caption, view.caption_level = self._caption(view) if self.open and self.tally else ((), 1.0)
         rows = np.flatnonzero(self._number)
         view.light_count = len(rows)
         if len(rows):
             view.light[: len(rows)] = self._light[rows]
+
+    def _caption(self, view: StageView) -> tuple[tuple[tuple[str, float], ...], float]:
+        """Return the lines of the open vote, else of the last winner, and their opacity."""
+        if self.vote is not None:
+            return self.vote.shares, 1.0
+        left = self._result_measure + self._winner_measures - view.measure
+        if left <= 0 or not self.result[1]:
+            return (), 1.0
+        beats = left * view.beats_per_measure - view.phase
+        return ((self.result[1], NO_BAR),), min(max(beats / CAPTION_FADE_BEATS, 0.0), 1.0)
 
     def facts(self) -> dict[str, Any]:
         """Return values for the status."""

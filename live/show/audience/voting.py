@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 VOTE_KINDS: Final = ("step", "scene", "look", "cue")
 """Kinds of votes."""
 SOURCE: Final = "audience vote"
+NO_BAR: Final = -1.0
+"""In a caption: a line without a share."""
 _CHANCE: Final = 0xA0D1
 
 
@@ -52,6 +54,13 @@ class Vote:
             return ""
         first = [index for index, count in enumerate(self.counts) if count == max(self.counts)]
         return self.choices[first[int(np.random.default_rng([seed, _CHANCE, self.number]).integers(len(first)))]]
+
+    @property
+    def shares(self) -> tuple[tuple[str, float], ...]:
+        """Each choice with its share of the votes, from 0 to 1."""
+        counts = self.counts or (0,) * len(self.choices)
+        total = max(sum(counts), 1)
+        return tuple((name, count / total) for name, count in zip(self.choices, counts, strict=True))
 
     @property
     def tally(self) -> dict[str, dict[str, float]]:

@@ -129,6 +129,10 @@ class AudienceSection(Section):
     """Rows or groups of seats, from which people choose theirs: `["stalls", "balcony"]`; left out: none."""
     vote_measures: Annotated[int, Field(ge=1, le=64)] = 4
     """Length of a vote in measures."""
+    tally: bool = True
+    """Whether projectors show how a vote stands, and its winner, from the beginning; phones always do."""
+    winner_measures: Annotated[int, Field(ge=1, le=64)] = 4
+    """For how many measures projectors show the winner of a vote."""
     gain: Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)] = 1.0
     """Initial strength of the audience's influence on dancers."""
     open: bool = True

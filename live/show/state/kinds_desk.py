@@ -73,7 +73,8 @@ KINDS: Final = [
     Kind("audience", Audience, """
         _elements:elements _names:vote-names
         _seed:int regions:row[str] _vote_measures:int open:bool gain:float muted:bool shaking:bool weights:list[float]
-        turn:turn|none vote:vote|none result:tuple[int,str] banned:dict[int,none] command_count:int phones:int
+        turn:turn|none vote:vote|none result:tuple[int,str] _result_measure:int _winner_measures:int tally:bool
+        invitation:int banned:dict[int,none] command_count:int phones:int
         _votes:int _share:float _places:row[audience.place] _shaken:bool _number:i8 _light_on:b1 _goal:f4 _light:f4
     """),
     Kind("audience.place", AudiencePlace, "x:float z:float weight:float repels:bool"),

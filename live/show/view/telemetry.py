@@ -225,6 +225,7 @@ class CurrentValues:
             "/dance/audience/gain": _round(show.audience.gain),
             "/dance/audience/mute": show.audience.muted,
             "/dance/audience/shake": show.audience.shaking,
+            "/dance/audience/tally": show.audience.tally,
             "/dance/output/fade": _round(desk.master.level),
             "/dance/output/freeze": desk.master.frozen,
             "/dance/output/flashes": desk.master.flashes,

@@ -79,11 +79,11 @@ class ViewBuilder:
         on = min(max(beat - span.end, 0.0), MAX_EXTRAPOLATION * timeline.tempo / 60.0) / timeline.beats_per_measure
         self._dancers.pose(fraction + on, time, out=(view.joint_position, view.joint_rotation))
         self._motion.show(view)
-        self._audience.show(view)
         view.group[:] = self._division.part
         view.time, view.beat, view.tempo = time, beat, self._follower.tempo
         view.measure, view.beats_per_measure = span.number, timeline.beats_per_measure
         view.phase = fraction * timeline.beats_per_measure
+        self._audience.show(view)
         view.energy = self._desk.energy
         counted = self._desk.cues.count_in(span.danced_beats(beat, self._desk.beats))
         view.count_in = 0.0 if counted is None else max(counted[0], 0.0)

@@ -27,6 +27,8 @@ const RATE = 33;
 export class Values {
   readonly link: Link;
   readonly refused = signal("");
+  /** The invitation by which the operator's team joins with phones; empty: no audience can join. */
+  readonly join = signal("");
   /** What can be controlled; null until it is known. */
   readonly surface = signal<Surface | null>(null);
   private readonly kept = new Map<string, Signal<Value[] | null>>();
@@ -43,6 +45,7 @@ export class Values {
       const values = told["values"] as Record<string, Value[]> | undefined;
       for (const [address, value] of Object.entries(values ?? {})) this.of(address).value = value;
       if (typeof told["refused"] === "string") this.refused.value = told["refused"];
+      if (typeof told["join"] === "string") this.join.value = told["join"];
     };
   }
 

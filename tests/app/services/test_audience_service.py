@@ -5,6 +5,7 @@ import os
 import signal
 
 import aiohttp
+import numpy as np
 import pytest
 
 from live.app.launch_options import LaunchOptions
@@ -13,10 +14,12 @@ from live.app.services.audience_service import AudienceService, beat_of, rules_o
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
 from live.clock.time_source import SystemClock
+from live.control.audience.stage_lights import GATHER, STAGE
 from live.control.events import events
 from live.show.engine import Engine
 from live.show.view.status import Status
 from tests.control.audience.made_gateway import FakePhone, until
+from tests.control.audience.test_stage_lights import parse
 from tests.show.made_show import made_show
 
 REGIONS = '[audience]\nregions = ["stalls", "balcony"]\nvote_measures = 1\n'
@@ -90,6 +93,52 @@ def test_phones_move_dancers_and_resume_after_gateway_is_killed():
 
     asyncio.run(asyncio.wait_for(stage.play(test), 120.0))
     assert stage.show.refusals.count == 0
+
+
+def test_phones_see_dancers_and_elements_of_show():
+    stage = Stage()
+
+    async def test(session):
+        part, show = stage.part, stage.show
+        assert part.invitation_link.startswith(part.address + "/#i.")
+        phone = await FakePhone(session, part.address).join(part.invitation_link.partition("#")[2])
+        place = {"kind": "attract", "points": ((3.0, -2.0),), "measures": 64.0}
+        stage.inbox.put(events.PlaceElement(time=stage.clock.now(), source="osc", **place))
+        shown = None
+        while shown is None:
+            message = await phone.hear()
+            if message.type is aiohttp.WSMsgType.BINARY and message.data[0] == STAGE and message.data[3]:
+                shown = parse(message.data)
+        rows, [(shape, _, _, points)] = shown
+        assert rows[:, 2].tolist() == [1] * 5 + [2] * 4
+        assert np.abs(rows[:, :2] - show.dancers.drawn_hips).max() < 1.0  # they have danced on meanwhile
+        assert shape == GATHER
+        np.testing.assert_allclose(points, [(3.0, -2.0)], atol=0.05)
+        while len(phone.said.get("g", ())) != 2:
+            await phone.hear()
+
+    asyncio.run(asyncio.wait_for(stage.play(test), 60.0))
+
+
+def test_invitation_is_printed_works_and_is_renewed_by_operator(monkeypatch):
+    notes, stage = [], Stage()
+    monkeypatch.setattr(AudienceService, "_print_note", staticmethod(lambda words, _style: notes.append(words)))
+
+    async def test(session):
+        part = stage.part
+        first = part.invitation_link
+        assert notes == [f"note: audience: {first}, on this machine only"]
+        assert (await FakePhone(session, part.address).join(first.partition("#")[2])).number
+        stage.say(events.RenewInvitation)
+        await until(lambda: len(notes) == 2)
+        assert notes[1] == f"note: audience: {part.invitation_link}, on this machine only"
+        assert part.invitation_link != first
+        stranger = FakePhone(session, part.address)
+        while (await stranger.join(first.partition("#")[2])).no != "link":  # until the gateway has been told
+            await asyncio.sleep(0.01)
+        assert (await FakePhone(session, part.address).join(part.invitation_link.partition("#")[2])).number
+
+    asyncio.run(asyncio.wait_for(stage.play(test), 60.0))
 
 
 def test_gateway_receives_rules_and_beat_of_show():

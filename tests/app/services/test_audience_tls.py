@@ -72,6 +72,7 @@ def test_phones_play_over_tls_and_return_after_gateway_is_killed(tmp_path, notes
         part = stage.part
         assert part.address == f"https://127.0.0.1:{part.port}"
         assert part.link.startswith(part.address + "/#")
+        assert notes == [f"note: audience: {part.invitation_link}, on this machine only"]
         trust = ssl.create_default_context(cafile=str(files[0]))
         for path in files:
             path.unlink()
@@ -101,7 +102,6 @@ def test_phones_play_over_tls_and_return_after_gateway_is_killed(tmp_path, notes
                 one.close()
 
     asyncio.run(asyncio.wait_for(stage.play(test), 120.0))
-    assert notes == [f"note: audience: {stage.part.link}, on this machine only"]
 
 
 def test_certificate_expiring_during_show_is_reported_once_and_gateway_continues(tmp_path, notes):

@@ -113,6 +113,8 @@ def audience_controls():
             events.AskVote(what="step", first="sway", second="spin", third="glide", **STAMP),
         ),
         "/dance/audience/vote/drop": ([], events.DropVote(**STAMP)),
+        "/dance/audience/tally": (["F"], events.ShowTally(on=False, **STAMP)),
+        "/dance/audience/invite": ([], events.RenewInvitation(**STAMP)),
         "/dance/audience/shake": (["F"], events.AllowShaking(on=False, **STAMP)),
         "/dance/audience/qr": (["i", "1"], events.ShowJoinCard(on=True, **STAMP)),
     }

@@ -145,6 +145,22 @@ def test_values_are_sent_both_ways_with_last_value_shown():
     run(PageServer(), what)
 
 
+def test_pages_are_told_how_phones_join_and_when_that_changes():
+    async def what(client, page):
+        page.part._helper.send(["join", "http://a/#i.1"])
+        page.tell(light_level=1.25)
+        async with open_socket(client, page) as ws:
+            told = {}
+            while "join" not in told:
+                told |= json.loads((await ws.receive(timeout=20.0)).data)
+            assert told["join"] == "http://a/#i.1"
+            page.part._helper.send(["join", ""])
+            while told["join"]:
+                told |= json.loads((await ws.receive(timeout=20.0)).data)
+
+    run(PageServer(), what)
+
+
 def test_performer_values_are_sent_per_performer():
     async def what(client, page):
         page.part.publish({"/dance/mocap/mirrored": (("anna", (True,)), ("ben", (False,)), ("two words", (True,)))})

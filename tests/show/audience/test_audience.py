@@ -229,3 +229,55 @@ def test_new_patch_keeps_weights_of_remaining_regions():
     assert session.show.audience.command_count == order + 1
     with pytest.raises(PersonError, match="no region"):
         session.show.audience._region_indices("stalls")
+
+
+def caption(show):
+    """The caption of the picture now, and its opacity."""
+    view = show.view()
+    show.fill(view, show.time)
+    return view.caption, view.caption_level
+
+
+def test_picture_shows_tally_then_winner_for_its_measures_unless_operator_hides_it():
+    session = AudienceSession(REGIONS + "winner_measures = 2\n")
+    assert caption(session.show) == ((), 1.0)
+    session.send(events.AskVote, what="step", first="spin", second="sway")
+    assert caption(session.show)[0] == (("spin", 0.0), ("sway", 0.0))
+    session.report(votes=(1, 100, 300))
+    assert caption(session.show) == ((("spin", 0.25), ("sway", 0.75)), 1.0)
+    session.send(events.ShowTally, on=False)
+    assert caption(session.show)[0] == ()
+    session.send(events.ShowTally, on=True)
+    session.report(votes=(1, 100, 300))
+    while session.show.audience.vote is not None:
+        session.run(1 / 128)
+    closed = session.show.span.number
+    assert caption(session.show) == ((("sway", -1.0),), 1.0)
+    seen = {}
+    while session.show.span.number < closed + 3:
+        lines, level = caption(session.show)
+        seen.setdefault(session.show.span.number - closed, []).append(level if lines else 0.0)
+        session.run(1 / 32)
+    assert min(seen[0]) == 1.0
+    assert seen[1] == sorted(seen[1], reverse=True)
+    assert 0.0 < seen[1][-1] < 0.2
+    assert max(seen[2]) == 0.0
+    session.send(events.AskVote, what="step", first="spin", second="sway")
+    session.send(events.OpenAudience, on=False)  # nothing of the audience is seen
+    assert caption(session.show)[0] == ()
+
+
+def test_snapshot_keeps_winner_tally_switch_and_invitation():
+    session = AudienceSession()
+    session.send(events.AskVote, what="step", first="spin", second="sway")
+    session.report(votes=(1, 100, 300))
+    session.run(2.25)
+    session.send(events.RenewInvitation)
+    shown = caption(session.show)
+    assert shown[0] == (("sway", -1.0),)
+    source = Snapshotter(session.show)
+    while (taken := source.capture(session.index)) is None:
+        session.run(1 / 128)
+    again = restore(LoadedShow(Path("test.toml"), parse_patch(PATCH + REGIONS, "test.toml"), GRAPH), taken.seal())
+    assert caption(again)[0] == shown[0]
+    assert (again.audience.invitation, again.audience.tally) == (2, True)

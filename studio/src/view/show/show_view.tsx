@@ -4,12 +4,14 @@ import { Control } from "../../ui/controls";
 import type { Studio } from "../../model/studio";
 import type { Widget } from "../../net/values";
 import { GoPage } from "./go_page";
+import { JoinLink } from "./join_link";
 import { Health } from "./health";
 import { Projected } from "./projected";
+import { VoteForm } from "./vote_form";
 import { StageView } from "../stage/stage_view";
 import "./show.css";
 
-const ROLES = ["Go", "Stage", "Light", "Clock", "Everything"] as const;
+const ROLES = ["Go", "Stage", "Light", "Clock", "Phones", "Everything"] as const;
 type Role = (typeof ROLES)[number];
 const STORED = "live.studio.role";
 
@@ -17,10 +19,11 @@ const STORED = "live.studio.role";
 const PARTS: Record<string, [string, RegExp][]> = {
   Stage: [["Move them", /^\/dance\/(spread|wander|flock|pause|release|enter|clear)$/], ["Where", /^\/dance\/(attract|repel|flow\/radial|flow\/vortex)$/], ["How they move", /^\/dance\/motion\//]],
   Light: [["Light", /^\/dance\/light\//], ["Spots", /^\/dance\/spot\//], ["Background", /^\/dance\/background\//], ["Drawing", /^\/dance\/draw\//], ["Camera", /^\/dance\/camera\//], ["Picture", /^\/dance\/(pass|output)\//]],
+  Phones: [["What phones may do", /^\/dance\/audience\/(open|close|mute|gain|shake)$/], ["Projectors", /^\/dance\/audience\/(qr|tally)$/]],
   Clock: [["Beat", /^\/dance\/clock\//], ["Sound and delays", /^\/dance\/(audio|latency)\//]],
 };
 
-/** Five pages for running a show, each for a role. */
+/** Pages for running a show, each for a role. */
 export function ShowView({ studio }: { studio: Studio }) {
   const role = useSignal<Role>((localStorage.getItem(STORED) as Role | null) ?? "Go");
   useEffect(() => localStorage.setItem(STORED, role.value), [role.value]);
@@ -33,6 +36,7 @@ export function ShowView({ studio }: { studio: Studio }) {
       {role.value === "Go" && <GoPage studio={studio} />}
       {role.value === "Stage" && <StageView studio={studio} />}
       {role.value === "Light" && <Projected studio={studio} />}
+      {role.value === "Phones" && <><JoinLink studio={studio} /><VoteForm studio={studio} /></>}
       {role.value === "Everything" ? <Everything studio={studio} /> : role.value !== "Go" && <Parts studio={studio} parts={PARTS[role.value] ?? []} />}
     </main>
   );
