@@ -56,6 +56,19 @@ class StepRequests:
         for programme in self._scheduler.programmes:
             programme.release()
 
+    def _end_launch(self, event: events.LaunchEnded) -> None:
+        """End a step or a sequence that was launched: back to the score."""
+        if event.lane != "steps":
+            return
+        members = self._casting.groups_of(event.group)
+        if members is None:
+            for program in self._subgroup_programs(event.group):
+                program.release()
+            return
+        for index in members:
+            self._scheduler.programmes[index].release()
+            self._scheduler.subgroups.end_call(index)
+
     def _call_step(self, event: events.CallStep) -> None:
         step = find_step(self._dancers.graph, event.name)
         members = self._casting.groups_of(event.group)
@@ -155,5 +168,6 @@ class StepRequests:
         events.Improvise: _improvise,
         events.AskWhy: _ask_why,
         events.Clear: _clear,
+        events.LaunchEnded: _end_launch,
     }
     EVENTS = tuple(_HANDLERS)
