@@ -20,6 +20,7 @@ from live.show.dancers.rng import Purpose, generator_for
 from live.show.desk.pad import FOLLOWS, Pad, Pads
 from live.show.desk.refusals import Refusals
 from live.show.group.casting import EVERYONE, Casting
+from live.show.group.division import dancer_words
 from live.show.patch.patch import Patch
 from live.show.score.playhead import Place, Playhead
 from live.show.stages.now import Now
@@ -135,8 +136,11 @@ class Launcher:
                 raise PersonError(f"{what} {word!r} is unknown", f"there are: {', '.join(known)}")
         group = event.group.strip()
         everybody = group in EVERYONE or pad.lane == "looks"
-        if not self._casting.select(group, now.position).any():
+        who = self._casting.select(group, now.position)
+        if not who.any():
             raise PersonError(f"{group!r}: nobody is there now")
+        if self._casting.depends_on_places(group):  # a place counts once, now: the same dancers end it
+            group = dancer_words((np.flatnonzero(who) + 1).tolist())
         self._count += 1
         made = Launched(
             pad, "*" if everybody else group, event.when, 0.0, event.measures or pad.measures,
@@ -250,7 +254,7 @@ class Launcher:
         for key in self._replaced(one):
             del self.running[key]
         if len(self.running) >= MAX_LAUNCHES:
-            del self.running[next(iter(self.running))]
+            issue([_end_event(self.running.pop(next(iter(self.running))))])
         self.running[one.key] = replace(one, ends=self._end(one, now))
 
     def _end(self, one: Launched, now: Now) -> float:

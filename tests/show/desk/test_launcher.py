@@ -1,12 +1,15 @@
 """Tests of launches: on the beat, measure and section, what follows them, stop, undo, hold, snapshots and replay."""
 
 import itertools
+import json
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from live.base.errors import PersonError
 from live.control.events import events
+from live.control.events.event_json import event_from_json, event_to_json
 from live.show.desk.pad import KINDS
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
@@ -199,6 +202,22 @@ def test_a_selection_of_dancers_has_its_own_launches():
     assert session.running() == {}
 
 
+def test_a_place_counts_once_when_it_is_launched():
+    session = Session(PHRASES).run(5)
+    position = session.show.state.position
+    left = (np.flatnonzero(session.show.casting.select("front & left", position)) + 1).tolist()
+    session.say("/dance/launch", "phrase opening", "front & left", "measure", 2)
+    (one,) = session.show.launcher.waiting.values()
+    session.run(3.5)
+    session.show.state.position[:, 0] *= -1.0  # they change sides
+    session.run(12)
+    assert session.show.casting.select(one.group, session.show.state.position).nonzero()[0].tolist() == [
+        number - 1 for number in left
+    ]
+    assert session.running() == {}
+    assert session.show.scheduler.subgroups.sequences == ()
+
+
 @pytest.mark.parametrize(("follow", "then"), [("again", "glide"), ("next", "spin"), ("first", "sway")])
 def test_what_follows(follow, then):
     session = Session().run(1)
@@ -384,6 +403,12 @@ def test_launches_continue_bit_identically_from_a_snapshot(tick):
     assert run(restored, at + 1, at + 500, SCRIPT) == run(show, at + 1, at + 500, SCRIPT)
     assert restored.launcher.facts() == show.launcher.facts()
     assert show.launcher.facts()["launched"] > 4
+
+
+def test_launches_from_a_journal_are_the_same():
+    written = {tick: json.loads(json.dumps(event_to_json(event))) for tick, event in SCRIPT.items()}
+    read = {tick: event_from_json(event) for tick, event in written.items()}
+    assert run(LOADED.start(), 1, 1200, read) == run(LOADED.start(), 1, 1200, SCRIPT)
 
 
 def test_pads_of_each_page_can_be_launched():

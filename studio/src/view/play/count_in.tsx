@@ -24,6 +24,7 @@ export function CountIn({ studio }: { studio: Studio }) {
       if (element.textContent !== words) {
         element.textContent = words;
         element.parentElement?.classList.toggle("measures", left > MOST_BEATS);
+        element.parentElement?.classList.toggle("last", left === 1);
       }
       element.style.setProperty("--phase", String(danced - Math.floor(danced)));
     });

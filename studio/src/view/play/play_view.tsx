@@ -126,7 +126,7 @@ function PadButton({ studio, pad, column, first, onLaunch }: { studio: Studio; p
   const away = measuresAway(told, pad, column.who);
   const state = launch?.state ?? "idle";
   const count = launch?.state === "waits" ? countOf(launch, danced) : null;
-  const doing = state === "waits" ? (count === null ? "waits" : `in ${count} beats`) : state === "runs" ? "runs" : state === "refused" ? "refused" : "";
+  const doing = state === "waits" ? (count === null ? "waits" : `in ${count} ${count === 1 ? "beat" : "beats"}`) : state === "runs" ? "runs" : state === "refused" ? "refused" : "";
   const reason = state === "refused" ? launch?.why : away ? awayInWords(away) : undefined;
   const wide = column.who === "*";
   return (
@@ -157,17 +157,19 @@ function Refused({ studio }: { studio: Studio }) {
   return <span class="hint refusal" role="status" title={words}>{words}</span>;
 }
 
-/** Arrow keys go from pad to pad. */
+/** Arrow keys go from pad to pad; 1 to 9 launch the first pads of the column. */
 function roam(event: KeyboardEvent): void {
   const step = { ArrowLeft: [0, -1], ArrowRight: [0, 1], ArrowUp: [-1, 0], ArrowDown: [1, 0] }[event.key];
+  const number = /^[1-9]$/.test(event.key) && !event.repeat ? Number(event.key) : 0;
   const here = (event.target as HTMLElement).closest(".pad");
-  if (!step || !here) return;
+  if ((!step && !number) || !here) return;
   event.preventDefault();
   event.stopPropagation();
   const rows = [...(event.currentTarget as HTMLElement).querySelectorAll(".row")].map((row) => [...row.querySelectorAll<HTMLElement>(".pad")]).filter((row) => row.length);
   const row = rows.findIndex((one) => one.includes(here as HTMLElement));
   const column = rows[row]?.indexOf(here as HTMLElement) ?? 0;
-  rows[row + (step[0] ?? 0)]?.[column + (step[1] ?? 0)]?.focus();
+  if (!step) rows[number - 1]?.[column]?.click();
+  else rows[row + (step[0] ?? 0)]?.[column + (step[1] ?? 0)]?.focus();
 }
 
 /** The last measures become a section of the score. */
