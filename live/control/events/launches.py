@@ -45,7 +45,7 @@ class StopLaunches(ControlEvent):
 class LaunchEnded(ControlEvent):
     """Something launched ends before its own end, or has none. Its `source` is that of the launched event."""
 
-    lane: str
-    """`steps`, `motion` or `elements`."""
+    what: str
+    """`step`, `phrase`, `motion` or `elements`."""
     group: str
     """The dancers for whom it was launched."""

@@ -12,9 +12,8 @@ from live.control.events.events import ControlEvent
 from live.graph.search.live_sequence import HORIZON, LiveSequence
 from live.graph.search.sequence import parse_sequence
 from live.show.dancers.variation import Variation
-from live.show.score.canon import Canon
+from live.show.score.canon import Canon, StepSource
 from live.show.score.step_names import UnknownStep, find_step
-from live.show.score.step_program import StepProgram
 from live.show.stages.now import Now
 
 if TYPE_CHECKING:
@@ -58,16 +57,18 @@ class StepRequests:
 
     def _end_launch(self, event: events.LaunchEnded) -> None:
         """End a step or a sequence that was launched: back to the score."""
-        if event.lane != "steps":
+        if event.what not in ("step", "phrase"):
             return
         members = self._casting.groups_of(event.group)
-        if members is None:
-            for program in self._subgroup_programs(event.group):
-                program.release()
-            return
-        for index in members:
-            self._scheduler.programmes[index].release()
+        programs = self._subgroup_programs(event.group) if members is None else []
+        for index in members or ():
+            programs.append(self._scheduler.programmes[index])
             self._scheduler.subgroups.end_call(index)
+        for program in programs:
+            if event.what == "step":
+                program.end_call()
+            else:
+                program.release()
 
     def _call_step(self, event: events.CallStep) -> None:
         step = find_step(self._dancers.graph, event.name)
@@ -154,8 +155,8 @@ class StepRequests:
             raise PersonError(f"{words!r}: nobody is there now", "groups are " + ", ".join(self._casting.names))
         return who
 
-    def _subgroup_programs(self, words: str) -> list[StepProgram]:
-        return self._scheduler.subgroups.request(words.strip(), self._select(words))
+    def _subgroup_programs(self, words: str) -> list[StepSource]:
+        return [*self._scheduler.subgroups.request(words.strip(), self._select(words))]
 
     _HANDLERS: ClassVar[dict[type[ControlEvent], Callable[..., None]]] = {
         events.CallStep: _call_step,

@@ -77,7 +77,8 @@ class Launched:
 
 
 def _end_event(one: Launched) -> events.LaunchEnded:
-    return events.LaunchEnded(time=0.0, source=one.source, lane=one.pad.lane, group=one.group)
+    what = one.pad.kind if one.pad.lane == "steps" else one.pad.lane
+    return events.LaunchEnded(time=0.0, source=one.source, what=what, group=one.group)
 
 
 class Launcher:

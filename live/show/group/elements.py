@@ -206,7 +206,7 @@ class Elements:
         """Place the element of an event now, or at the next line; end a launched one. Raises PersonError if it is
         invalid."""
         if isinstance(event, LaunchEnded):
-            if event.lane == "elements":
+            if event.what == "elements":
                 self.end_source(event.source, now.beat)
             return
         beats_per_measure, position = now.timeline.beats_per_measure, now.position

@@ -56,7 +56,7 @@ class GroupCommands:
                 )
             case events.DefineFormation():
                 motion.evolutions.define(event, measure=measure)
-            case events.Release() | events.LaunchEnded(lane="motion"):
+            case events.Release() | events.LaunchEnded(what="motion"):
                 motion.evolutions.release(self._select(event.group))
             case events.Regroup():
                 self._regroup(self._select(event.dancers), self._group(event.group))

@@ -202,6 +202,18 @@ def test_a_selection_of_dancers_has_its_own_launches():
     assert session.running() == {}
 
 
+def test_a_stopped_step_leaves_a_sequence_set_by_hand():
+    session = Session().run(1)
+    assert session.say("/dance/sequence", "glide, sway", "front")
+    session.say("/dance/launch", "step spin", "front", "measure", 16)
+    session.run(8)
+    assert session.steps() == {"spin"}
+    session.say("/dance/launch/stop", "front")
+    session.run(4.5)
+    assert session.steps() <= {"glide", "sway"}
+    assert session.show.scheduler.programmes[0].live_sequence
+
+
 def test_a_place_counts_once_when_it_is_launched():
     session = Session(PHRASES).run(5)
     position = session.show.state.position
