@@ -15,11 +15,12 @@ export function CountIn({ studio }: { studio: Studio }) {
   const due = next?.due ?? null;
   useEffect(() => {
     if (due === null) return undefined;
+    let last = Infinity;
     return onFrames((now) => {
       const element = number.current;
       if (!element) return;
       const danced = beatNow(studio.doc.clock.peek(), studio.library.heard, now, beats);
-      const left = Math.max(1, Math.ceil(due - danced - 1e-3));
+      const left = (last = Math.min(last, Math.max(1, Math.ceil(due - danced - 1e-3)))); // a late clock counts nothing twice
       const words = left > MOST_BEATS ? String(Math.ceil(left / beats)) : String(left);
       if (element.textContent !== words) {
         element.textContent = words;
