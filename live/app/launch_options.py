@@ -79,6 +79,10 @@ class LaunchOptions:
     midi_clock_out: str | None = option(
         None, "A MIDI port that gets the show's beat as MIDI clock; or off.", MUSIC, metavar="NAME"
     )
+    grid: str | None = option(
+        None, "A grid controller (Launchpad, APC) with the pads of the show: its port, or auto for the first one; or "
+        "off.", MUSIC, metavar="NAME",
+    )  # fmt: skip
     click: str | None = option(
         None, "An output on which the players hear a click (see `live devices`).", MUSIC, metavar="DEVICE"
     )

@@ -11,7 +11,8 @@ from live.app.launch_options import LaunchOptions
 from live.app.services.audience_service import make_audience
 from live.app.services.click_service import make_click, make_link
 from live.app.services.document_service import DocumentService, edit_date
-from live.app.services.midi_service import MidiFileService, MidiService, make_midi
+from live.app.services.grid_service import GridService
+from live.app.services.midi_service import OFF, MidiFileService, MidiService, make_midi
 from live.app.services.osc_services import MusicianOscPort, make_osc_out
 from live.app.services.score_stream import ScoreStream
 from live.app.services.service import Service
@@ -87,6 +88,15 @@ class ServiceBuilder:
                 MidiFileService(self.options.midi_file, self.engine.show, self.engine, resume_tick=resume_tick),
             )
         return midi
+
+    def add_grid(self) -> None:
+        """Add a grid controller, named on the command line, by the venue or by the patch."""
+        show, of_venue = self.engine.show, None if self.venue is None else self.venue.midi.grid
+        name = self.options.grid or of_venue or show.patch.midi.grid
+        if name is not None and name != OFF:
+            grid = GridService(show, self.inbox.add_queue(rank=ROLE_RANKS["musician"]), self.clock, name)
+            self.add("grid", grid)
+            self.status.notices.append(grid.problem)
 
     def add_document(self, watch: PatchWatch, loaded: LoadedShow) -> DocumentService:
         """Add the editing of the show's files."""

@@ -47,6 +47,8 @@ FIELDS: Final[dict[str, tuple[tuple[str, str], ...]]] = {
     ),
 }  # fmt: skip
 """Keys that hold the name of a thing, by the thing's list."""
+PAD_KINDS: Final = {"formation": "formation", "scene": "scene", "cue": "cue", "sequence": "phrase"}
+"""What `[[pad]] does` calls the things of a list."""
 _WORD: Final = re.compile(r"[^\W\d]\w*(?:-\w+)*")
 _BY_ADDRESS: Final = {control.address: control for control in REGISTRY}
 
@@ -77,6 +79,10 @@ def references(document: Document, kind: str, old: str, new: str) -> Iterator[Re
             yield Reference(place, call)
     yield from _mappings(document, argument, renamed)
     yield from _scene_keys(document, kind, renamed)
+    for place, table in _tables(document, "pad") if kind in PAD_KINDS else ():
+        word, _, name = str(table.get("does", "")).strip().partition(" ")
+        if word.casefold() == PAD_KINDS[kind] and folded(name) == was:
+            yield Reference(_below(place, "does"), f"{word} {new}")
 
 
 def _fields(document: Document, kind: str, was: str, new: str, renamed: Rename) -> Iterator[Reference]:

@@ -16,7 +16,9 @@ from live.show.dancers.dancers import Dancers
 from live.show.dancers.live_texture import LiveTexture
 from live.show.dancers.step_requests import StepRequests
 from live.show.dancers.variation import Variation
+from live.show.desk.launcher import Launcher
 from live.show.desk.light_desk import LightDesk
+from live.show.desk.pad import Pads
 from live.show.desk.refusals import Refusals
 from live.show.desk.undo_history import EditablePart
 from live.show.frame import Frame
@@ -94,9 +96,13 @@ def assemble(
     dancers.start(node, motion.state.position.astype(np.float64), motion.starting_heading)
     scheduler.targets.headings.reset(motion.starting_heading)
     mocap = CaptureManager(patch, motion, dancers, scheduler)
+    launcher = Launcher(
+        patch, Pads(patch, dancers, motion.evolutions), refusals, seed=seed, casting=casting,
+        playhead=score_runner.playhead, dancers=dancers, scheduler=scheduler,
+    )  # fmt: skip
     editable: dict[str, EditablePart] = {
         "formations": motion.evolutions, "sequences": scheduler, "facings": scheduler.targets.headings,
-        "ripples": variation, "set": commands, "mocap": mocap,
+        "ripples": variation, "set": commands, "mocap": mocap, "launches": launcher,
     }  # fmt: skip
     desk = LightDesk(patch, score_runner, motion, variation, editable)
     audience = Audience(patch.audience, motion.elements, VoteNames(patch, dancers, desk.scenes), seed=seed)
@@ -109,18 +115,18 @@ def assemble(
     )  # fmt: skip
     hot_swap.parts = (
         casting, reactions, score_runner, motion, variation, dancers, scheduler, interrupts, commands, mocap, desk,
-        audience, directions, view_builder,
+        audience, directions, view_builder, launcher,
     )  # fmt: skip
     tripped = TrippedStages(breakers, refusals, scheduler, motion.evolutions, hot_swap)
     score = ScoreRequests(score_runner, reactions, motion, scheduler)
     router = EventRouter(
         (
             clock, motion.elements, commands, desk, view_builder, mocap, directions, score, audience, light, hot_swap,
-            tripped,
+            tripped, launcher,
         ),
         clock, motion, desk.undo_history, refusals,
     )  # fmt: skip
-    calls = Calls(breakers, router, score_runner.beat_scheduler, desk)
+    calls = Calls(breakers, router, score_runner.beat_scheduler, desk, launcher)
     selection = StepSelection(breakers, scheduler, dancers, motion.stage_area)
     measure_begin = MeasureBegin(
         breakers, clock, refusals, score_runner=score_runner, dancers=dancers, commands=commands, variation=variation,
@@ -155,7 +161,7 @@ def assemble(
         seed=seed, breakers=breakers, refusals=refusals, clock=clock, casting=casting, reactions=reactions,
         score_runner=score_runner, motion=motion, variation=variation, dancers=dancers, scheduler=scheduler,
         interrupts=interrupts, directions=directions, mocap=mocap, desk=desk, audience=audience, light=light,
-        hot_swap=hot_swap, view_builder=view_builder, frame=frame,
+        hot_swap=hot_swap, view_builder=view_builder, launcher=launcher, frame=frame,
     )  # fmt: skip
 
 

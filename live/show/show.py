@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from live.show.dancers.dancers import Dancers
     from live.show.dancers.step_requests import StepRequests
     from live.show.dancers.variation import Variation
+    from live.show.desk.launcher import Launcher
     from live.show.desk.light_desk import LightDesk
     from live.show.frame import Frame
     from live.show.group.casting import Casting
@@ -73,6 +74,7 @@ class Show:
     light: "LightStage"
     hot_swap: "HotSwap"
     view_builder: "ViewBuilder"
+    launcher: "Launcher"
     frame: "Frame"
     """The stages, in their order."""
 

@@ -1,38 +1,68 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { call, columns, launched, pads, stateOf, type Pad } from "../src/model/pads";
+import { awayInWords, columns, countOf, freePadName, launchCall, launchInWords, launchOf, measureOf, measuresAway, nextOf, shareOf, type Launch, type Launches, type Pad } from "../src/model/pads";
 import type { Structure } from "../src/model/score";
 
 const STRUCTURE: Structure = {
   revision: 1,
   groups: [{ name: "ember", dancers: 3, colour: [1, 0, 0] }, { name: "tide", dancers: 2, colour: [0, 0, 1] }],
   library: [{ name: "walk", measures: 1 }],
-  score: { formation: [{ name: "Star" }], scene: [{ name: "dusk" }], cue: [{ name: "first" }] },
+  score: {},
 };
-const WALK: Pad = { kind: "steps", name: "walk", words: "1 measure" };
+const WALK: Pad = { pad: "step walk", kind: "step", name: "walk", words: "1 measure" };
+const KEPT: Pad = { pad: "own opening", kind: "step", name: "opening", words: "step walk", does: "walk", measures: 2, follow: "next" };
+
+function told(...launches: Launch[]): Launches {
+  return { beats: 4, launches, away: { ember: { walk: 2, turn: -1 } } };
+}
 
 test("columns are everybody, the groups and the selected dancers", () => {
   assert.deepEqual(columns(STRUCTURE, [1, 5]).map((one) => one.who), ["*", "ember", "tide", "1 + 5"]);
   assert.deepEqual(columns(STRUCTURE, []).map((one) => one.who), ["*", "ember", "tide"]);
 });
 
-test("formations of the show stand before shapes, each name once", () => {
-  assert.deepEqual(pads(STRUCTURE, "formations").map((pad) => pad.name), ["Star", "line", "circle", "grid", "triangle", "diagonal", "spiral"]);
-  assert.deepEqual(pads(STRUCTURE, "looks").map((pad) => call(pad, "*", "now", 2)), [["/dance/scene", "dusk"], ["/dance/cue", "first"]]);
+test("a launch says who, when, how long and what follows; a kept pad has that itself", () => {
+  assert.deepEqual(launchCall(WALK, "ember", "beat", 4, "again"), ["/dance/launch", "step walk", "ember", "beat", 4, "again"]);
+  assert.deepEqual(launchCall(KEPT, "*", "section", 4, "again"), ["/dance/launch", "own opening", "*", "section"]);
 });
 
-test("a launch says when, who and how long", () => {
-  assert.deepEqual(call(WALK, "ember", "measure", 4), ["/dance/step", "walk", 4, "ember"]);
-  assert.deepEqual(call(WALK, "ember", "now", 4), ["/dance/now", "walk", "ember", 4]);
-  assert.deepEqual(call({ kind: "formations", name: "Star", words: "" }, "*", "measure", 2), ["/dance/formation", "Star", 2, "*", true]);
-  assert.deepEqual(call({ kind: "elements", name: "spread", words: "" }, "tide", "now", 8), ["/dance/spread", 8, "tide", false]);
+test("a pad shows what waits before what runs, in its own column", () => {
+  const runs: Launch = { pad: "step walk", who: "ember", state: "runs", due: 4, until: 12 };
+  const waits: Launch = { ...runs, state: "waits", due: 12, until: null };
+  assert.equal(launchOf(told(runs, waits), WALK, "ember"), waits);
+  assert.equal(launchOf(told(runs), WALK, "Ember"), runs);
+  assert.equal(launchOf(told(runs), WALK, "*"), null);
+  assert.equal(launchOf(told(runs), KEPT, "ember"), null);
+  const refused: Launch = { pad: "step walk", who: "ember", state: "refused", why: "no" };
+  assert.equal(launchOf(told(refused), WALK, "ember"), refused);
 });
 
-test("a pad waits, runs, ends, and gives way to the next of its kind", () => {
-  const all = [launched(WALK, "ember", "measure", 2, 7)];
-  assert.deepEqual([7, 8, 9, 10].map((measure) => stateOf(WALK, "ember", all, measure)), ["waits", "runs", "runs", "idle"]);
-  assert.equal(stateOf(WALK, "tide", all, 8), "idle");
-  const turn: Pad = { ...WALK, name: "turn" };
-  all.push(launched(turn, "ember", "now", 4, 9));
-  assert.deepEqual([stateOf(WALK, "ember", all, 9), stateOf(turn, "ember", all, 9)], ["idle", "runs"]);
+test("beats are counted down to one, and measures up", () => {
+  const waits: Launch = { pad: "step walk", who: "ember", state: "waits", due: 12 };
+  assert.deepEqual([8, 8.5, 11, 11.5, 12.2].map((danced) => countOf(waits, danced)), [4, 4, 1, 1, 1]);
+  assert.equal(countOf({ ...waits, due: null }, 8), null);
+  const runs: Launch = { ...waits, state: "runs", due: 5, until: 16 };
+  assert.deepEqual([5, 7.9, 8, 15.9].map((danced) => measureOf(runs, danced, 4)), ["1 of 3", "1 of 3", "2 of 3", "3 of 3"]);
+  assert.deepEqual([4, 5, 10.5, 99].map((danced) => shareOf(runs, danced)), [0, 0, 0.5, 1]);
+});
+
+test("what comes next is found, and said", () => {
+  const later: Launch = { pad: "formation star", who: "*", state: "waits", due: 16 };
+  const sooner: Launch = { pad: "own side step", who: "tide", state: "waits", due: 12 };
+  assert.equal(nextOf(told(later, sooner)), sooner);
+  assert.equal(nextOf(told({ ...later, due: null }, { ...sooner, state: "runs" })), null);
+  assert.equal(launchInWords(sooner), "side step, tide");
+  assert.equal(launchInWords(later), "star, everybody");
+});
+
+test("what cannot follow is said with its reason", () => {
+  assert.deepEqual([WALK, KEPT].map((pad) => measuresAway(told(), pad, "ember")), [2, 2]);
+  assert.equal(measuresAway(told(), WALK, "tide"), 0);
+  assert.match(awayInWords(2), /2 measures later/);
+  assert.match(awayInWords(-1), /no way/);
+});
+
+test("a kept pad gets a free name", () => {
+  assert.equal(freePadName(WALK, []), "walk");
+  assert.equal(freePadName(WALK, ["Walk", "walk 2"]), "walk 3");
 });

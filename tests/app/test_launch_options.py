@@ -29,7 +29,7 @@ ALL = LaunchOptions(
     status_json=Path("s.json"), seconds=3.5, record=Path("film.mp4"), share=("shm:x",), operator="2", size=(640, 360),
     fps=30.0, shaders=Path("shaders"), quality=2, monitor="HDMI-1", fullscreen=True, headless=True, alone=True,
     lead="9020", standby="other", service="hall", audio_channel="3", venue="hall", link="lead", click="out",
-    click_channels="1", midi="in", midi_out="out", midi_clock_out="clock", bridges={
+    click_channels="1", midi="in", midi_out="out", midi_clock_out="clock", grid="auto", bridges={
         "lamps": LampOptions(dmx=("sacn:1",)),
         "oscquery": OscQueryOptions(oscquery=("127.0.0.1", 8000)),
         "posistagenet": PsnOptions(psn="56565"),
@@ -71,7 +71,7 @@ def test_empty_command_line_gives_default_options():
 def test_each_option_sets_its_field(tmp_path):
     words = (
         "samba --audio mic --audio-channel 3 --venue hall --bpm 120 --link lead --midi in --midi-file a.mid "
-        "--midi-out out --midi-clock-out clock --click out --click-channels 1 --seconds 3.5 --measures 2-9 "
+        "--midi-out out --midi-clock-out clock --grid auto --click out --click-channels 1 --seconds 3.5 --measures 2-9 "
         "--tempo-share 0.8 --steps /tmp --seed 3 --osc 0.0.0.0:9010 --osc-process --osc-musicians [::]:9011 "
         "--osc-out 127.0.0.1:9000 --osc-out localhost:9001 --dmx sacn:1 --web 127.0.0.1:8001 --web-key k "
         "--web-host stage.example --psn 56565 --vmc-out 127.0.0.1:39539 --vmc 0.0.0.0:39540 "

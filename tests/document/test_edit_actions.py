@@ -66,6 +66,10 @@ measure = 2
 call = "/dance/spread"
 values = [2, "ember - 1"]
 
+[[pad]]
+name = "evening"
+does = "scene dusk"
+
 [[cue]]
 name = "one"
 scene = "dusk"

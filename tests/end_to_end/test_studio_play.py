@@ -20,6 +20,10 @@ from tests.show.patch.edited_night import write_patch_folder
 
 pytestmark = [needs_browser, pytest.mark.browser]
 TIMEOUT = 60_000 * BUSY
+COUNTED_BEATS = """() => {
+  const shown = document.querySelector(".countin:not(.measures) b");
+  return shown ? Number(shown.textContent) : 0;
+}"""
 
 
 @pytest.fixture
@@ -65,20 +69,91 @@ def until(fits: Any, page: Any) -> None:
         page.wait_for_timeout(20)
 
 
-def test_a_pad_is_launched_for_a_group_and_danced(show: Studio, port: socket.socket, page: Any) -> None:
+def play(page: Any, view: str = "") -> Any:
+    """Open the pads, on the page `view` of them; return their region."""
     page.get_by_role("navigation", name="Views").get_by_role("button", name="Play").click()
+    region = page.get_by_role("region", name="Pads")
+    if view:
+        region.get_by_role("button", name=view, exact=True).click()
+    return region
+
+
+def test_a_pad_is_launched_for_a_group_and_danced(show: Studio, port: socket.socket, page: Any) -> None:
+    play(page)
     page.get_by_role("button", name="side step, ember").click()
-    assert received(port, show) == ("/dance/step", "side step", 4.0, "ember")
+    assert received(port, show) == ("/dance/launch", "step side step", "ember", "measure", 4.0, "stop")
     page.get_by_role("button", name=re.compile("side step, ember, (in|runs)")).wait_for()
     until(lambda: set(show.names()) == {"side step"}, page)  # tide dances it anyway
-    page.keyboard.press("ArrowDown")
-    page.get_by_role("region", name="Pads").get_by_role("button", name="Formations").click()
-    page.get_by_role("region", name="Pads").get_by_role("button", name="Now").click()
-    page.get_by_role("button", name="circle, everybody").click()
-    assert received(port, show)[:4] == ("/dance/formation", "circle", 4.0, "*")
+    page.get_by_role("button", name="side step, ember, runs").wait_for()
+    page.get_by_role("button", name="Stop ember").click()
+    assert received(port, show) == ("/dance/launch/stop", "ember")
+    until(lambda: set(show.names()) == {"groove", "side step"}, page)
+    page.get_by_role("button", name="groove, everybody").focus()
+    page.keyboard.press("ArrowRight")
+    page.keyboard.press("2")  # the second pad, for ember
+    assert received(port, show)[1:3] == ("step side step", "ember")
     page.get_by_role("button", name="Keep", exact=True).click()
     assert received(port, show)[:2] == ("/dance/document/keep/measures", 16)
     until(lambda: "take" in show.path.read_text(), page)
+
+
+def test_launches_on_the_beat_and_the_section_are_counted_in(show: Studio, port: socket.socket, page: Any) -> None:
+    """What another page or controller launches is seen here, too."""
+    region = play(page, "Formations")
+    region.get_by_role("button", name="Section", exact=True).click()
+    page.get_by_role("button", name="circle, everybody").click()
+    assert received(port, show)[:4] == ("/dance/launch", "formation circle", "*", "section")
+    page.get_by_role("button", name=re.compile(r"circle, everybody, in \d+ beats?")).wait_for()
+    page.get_by_role("timer", name="Begins next: circle, everybody").wait_for()
+    counted: list[int] = []
+
+    def has_counted() -> bool:
+        number = page.evaluate(COUNTED_BEATS)
+        if number and counted[-1:] != [number]:
+            counted.append(number)
+        return page.get_by_role("button", name="circle, everybody, runs").count() > 0
+
+    until(has_counted, page)
+    assert counted == sorted(counted, reverse=True)
+    assert len(counted) >= 2  # a busy machine misses some
+    assert counted[0] <= 8
+    begun = next(iter(show.show.launcher.running.values()))
+    assert begun.due % 32 == 0  # without sections: a phrase of eight measures
+    region.get_by_role("button", name="Elements", exact=True).click()
+    region.get_by_role("button", name="Beat", exact=True).click()
+    page.get_by_role("button", name="spread, tide").click()
+    assert received(port, show)[3] == "beat"
+    page.get_by_role("button", name="spread, tide, runs").wait_for()
+    assert show.show.launcher.running["elements tide"].due % 1 == 0
+    made = REGISTRY.call("/dance/launch", ("element wander", "ember", "now"), show.clock.now(), "grid")
+    assert isinstance(made, ControlEvent)
+    show.inbox.put(made)
+    page.get_by_role("button", name="wander, ember, runs").wait_for()
+    page.get_by_role("button", name="Stop all").click()
+    assert received(port, show) == ("/dance/launch/stop", "*")
+    page.get_by_role("button", name="wander, ember", exact=True).wait_for()
+    assert not show.show.launcher.running
+
+
+def test_kept_pads_follow_each_other(show: Studio, port: socket.socket, page: Any) -> None:
+    region = play(page, "Elements")
+    page.get_by_label("For how many measures").select_option("1")
+    page.get_by_label("What follows", exact=True).select_option("next")
+    page.get_by_role("button", name="Keep spread among mine").click()
+    page.get_by_role("button", name="Keep wander among mine").click()
+    until(lambda: show.path.read_text().count("[[pad]]") == 2, page)
+    region.get_by_role("button", name="Mine", exact=True).click()
+    page.get_by_label("What follows wander").select_option("stop")
+    page.get_by_label("Measures of wander").fill("2")
+    page.get_by_label("Measures of wander").press("Enter")
+    until(lambda: "measures = 2" in show.path.read_text().split("[[pad]]")[2], page)
+    page.get_by_role("button", name="spread, ember").click()
+    assert received(port, show) == ("/dance/launch", "own spread", "ember", "measure")
+    page.get_by_role("button", name="spread, ember, runs").wait_for()
+    page.get_by_role("button", name=re.compile("wander, ember, in")).wait_for()
+    page.get_by_role("button", name="wander, ember, runs").wait_for()
+    page.get_by_role("button", name="wander, ember", exact=True).wait_for()
+    assert show.show.launcher.facts() == {"waiting": {}, "running": {}, "launched": 2}
 
 
 def test_the_storyboard_has_a_picture_for_each_arrival(show: Studio, page: Any) -> None:

@@ -13,6 +13,7 @@ from live.base.element_kinds import ELEMENT_KINDS
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.motion.editing.facing import heading_of
+from live.show.desk.launch_report import launch_facts, pad_facts
 from live.show.show import Show
 from live.show.view.stage_frames import JOINTS, MAX_POSITION_DANCERS, POSITIONS, joints_frame, positions_frame
 
@@ -43,10 +44,13 @@ class StageStream:
         self._previous, self._period = math.inf, 0.0  # time of the frame before, longest interval since the last clock
         self._dancers = -1
         self._wish: Any = None
+        self._pads_measure: int | None = None  # the measure in which the pads were told last
+        self._told: dict[str, str] = {}  # the last texts about pads
 
     def update_patch(self) -> None:
         """Tell pages of a patch that the show has taken."""
         self._score.update_patch()
+        self._pads_measure = None
 
     def packets(self, now: float, wants: Any) -> Iterator[list[Any]]:
         """Yield the packets that are due at `now` [s]: ["text", name, number, part, parts, text] or ["frame", kind,
@@ -59,10 +63,13 @@ class StageStream:
         if not isinstance(wants, dict) or not wants.get("pages"):
             if self._dancers >= 0:
                 self._dancers, self._wish = -1, None
+                self._pads_measure = None
+                self._told.clear()
                 self._score.rest()
             return
         if self._dancers < 0 or wants.get("structure") != self._wish:
             self._wish = wants.get("structure")
+            self._told.clear()
             self._dancers = max(self._dancers, 0)
             self._score.want_structure()
         for one in self._score.take():
@@ -83,6 +90,18 @@ class StageStream:
             yield ["frame", JOINTS, joints_frame(tick, self._view().joint_position[:count], list(chosen))]
         if self._count % CLOCK_EVERY == 0:
             yield from text_parts("clock", 0, json.dumps(self._clock()))
+            yield from self._pads()
+
+    def _pads(self) -> Iterator[list[Any]]:
+        """Yield what has changed about pads: their lists, looked at once a measure, and what waits and runs."""
+        texts = {"launches": json.dumps({"kind": "launches", **launch_facts(self._show)})}
+        if self._show.span.number != self._pads_measure:
+            self._pads_measure = self._show.span.number
+            texts["pads"] = json.dumps({"kind": "pads", "pads": pad_facts(self._show)})
+        for name, text in texts.items():
+            if self._told.get(name) != text:
+                self._told[name] = text
+                yield from text_parts(name, 0, text)
 
     def _positions(self, tick: int) -> bytes:
         dancers = self._show.dancers

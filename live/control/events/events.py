@@ -14,6 +14,7 @@ from live.control.events import (
     document,
     elements,
     groups,
+    launches,
     midi,
     motion,
     output,
@@ -32,6 +33,7 @@ from live.control.events.document import *  # noqa: F403
 from live.control.events.elements import *  # noqa: F403
 from live.control.events.event import ControlEvent as ControlEvent
 from live.control.events.groups import *  # noqa: F403
+from live.control.events.launches import *  # noqa: F403
 from live.control.events.midi import *  # noqa: F403
 from live.control.events.motion import *  # noqa: F403
 from live.control.events.output import *  # noqa: F403
@@ -42,8 +44,8 @@ from live.control.events.score import *  # noqa: F403
 from live.control.events.system import *  # noqa: F403
 
 MODULES: Final = (
-    elements, groups, motion, parameters, partners, scenes, cues, output, audience, clock, audio, score, capture,
-    system, midi, document,
+    elements, groups, motion, launches, parameters, partners, scenes, cues, output, audience, clock, audio, score,
+    capture, system, midi, document,
 )  # fmt: skip
 """The modules that declare commands and events, in the order of the reference."""
 

@@ -167,6 +167,11 @@ class MidiOutput(PortThread):
             return
         self._waiting.put(message)
 
+    @property
+    def waiting(self) -> int:
+        """Number of messages that are not sent yet."""
+        return self._waiting.qsize()
+
     def status(self) -> dict[str, Any]:
         """Return figures for the status line."""
         return super().status() | {"sent": self.sent, "dropped": self.dropped}
@@ -181,6 +186,9 @@ class MidiOutput(PortThread):
                 with contextlib.suppress(queue.Empty):
                     self._send_now(self._waiting.get(timeout=QUEUE_TIMEOUT))
         finally:
+            with contextlib.suppress(queue.Empty):
+                while self._port is not None:  # what was sent before the stop
+                    self._send_now(self._waiting.get_nowait())
             self._disconnect("")
 
     def _send_now(self, message: bytes) -> None:

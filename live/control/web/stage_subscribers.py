@@ -49,6 +49,7 @@ class StageSubscribers:
         self._changes: list[str] = []  # since the structure
         self._revision = 0
         self._dancers: str | None = None
+        self._pads: dict[str, str] = {}  # the last texts about pads
         self._notes: str | None = None
         self._people = ""
         self._wish = 0  # changes when the whole structure is wanted
@@ -107,6 +108,8 @@ class StageSubscribers:
             page.revision = self._revision
         if self._dancers is not None:
             page.put_text(self._dancers)
+        for name, text in self._pads.items():
+            page.put_frame(name, text)
         self._tell_people()
         self._tell()
 
@@ -289,6 +292,8 @@ class StageSubscribers:
                         page.put_frame(name, text)
             case "answer":
                 self._answer(number, read_object(text) or {})
+            case "pads" | "launches":
+                self._take_pads(name, text)
             case "dancers":
                 self._dancers = text
                 for page in self._all:
@@ -301,6 +306,11 @@ class StageSubscribers:
                 for page in self._all:
                     page.revision = None
                     page.put_text(text)
+
+    def _take_pads(self, name: str, text: str) -> None:
+        self._pads[name] = text
+        for page in self._all:
+            page.put_frame(name, text)
 
     def _take_structure(self, revision: int, text: str) -> None:
         self._structure, self._changes, self._revision = text, [], revision

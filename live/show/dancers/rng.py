@@ -14,8 +14,11 @@ class Purpose(IntEnum):
     """Amplitudes that change slowly over the sequence (T059)."""
     DRIFT = 3
     """The warp over the whole sequence (T056)."""
+    FOLLOW = 4
+    """The pad that follows a launched one."""
 
 
 def generator_for(seed: int, purpose: Purpose, measure: int) -> np.random.Generator:
-    """Return the generator of a purpose and measure. Measures before the first downbeat have numbers below 0."""
+    """Return the generator of a purpose and measure, or another number. Measures before the first downbeat are below
+    0."""
     return np.random.default_rng([seed, purpose, measure % (1 << 32)])

@@ -12,9 +12,8 @@ from live.control.events.events import ControlEvent
 from live.graph.search.live_sequence import HORIZON, LiveSequence
 from live.graph.search.sequence import parse_sequence
 from live.show.dancers.variation import Variation
-from live.show.score.canon import Canon
+from live.show.score.canon import Canon, StepSource
 from live.show.score.step_names import UnknownStep, find_step
-from live.show.score.step_program import StepProgram
 from live.show.stages.now import Now
 
 if TYPE_CHECKING:
@@ -55,6 +54,21 @@ class StepRequests:
         self._scheduler.subgroups.clear()
         for programme in self._scheduler.programmes:
             programme.release()
+
+    def _end_launch(self, event: events.LaunchEnded) -> None:
+        """End a step or a sequence that was launched: back to the score."""
+        if event.what not in ("step", "phrase"):
+            return
+        members = self._casting.groups_of(event.group)
+        programs = self._subgroup_programs(event.group) if members is None else []
+        for index in members or ():
+            programs.append(self._scheduler.programmes[index])
+            self._scheduler.subgroups.end_call(index)
+        for program in programs:
+            if event.what == "step":
+                program.end_call()
+            else:
+                program.release()
 
     def _call_step(self, event: events.CallStep) -> None:
         step = find_step(self._dancers.graph, event.name)
@@ -141,8 +155,8 @@ class StepRequests:
             raise PersonError(f"{words!r}: nobody is there now", "groups are " + ", ".join(self._casting.names))
         return who
 
-    def _subgroup_programs(self, words: str) -> list[StepProgram]:
-        return self._scheduler.subgroups.request(words.strip(), self._select(words))
+    def _subgroup_programs(self, words: str) -> list[StepSource]:
+        return [*self._scheduler.subgroups.request(words.strip(), self._select(words))]
 
     _HANDLERS: ClassVar[dict[type[ControlEvent], Callable[..., None]]] = {
         events.CallStep: _call_step,
@@ -155,5 +169,6 @@ class StepRequests:
         events.Improvise: _improvise,
         events.AskWhy: _ask_why,
         events.Clear: _clear,
+        events.LaunchEnded: _end_launch,
     }
     EVENTS = tuple(_HANDLERS)

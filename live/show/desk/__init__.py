@@ -1,1 +1,1 @@
-"""Desk of the show: parameters and fades, scenes, cues, undo. It may import what `show` may."""
+"""Desk of the show: parameters and fades, scenes, cues, launched pads, undo. It may import what `show` may."""

@@ -1,22 +1,19 @@
 """Completions for the first argument of controls that name parts of a patch: steps, cues, scenes and others."""
 
 from collections.abc import Sequence
-from typing import Final
 
 from live.control.registry.registry import FIRST_NAMES
+from live.show.desk.pad import SHAPES
 from live.show.patch.patch import Patch
 from live.show.patch.section_score import formation_names
 from live.show.show import Show
-
-FORMATIONS: Final = ("circle", "line", "grid", "wedge", "two lines", "spiral", "heart")
-"""Used where a patch names no formation of its own."""
 
 
 def completion_names(patch: Patch, steps: Sequence[str]) -> dict[str, list[str]]:
     """Return the known names by address of the control whose first argument is such a name."""
     names = {
         "step": list(steps),
-        "formation": formation_names(patch.formation) or list(FORMATIONS),
+        "formation": formation_names(patch.formation) or list(SHAPES),
         "cue": [cue.name for cue in patch.cue],
         "scene": ["start", *(scene.name for scene in patch.scene)],
         "view": ["start", *(view.name for view in patch.view)],

@@ -22,8 +22,6 @@ MAX_SOURCES: Final = 64
 """Maximum number of sources remembered for this; the oldest is dropped."""
 MAX_COUNTING: Final = 16
 """Maximum number of cues that count in at the same time."""
-LOOKAHEAD_MEASURES: Final = 512
-"""Look-ahead for the start of the section that a cue waits for [measures]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,11 +169,10 @@ class CueList:
 
     def _update_due_beats(self) -> None:
         """Update the due beat of cues that wait for a section, whenever the future of the score may have changed."""
-        playhead = self._playhead
-        ways = (playhead.measure, playhead.pending_jump, playhead.practice, playhead.held, playhead.waiting)
-        if not self._triggered or ways == self._score_state:
+        course = self._playhead.course
+        if not self._triggered or course == self._score_state:
             return
-        self._score_state = ways
+        self._score_state = course
         for number, given in enumerate(self._triggered):
             if self._cues[given.index].when == "section":
                 self._triggered[number] = replace(given, due=self._due(self._cues[given.index], given.earliest))
@@ -210,12 +207,8 @@ class CueList:
                 return math.ceil(earliest - 1e-9)
             case "measure":
                 return float(self._beats * max(line, self._playhead.measure + 1))
-        first = max(line, self._playhead.measure + 1)
-        for measure in range(first, first + LOOKAHEAD_MEASURES):
-            place = self._playhead.ahead(measure)
-            if place.section != END and place.measure == 0 and self._playhead.entered(measure):
-                return self._beats * measure
-        return math.inf
+        begin = self._playhead.next_begin(max(line, self._playhead.measure + 1))
+        return math.inf if begin is None else self._beats * begin
 
     def _jumps(self, danced_beats: float) -> list[ControlEvent]:
         """Return jumps of cues that fire at the next line now, so that the measure can be planned ahead."""

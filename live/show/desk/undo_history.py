@@ -1,8 +1,8 @@
 """Undo history for edits made by hand. Motion already danced is never undone.
 
 An edit is an event from outside that changes lasting state (`ControlEvent.edits`): parameters, scenes, formations,
-sequences, facings, ripples, the set, settings of captured performers, the standby cue. Each edit stores only the
-differing values by key, so undo does not touch values that others changed since, except the same keys.
+sequences, facings, ripples, the set, settings of captured performers, the standby cue, launches. Each edit stores only
+the differing values by key, so undo does not touch values that others changed since, except the same keys.
 """
 
 from collections import deque
@@ -26,9 +26,9 @@ MERGE_S: Final = 1.0
 IGNORED_SOURCES: Final = ("music",)
 """Sources whose events are no edits: the music changes its values again by itself."""
 
-_KEY_FIELDS: Final = ("address", "parameter", "name", "performer")
+_KEY_FIELDS: Final = ("address", "parameter", "name", "performer", "pad")
 """Event fields that identify the edited thing; the first present one counts."""
-_LABEL_FIELDS: Final = ("address", "parameter", "name", "facing", "steps", "performer")
+_LABEL_FIELDS: Final = ("address", "parameter", "name", "facing", "steps", "performer", "pad")
 """Event fields that describe an edit in words; the first non-empty one counts."""
 
 Values = dict[Any, Any]

@@ -18,6 +18,7 @@ from live.base.element_kinds import ATTRACTOR, EVERYBODY, FLOW_NAMES, KIND_NAMES
 from live.base.errors import PersonError, error_context
 from live.base.stage_snapshot import StageView
 from live.control.events.elements import PlaceElement
+from live.control.events.launches import LaunchEnded
 from live.show.group.casting import EVERYONE, Casting
 from live.show.patch.patch import Patch
 from live.show.patch.section_elements import ElementSection
@@ -123,7 +124,7 @@ class GroupMasks:
 class Elements:
     """The elements of one show. The score's begin at their measures, those of controls now or at the next line."""
 
-    EVENTS = (PlaceElement,)
+    EVENTS = (PlaceElement, LaunchEnded)
 
     def __init__(self, patch: Patch, casting: Casting, *, seed: int, score: Score | None = None) -> None:
         count = len(casting.group)
@@ -201,8 +202,13 @@ class Elements:
             self._field.remove(element)
         self._measure_elements.clear()
 
-    def handle(self, event: PlaceElement, now: Now) -> None:
-        """Place the element of an event now, or at the next line. Raises PersonError if it is invalid."""
+    def handle(self, event: PlaceElement | LaunchEnded, now: Now) -> None:
+        """Place the element of an event now, or at the next line; end a launched one. Raises PersonError if it is
+        invalid."""
+        if isinstance(event, LaunchEnded):
+            if event.what == "elements":
+                self.end_source(event.source, now.beat)
+            return
         beats_per_measure, position = now.timeline.beats_per_measure, now.position
         last = self._last_of.get(event.source)
         start = now.span.end if event.next else now.beat

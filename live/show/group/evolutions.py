@@ -214,6 +214,11 @@ class Evolutions:
         named_formation = self._formations.find(words)
         return formation_of(named_formation.spec, count, named_formation.seed)
 
+    def formation_name(self, words: str) -> str:
+        """Return the name of the formation with this name or notation. Raises PersonError for one that is neither, or
+        that cannot be read while a show runs."""
+        return self._formations.find(words, live=True).name
+
     @property
     def repertoire(self) -> Repertoire:
         """The formations and paths that segments refer to."""

@@ -33,7 +33,7 @@ GROUP_EVENTS = (
 class GroupCommands:
     """Applies events to the group motion of a show."""
 
-    EVENTS = (*GROUP_EVENTS, events.Clear)
+    EVENTS = (*GROUP_EVENTS, events.Clear, events.LaunchEnded)
 
     def __init__(
         self, patch: Patch, motion: "GroupMotion", dancers: "Dancers", variation: Variation, score: Score | None = None
@@ -56,7 +56,7 @@ class GroupCommands:
                 )
             case events.DefineFormation():
                 motion.evolutions.define(event, measure=measure)
-            case events.Release():
+            case events.Release() | events.LaunchEnded(what="motion"):
                 motion.evolutions.release(self._select(event.group))
             case events.Regroup():
                 self._regroup(self._select(event.dancers), self._group(event.group))

@@ -10,7 +10,7 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from live.base.picture_parameters import MAX_GROUPS
 from live.show.patch.section_base import Name, WholeFile, run_check
-from live.show.patch.section_cues import CueSection, SceneSection
+from live.show.patch.section_cues import CueSection, PadSection, SceneSection
 from live.show.patch.section_elements import ElementSection
 from live.show.patch.section_io import (
     AudienceSection,
@@ -90,6 +90,7 @@ class Patch(WholeFile):
     looks: Annotated[tuple[NamedLookSection, ...], Field(max_length=200)] = ()
     scene: Annotated[tuple[SceneSection, ...], Field(max_length=1000)] = ()
     cue: Annotated[tuple[CueSection, ...], Field(max_length=2000)] = ()
+    pad: Annotated[tuple[PadSection, ...], Field(max_length=256)] = ()
     locomotion: LocomotionSection = LocomotionSection()
     motion: MotionSection = MotionSection()
     texture: TextureSection = TextureSection()

@@ -1,4 +1,4 @@
-"""Patch sections for cues and for what they recall: `[[cue]]` and `[[scene]]`."""
+"""Patch sections for what is given by hand: `[[cue]]`, what cues recall, `[[scene]]`, and `[[pad]]`."""
 
 import math
 from typing import Annotated, Literal
@@ -70,3 +70,19 @@ class CueSection(Section):
         if self.after is not None and self.then != "auto":
             raise ValueError(f'cue {self.name!r}: after goes with then = "auto"')
         return self
+
+
+class PadSection(Section):
+    """`[[pad]]`: a pad for improvising with settings of its own, launched by `/dance/launch "own NAME"`, in the studio,
+    or on a grid controller."""
+
+    name: Name
+    """Its name, unique among pads."""
+    does: Annotated[str, Field(min_length=1, max_length=250)]
+    """What it launches, by kind and name: `step couru`, `phrase opening`, `formation circle`, `element spread`,
+    `scene dusk`, `cue 3`."""
+    measures: Annotated[int, Field(ge=1, le=1024)] = 4
+    """How many measures it lasts."""
+    follow: Literal["stop", "again", "next", "first", "other"] = "stop"
+    """What follows it: the score again, itself, the next or the first `[[pad]]`, or another one drawn at random
+    (seeded)."""

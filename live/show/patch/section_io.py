@@ -77,6 +77,8 @@ class MidiSection(Section):
     """Port for feedback of present values: pad lights, motor faders."""
     clock_out: PortName | None = None
     """Port to which the show's beat is sent as MIDI clock."""
+    grid: PortName | None = None
+    """Port of a grid controller (Launchpad, APC) with the show's pads, or `auto` for the first one connected."""
     defaults: bool = True
     """Whether pedals and the keys of channel 16 control the clock if there is no `[[midi.map]]`."""
     time_code_bpm: Annotated[float, Field(ge=20, le=400)] | None = None

@@ -157,6 +157,8 @@ class SequenceSection(Section):
     steps: Annotated[tuple[Step, ...], Field(min_length=1, max_length=10000)]
     """Steps in order, as by `/dance/sequence`: "groove x4", "walk left", "*" for anything; with `choose = "random"` the
     set from which they are drawn."""
+    name: Name | None = None
+    """Its name as a pad: `/dance/launch "phrase NAME"`; left out: its number, from 1."""
     choose: Literal["sequence", "random"] = "sequence"
     """In their order, or drawn at random (seeded), never one three times in a row; drawn again in each repeat."""
 

@@ -45,6 +45,7 @@ def _check_unique_names(patch: Patch) -> Iterator[InvalidEntry]:
     things |= {"formation": [str(table["name"]) for table in patch.formation]}
     things |= {"view": [view.name for view in patch.view], "looks": [look.name for look in patch.looks]}
     things |= {"scene": [scene.name for scene in patch.scene], "cue": [cue.name for cue in patch.cue]}
+    things["pad"] = [pad.name for pad in patch.pad]
     things["mocap"] = [performer.name for performer in patch.mocap]
     things["background"] = [background.name for background in patch.background]
     things |= {"character": [each.name for each in patch.character]}

@@ -26,6 +26,8 @@ class StepSource(Protocol):
     def call(self, step: int, *, measures: float) -> None: ...
     def set_sequence(self, steps: list[SequenceEntry]) -> None: ...
     def release(self) -> None: ...
+    def waits_for(self, step: int | None) -> bool: ...
+    def end_call(self) -> None: ...
     @property
     def live_sequence(self) -> tuple[SequenceEntry, ...]: ...
     def set_graph(self, graph: MotionGraph) -> None: ...
@@ -119,6 +121,14 @@ class Canon:
         """Follow the leader again."""
         self._detached = False
         self._own.release()
+
+    def waits_for(self, step: int | None) -> bool:
+        """Whether this step was called and no measure of it is decided; a step called from the leader is not known."""
+        return self._own.waits_for(step)
+
+    def end_call(self) -> None:
+        """End a called step of its own; one called from the leader ends there."""
+        self._own.end_call()
 
     def part_kind(self, measure: int) -> Literal["sequence", "improvised", "own"]:
         """Return the origin of the steps of `measure`; repeated steps count as the group's own."""

@@ -4,7 +4,7 @@ Measures of the show count from 0 at its measure lines. Requests such as jumps t
 """
 
 from bisect import bisect_right
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final, Literal
 
@@ -67,6 +67,8 @@ class PlayheadRequest:
     """Whether to leave the section after this pass, regardless of its repeats."""
 
 
+LOOKAHEAD_MEASURES: Final = 512
+"""Look-ahead for the next beginning of a section [measures]."""
 KEPT_MEASURES: Final = 4
 """Past measures that are kept, because callers may still ask about the last one."""
 
@@ -200,6 +202,19 @@ class Playhead:
         if asked.section is None:
             return None
         return asked.section, asked.measure, "section" if asked.at_section else "measure"
+
+    @property
+    def course(self) -> tuple[object, ...]:
+        """Everything that decides the places of future measures: while it is the same, they are the same."""
+        return self.measure, self.pending_jump, self.practice, self.held, self.waiting
+
+    def next_begin(self, first: int, begins: Callable[[Place], bool] = lambda place: place.measure == 0) -> int | None:
+        """Return the first measure from `first` on with which a section begins, or another place that `begins`; None
+        if there is none within `LOOKAHEAD_MEASURES`."""
+        for measure in range(first, first + LOOKAHEAD_MEASURES):
+            if self.entered(measure) and begins(self.place(measure)):
+                return measure
+        return None
 
     # -- requests ----------------------------------------------------------------------------------------------
 

@@ -121,6 +121,16 @@ class StepProgram:
         for place in self._positions:
             place.call = _Call(step, max(1, int(np.ceil(measures))))
 
+    def waits_for(self, step: int | None) -> bool:
+        """Whether this step was called and no measure of it is decided."""
+        call = self._position.call
+        return call is not None and call.step == step and call.done == 0
+
+    def end_call(self) -> None:
+        """End a called step; the sequence resumes."""
+        for place in self._positions:
+            place.call = None
+
     def set_graph(self, graph: MotionGraph) -> None:
         """Use a graph that contains all nodes and steps of the old one; a group that drew from all steps also draws
         new ones."""
@@ -145,8 +155,7 @@ class StepProgram:
 
     def release(self) -> None:
         """Clear a called step and a sequence set live; the patch's own steps start again."""
-        for place in self._positions:
-            place.call = None
+        self.end_call()
         self.improvise(False)
         if self._live:
             self._live = []

@@ -202,6 +202,12 @@ class Subgroups:
             if each.group == group:
                 each.program.call(step, measures=measures)
 
+    def end_call(self, group: int) -> None:
+        """End a called step of a whole group."""
+        for each in self.requested:
+            if each.group == group:
+                each.program.end_call()
+
     def clear(self) -> None:
         """Drop all requests."""
         for group in range(len(self._programs)):

@@ -1,4 +1,4 @@
-"""Events that the show itself issues: calls of the score and of cues at their beats, reactions, results of votes."""
+"""Events that the show itself issues: calls of the score, of cues and launches at their beats, reactions, votes."""
 
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Final
@@ -8,6 +8,7 @@ from live.show.circuit_breakers import CircuitBreakers, Stage
 from live.show.stages.now import Now
 
 if TYPE_CHECKING:
+    from live.show.desk.launcher import Launcher
     from live.show.desk.light_desk import LightDesk
     from live.show.score.beat_scheduler import BeatScheduler
     from live.show.stages.event_router import EventRouter
@@ -25,11 +26,15 @@ class Calls:
         router: "EventRouter",
         beat_scheduler: "BeatScheduler",
         desk: "LightDesk",
+        launcher: "Launcher",
     ) -> None:
         self._breakers, self._router, self._beat_scheduler, self._desk = breakers, router, beat_scheduler, desk
+        self._launcher = launcher
 
     def fire(self, now: Now, line: float | None = None) -> None:
         """Issue everything scheduled up to the danced beat `line` (None: now), and what that triggers at once."""
+        if self._breakers.closed(Stage.SCORE) and not self._desk.held:
+            self._launcher.fire(now, now.danced_beats if line is None else line, self.issue)
         for _ in range(MAX_CALL_DEPTH):
             due: list[ControlEvent] = []
             if self._breakers.closed(Stage.SCORE):

@@ -9,7 +9,9 @@ from live.show.circuit_breakers import CircuitBreakers, Stage
 from live.show.dancers.step_requests import StepRequests
 from live.show.desk.camera_rig import CameraRig, DampedFollower, Spots
 from live.show.desk.cue_list import CueList, _TriggeredCue
+from live.show.desk.launcher import Launched, Launcher
 from live.show.desk.light_desk import LightDesk, Master
+from live.show.desk.pad import Pad, Pads
 from live.show.desk.parameters import Parameters
 from live.show.desk.refusals import Refusals
 from live.show.desk.scenes import Scene, Scenes
@@ -86,7 +88,7 @@ KINDS: Final = [
         seed:int breakers:breakers refusals:refusals clock:show-clock casting:casting reactions:reactions
         score_runner:prompter motion:group-motion variation:variation dancers:dancers scheduler:scheduler
         interrupts:interrupts directions:directions mocap:mocap desk:desk audience:audience light:light
-        hot_swap:hot-swap view_builder:seen frame:frame
+        hot_swap:hot-swap view_builder:seen launcher:launcher frame:frame
     """),
     Kind("frame", Frame, """
         breakers:breakers router:event-router clock:show-clock measure_lines:measure-lines plan:plan-stage
@@ -94,7 +96,7 @@ KINDS: Final = [
         tripped:tripped-stages
     """),
     Kind("event-router", EventRouter, """
-        _parts:row[audience|desk|directions|elements|group-controls|hot-swap|light|mocap|score-requests|seen|show-clock|tripped-stages]
+        _parts:row[audience|desk|directions|elements|group-controls|hot-swap|launcher|light|mocap|score-requests|seen|show-clock|tripped-stages]
         _clock:show-clock _motion:group-motion _undo_history:edits _refusals:refusals
     """, factories={"_handlers": dict, "observers": list}, after_read=EventRouter.build_table),
     Kind("show-clock", ShowClock, """
@@ -103,12 +105,14 @@ KINDS: Final = [
     """),
     Kind("hot-swap", HotSwap, """
         patch:constant-patch graph:constant-motion-graph answers:constant-answer-bank
-        parts:row[audience|casting|dancers|desk|directions|group-controls|group-motion|interrupts|mocap|prompter|reactions|scheduler|seen|variation]
+        parts:row[audience|casting|dancers|desk|directions|group-controls|group-motion|interrupts|launcher|mocap|prompter|reactions|scheduler|seen|variation]
         graph_updates:new-steps patch_updates:reloading _dancers:dancers _scheduler:scheduler _motion:group-motion
         _seed:int
     """, factories={"_assemble": no_value}),
     Kind("light", LightStage, "blackout:bool brightness:float _breakers:breakers"),
-    Kind("calls", Calls, "_breakers:breakers _router:event-router _beat_scheduler:agenda _desk:desk"),
+    Kind("calls", Calls, """
+        _breakers:breakers _router:event-router _beat_scheduler:agenda _desk:desk _launcher:launcher
+    """),
     Kind("tripped-stages", TrippedStages, """
         _breakers:breakers _refusals:refusals _scheduler:scheduler _evolutions:evolutions _hot_swap:hot-swap
     """),
@@ -167,9 +171,19 @@ KINDS: Final = [
         measures_done:int
     """),
     Kind("edits", UndoHistory, """
-        _parts:dict[str,cues|evolutions|group-controls|headings|mocap|parameters|scenes|scheduler|variation]
+        _parts:dict[str,cues|evolutions|group-controls|headings|launcher|mocap|parameters|scenes|scheduler|variation]
         _done:deque[edits.edit] _undone:list[edits.edit] _values_before:dict[any,any]|f8|none
     """),
+    Kind("launcher", Launcher, """
+        pads:pads waiting:dict[str,launched] running:dict[str,launched] refused:dict[str,tuple[str,str,str]]
+        _patch:constant-patch _refusals:refusals _seed:int _casting:casting _playhead:playhead _dancers:dancers
+        _scheduler:scheduler _count:int _course:row[any]
+    """),
+    Kind("launched", Launched, """
+        pad:pad group:str when:str due:float measures:float follow:str number:int called:bool ends:float ended:bool
+    """),
+    Kind("pad", Pad, "kind:str name:str words:str own:str measures:float follow:str"),
+    Kind("pads", Pads, "_patch:constant-patch _dancers:dancers _evolutions:evolutions"),
     Kind("edits.edit", _Edit, "label:str part:str before:dict[any,any] after:dict[any,any] key:row[str] time:float"),
     Kind("floor", StageArea, "_patch:f8 half:f8 border:f8 _from:f8 _began:float _ends:float _beat:float"),
     Kind("formations", Formations, """

@@ -71,6 +71,8 @@ class VenueMidi(Section):
     """The port for feedback of current values: pad lights, motor faders."""
     clock_out: Annotated[str, Field(min_length=1, max_length=200)] | None = None
     """The port for MIDI clock, sent at the show's beat."""
+    grid: Annotated[str, Field(min_length=1, max_length=200)] | None = None
+    """The port of a grid controller with the show's pads, or `auto` for the first one that is connected."""
 
 
 class VenueOsc(Section):

@@ -148,6 +148,7 @@ class Status:
             "division": part_facts(show),
             **show.score_runner.facts(),
             "agenda": show.score_runner.beat_scheduler.counters(),
+            "launcher": show.launcher.facts(),
             **show.desk.facts(show.danced_beats),
             **{key: self._calls.call(f"the figures of {key}", tell) for key, tell in self.extra_figures.items()},
         }

@@ -2,6 +2,7 @@
 import { computed, effect, signal } from "@preact/signals";
 import { Link } from "../net/link";
 import { frameKind, JOINTS, PICTURE, POSITIONS, readJoints, readPicture, readPositions, type Joints, type Positions, type ProjectedPicture } from "../net/frames";
+import { NOTHING, type Launches, type Pad, type Page } from "./pads";
 import { applyChange, type Change, type Structure } from "./score";
 
 export interface Clock {
@@ -96,6 +97,10 @@ export class ShowDocument {
   /** The picture as it is projected; null: none yet. */
   readonly picture = signal<ProjectedPicture | null>(null);
   readonly people = signal<Person[]>([]);
+  /** The pads of each page, in order; null until they are told. */
+  readonly pads = signal<Record<Page, Pad[]> | null>(null);
+  /** What waits, runs and cannot follow. */
+  readonly launches = signal<Launches>(NOTHING);
   readonly doubts = signal<{ measure: number | null; what: string }[]>([]);
   readonly notices = signal<Notice[]>([]);
   readonly lastChange = signal<Change | null>(null);
@@ -262,6 +267,12 @@ export class ShowDocument {
         break;
       case "notes":
         this.doubts.value = (told["notes"] as { measure: number | null; what: string }[]) ?? [];
+        break;
+      case "pads":
+        this.pads.value = told["pads"] as Record<Page, Pad[]>;
+        break;
+      case "launches":
+        this.launches.value = told as unknown as Launches;
         break;
       case "people":
         this.people.value = (told["people"] as Person[]) ?? [];

@@ -1,15 +1,45 @@
-// Pads for improvising: what can be launched for a column of dancers, and what a launch says to the engine.
-import { entries, text, type Structure } from "./score";
+// Pads for improvising, as the engine tells them: what can be launched, what waits and runs, and what cannot follow.
+import type { Clock } from "./document";
+import type { Structure } from "./score";
 import type { Value } from "../net/values";
 
-export type Kind = "steps" | "formations" | "elements" | "looks";
-export type Launch = "now" | "measure";
+export type Page = "own" | "step" | "phrase" | "formation" | "element" | "look";
+export type When = "now" | "beat" | "measure" | "section";
+export type Follow = "stop" | "again" | "next" | "first" | "other";
 
 export interface Pad {
-  kind: Kind;
+  /** Kind and name, as `/dance/launch` takes them. */
+  pad: string;
+  kind: string;
   name: string;
-  /** What it does, in a word or two. */
+  /** What it does, in a few words. */
   words: string;
+  /** Of a kept pad: the name of what it launches, for how many measures, and what follows. */
+  does?: string;
+  measures?: number;
+  follow?: Follow;
+}
+
+export interface Launch {
+  pad: string;
+  /** The dancers; "*" for everybody. */
+  who: string;
+  state: "waits" | "runs" | "refused";
+  /** Danced beats from 0; null: nobody knows yet. */
+  due?: number | null;
+  until?: number | null;
+  when?: When;
+  follow?: Follow;
+  /** Why it was refused. */
+  why?: string;
+}
+
+export interface Launches {
+  /** Beats of a measure. */
+  beats: number;
+  launches: Launch[];
+  /** By column, the steps that cannot follow at once: so many measures later; -1: not at all. */
+  away: Record<string, Record<string, number>>;
 }
 
 export interface Column {
@@ -19,18 +49,16 @@ export interface Column {
   group: number;
 }
 
-export interface Launched {
-  pad: Pad;
-  who: string;
-  /** Danced measure (from 1) in which it begins, and the one after its last. */
-  begins: number;
-  ends: number;
-}
-
-const SHAPES = ["line", "circle", "grid", "triangle", "star", "diagonal", "spiral"];
-const ELEMENTS: [string, string][] = [
-  ["attract", "gather in the middle"], ["repel", "away from the middle"], ["spread", "spread out"], ["cross", "change sides"], ["wander", "wander"], ["flock", "as a flock"], ["pause", "stay"],
+export const WHENS: [When, string, string][] = [
+  ["now", "Now", "at once; a step at the next half beat"],
+  ["beat", "Beat", "at the next beat"],
+  ["measure", "Measure", "at the next measure line"],
+  ["section", "Section", "at the end of the section, or of the phrase of the music; else of eight measures"],
 ];
+export const FOLLOWS: [Follow, string, string][] = [
+  ["stop", "the score", "→ score"], ["again", "itself again", "↻ again"], ["next", "the next pad", "→ next"], ["first", "the first pad", "⇤ first"], ["other", "any other pad", "⤨ other"],
+];
+export const NOTHING: Launches = { beats: 4, launches: [], away: {} };
 
 export function columns(structure: Structure, dancers: number[]): Column[] {
   const groups = structure.groups.map((group, index) => ({ who: group.name, label: group.name, group: index }));
@@ -38,62 +66,69 @@ export function columns(structure: Structure, dancers: number[]): Column[] {
   return [{ who: "*", label: "everybody", group: -1 }, ...groups, ...chosen];
 }
 
-export function pads(structure: Structure, kind: Kind): Pad[] {
-  switch (kind) {
-    case "steps":
-      return structure.library.map((step) => ({ kind, name: step.name, words: step.measures === 1 ? "1 measure" : `${step.measures} measures` }));
-    case "formations": {
-      const own = entries(structure.score, "formation").map((entry) => ({ kind, name: text(entry, "name"), words: "of this show" }));
-      return [...own, ...SHAPES.filter((name) => !own.some((one) => one.name.toLowerCase() === name)).map((name) => ({ kind, name, words: "" }))];
-    }
-    case "elements":
-      return ELEMENTS.map(([name, words]) => ({ kind, name, words }));
-    case "looks":
-      return [
-        ...entries(structure.score, "scene").map((entry) => ({ kind, name: text(entry, "name"), words: "scene" })),
-        ...entries(structure.score, "cue").map((entry) => ({ kind, name: text(entry, "name"), words: "cue" })),
-      ];
+/** The command that launches a pad; a kept pad has its own measures and what follows. */
+export function launchCall(pad: Pad, who: string, when: When, measures: number, follow: Follow): [string, ...Value[]] {
+  return pad.measures === undefined ? ["/dance/launch", pad.pad, who, when, measures, follow] : ["/dance/launch", pad.pad, who, when];
+}
+
+/** What a pad of a column does: it waits, runs or was refused; null: nothing. */
+export function launchOf(all: Launches, pad: Pad, who: string): Launch | null {
+  const folded = who.toLowerCase();
+  const own = all.launches.filter((one) => one.pad === pad.pad && one.who.toLowerCase() === folded);
+  return own.find((one) => one.state === "waits") ?? own.find((one) => one.state === "runs") ?? own[0] ?? null;
+}
+
+/** Measures until the step of a pad can be danced by a column; 0: at once, -1: never. */
+export function measuresAway(all: Launches, pad: Pad, who: string): number {
+  return pad.kind === "step" ? (all.away[who]?.[pad.does ?? pad.name] ?? 0) : 0;
+}
+
+export function awayInWords(measures: number): string {
+  if (measures < 0) return "no way leads to it from what is danced now";
+  return `what is danced now does not lead into it at once: ${measures === 1 ? "1 measure" : `${measures} measures`} later`;
+}
+
+/** Danced beats from 0. */
+export function dancedBeats(clock: Clock, beats: number): number {
+  return (clock.measure - 1) * beats + clock.beat - 1;
+}
+
+/** The number to count: 1 in the last beat before it. Null: nobody knows when it comes. */
+export function countOf(launch: Launch, danced: number): number | null {
+  return typeof launch.due === "number" ? Math.max(1, Math.ceil(launch.due - danced - 1e-3)) : null;
+}
+
+/** How much of a running launch is over, 0 to 1. */
+export function shareOf(launch: Launch, danced: number): number {
+  if (typeof launch.due !== "number" || typeof launch.until !== "number" || launch.until <= launch.due) return 0;
+  return Math.min(Math.max((danced - launch.due) / (launch.until - launch.due), 0), 1);
+}
+
+/** "2 of 4": the measure of a running launch. */
+export function measureOf(launch: Launch, danced: number, beats: number): string {
+  if (typeof launch.due !== "number" || typeof launch.until !== "number") return "";
+  const first = Math.floor(launch.due / beats + 1e-3);
+  const of = Math.max(1, Math.ceil(launch.until / beats - 1e-3) - first);
+  return `${Math.min(of, Math.max(1, Math.floor(danced / beats + 1e-3) - first + 1))} of ${of}`;
+}
+
+/** The launch that comes next; null if none waits. */
+export function nextOf(all: Launches): Launch | null {
+  const waits = all.launches.filter((one) => one.state === "waits" && typeof one.due === "number");
+  return waits.sort((a, b) => (a.due ?? 0) - (b.due ?? 0))[0] ?? null;
+}
+
+/** "side step, ember": what a launch is, in words. */
+export function launchInWords(launch: Launch): string {
+  const name = launch.pad.slice(launch.pad.indexOf(" ") + 1);
+  return `${name}, ${launch.who === "*" ? "everybody" : launch.who}`;
+}
+
+/** A name for a kept pad that no other has. */
+export function freePadName(pad: Pad, taken: string[]): string {
+  const known = taken.map((name) => name.toLowerCase().trim());
+  for (let count = 1; ; count++) {
+    const name = count === 1 ? pad.name : `${pad.name} ${count}`;
+    if (!known.includes(name.toLowerCase().trim())) return name.slice(0, 64);
   }
-}
-
-/** The control and its values that launch a pad for some dancers and measures. */
-export function call(pad: Pad, who: string, launch: Launch, measures: number): [string, ...Value[]] {
-  const next = launch === "measure";
-  switch (pad.kind) {
-    case "steps":
-      return next ? ["/dance/step", pad.name, measures, who] : ["/dance/now", pad.name, who, measures];
-    case "formations":
-      return ["/dance/formation", pad.name, measures, who, next];
-    case "looks":
-      return [pad.words === "cue" ? "/dance/cue" : "/dance/scene", pad.name];
-    case "elements":
-      switch (pad.name) {
-        case "attract":
-        case "repel":
-          return [`/dance/${pad.name}`, 0, 0, 1, measures, who, next];
-        case "cross":
-          return ["/dance/cross", 0, -2, 0, 2, 1, measures, who, next];
-        case "wander":
-        case "flock":
-          return [`/dance/${pad.name}`, 1, measures, who, next];
-        default:
-          return [`/dance/${pad.name}`, measures, who, next];
-      }
-  }
-}
-
-/** What a launch in a danced measure (from 1) begins and ends. */
-export function launched(pad: Pad, who: string, launch: Launch, measures: number, measure: number): Launched {
-  const begins = launch === "measure" ? measure + 1 : measure;
-  return { pad, who, begins, ends: begins + measures };
-}
-
-export type State = "waits" | "runs" | "idle";
-
-/** What a pad of a column does in a measure, by what was launched; the latest counts for its dancers and kind. */
-export function stateOf(pad: Pad, who: string, all: Launched[], measure: number): State {
-  const last = all.findLast((one) => one.who === who && one.pad.kind === pad.kind && one.begins <= measure);
-  const waits = all.some((one) => one.who === who && one.pad.kind === pad.kind && one.pad.name === pad.name && one.begins > measure);
-  if (waits) return "waits";
-  return last && last.pad.name === pad.name && last.ends > measure ? "runs" : "idle";
 }

@@ -247,3 +247,36 @@ def test_a_change_of_very_many_entries_is_no_change(tmp_path: Path) -> None:
     store = DocumentStore(path)
     accepted = store.edit(Edit("rename", ("group", "ember"), "glow"))
     assert change_values(accepted.revision, store.document.patch)["entries"] is None
+
+
+def launches_of(night: StreamedShow) -> list[dict[str, Any]]:
+    """Return what the next frames tell about launches; the clock is told in every third frame."""
+    told = [text for _ in range(3) for text in texts_of(night.packets(), "launches")]
+    return told[-1:]
+
+
+def test_every_page_is_told_what_waits_runs_and_cannot_follow(night: StreamedShow) -> None:
+    night.run(1.0)
+    packets = [packet for _ in range(3) for packet in night.packets()]
+    (pads,) = texts_of(packets, "pads")
+    assert [pad["pad"] for pad in pads["pads"]["step"]][:1] == ["step " + night.show.graph.library.steps[0]]
+    assert set(pads["pads"]) == {"own", "step", "phrase", "formation", "element", "look"}
+    (told,) = texts_of(packets, "launches")
+    assert (told["launches"], told["beats"]) == ([], 4)
+    assert set(told["away"]) == {"*", "ember", "tide"}
+    assert launches_of(night) == []  # nothing has changed
+    made = REGISTRY.call("/dance/launch", ("element spread", "ember", "measure", 2), night.clock.now(), "osc")
+    assert isinstance(made, ControlEvent)
+    night.inbox.put(made)
+    night.run(0.1)
+    (told,) = launches_of(night)
+    (row,) = told["launches"]
+    due = (night.show.span.number + 1) * 4
+    assert (row["pad"], row["who"], row["state"], row["due"]) == ("element spread", "ember", "waits", due)
+    night.run(3.0)
+    (told,) = launches_of(night)
+    assert [(row["state"], row["until"]) for row in told["launches"]] == [("runs", due + 8)]
+    night.packets({"pages": 0})
+    night.run(0.5)
+    again = [packet for _ in range(3) for packet in night.packets()]  # a page that comes later
+    assert len(texts_of(again, "pads")) == len(texts_of(again, "launches")) == 1

@@ -1,4 +1,4 @@
-import { useEffect, useRef } from "preact/hooks";
+import { useEffect, useRef, useState } from "preact/hooks";
 import { beatNow, extentOf, HEAD, HEAD_M, LIMBS, poseAt, seen, type Extent, type Look, type Motion } from "../../model/figure";
 import type { Studio } from "../../model/studio";
 import { coloursOf, fitCanvas, isCalm, whileSeen } from "../../ui/animation";
@@ -36,6 +36,27 @@ export function Figure({ studio, motions, look, still, label }: { studio: Studio
     };
   }, [studio, motions, look, still]);
   return <canvas ref={canvas} class="figure" {...(label ? { role: "img", "aria-label": label } : { "aria-hidden": true })} />;
+}
+
+/** The figure of a step; its motion is asked for when it is seen. */
+export function SmallFigure({ studio, name }: { studio: Studio; name: string }) {
+  const place = useRef<HTMLSpanElement>(null);
+  const [motions, setMotions] = useState<Motion[] | null>(null);
+  const { library } = studio.doc.structure.value ?? {};
+  useEffect(() => {
+    let left = false;
+    const watch = new IntersectionObserver((entries) => {
+      if (!entries.at(-1)?.isIntersecting) return;
+      watch.disconnect();
+      void studio.library.motion(name).then((found) => { if (!left && found.length) setMotions(found); });
+    });
+    watch.observe(place.current as HTMLElement);
+    return () => {
+      left = true;
+      watch.disconnect();
+    };
+  }, [studio, name, library]);
+  return <span ref={place} class="small">{motions && <Figure studio={studio} motions={motions} look="front" still />}</span>;
 }
 
 interface Colours {

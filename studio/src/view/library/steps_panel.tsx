@@ -1,9 +1,8 @@
 import { useSignal } from "@preact/signals";
-import { useEffect, useRef, useState } from "preact/hooks";
-import type { Motion } from "../../model/figure";
+import { useEffect } from "preact/hooks";
 import { feetInWords, isWanted, stepDetail, type StepFacts } from "../../model/steps";
 import type { Studio } from "../../model/studio";
-import { Figure } from "./figure";
+import { SmallFigure } from "./figure";
 import { drag, onEnter, putAtCursor } from "./put";
 import { Lacks } from "./lacks";
 import { StepCard } from "./step_card";
@@ -54,25 +53,4 @@ function StepRow({ studio, name, facts, onOpen }: { studio: Studio; name: string
       <button class="plain add" aria-label={`Put ${name} at the cursor`} title="Put it at the cursor" onClick={() => void putAtCursor(studio, item)}>+</button>
     </li>
   );
-}
-
-/** The figure of a step; its motion is asked for when it is seen. */
-function SmallFigure({ studio, name }: { studio: Studio; name: string }) {
-  const place = useRef<HTMLSpanElement>(null);
-  const [motions, setMotions] = useState<Motion[] | null>(null);
-  const { library } = studio.doc.structure.value ?? {};
-  useEffect(() => {
-    let left = false;
-    const watch = new IntersectionObserver((entries) => {
-      if (!entries.at(-1)?.isIntersecting) return;
-      watch.disconnect();
-      void studio.library.motion(name).then((found) => { if (!left && found.length) setMotions(found); });
-    });
-    watch.observe(place.current as HTMLElement);
-    return () => {
-      left = true;
-      watch.disconnect();
-    };
-  }, [studio, name, library]);
-  return <span ref={place} class="small">{motions && <Figure studio={studio} motions={motions} look="front" still />}</span>;
 }
