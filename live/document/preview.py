@@ -315,6 +315,12 @@ def _is_danced_alike(old: Patch, new: Patch) -> bool:
     return same_tempo and old.model_copy(update={"music": new.music}) == new
 
 
+def led_patch(patch: Patch) -> Patch:
+    """Return the patch as it is danced by somebody who leads from each section to the one written below it."""
+    plain = {"repeat": 1, "wait": False, "then": None}
+    return patch.model_copy(update={"section": tuple(one.model_copy(update=plain) for one in patch.section)})
+
+
 def first_change(old: Patch, new: Patch) -> int | None:
     """Return the measure (from 1) in which two patches are danced differently for the first time, or a late one if they
     are danced alike soon; None if it cannot be told."""

@@ -20,7 +20,15 @@ from live.control.audio.waveform import PEAKS_PER_SECOND, read_waveform
 from live.document.document_store import DocumentStore
 from live.document.edit import EditRefused, parse_edit
 from live.document.formation_answers import option_values, places_values
-from live.document.preview import Positions, PreviewEngine, division_values, first_change, plan_faults, way_values
+from live.document.preview import (
+    Positions,
+    PreviewEngine,
+    division_values,
+    first_change,
+    led_patch,
+    plan_faults,
+    way_values,
+)
 from live.document.preview_question import Question, parse_question
 from live.document.show_check import ShowCheck, needs_loading
 from live.document.step_answers import motion_frames, sequence_values, step_values
@@ -141,7 +149,8 @@ class PreviewAnswers:
         """Return the frames of planned ways of an edited document from where everybody stands in the present one; None
         if they stand elsewhere then, and have to be simulated."""
         patch, answers = self._patch_of(question)
-        patch, engine = self._adapt(patch), self._engine
+        patch = self._adapt(patch)
+        engine = self._preview_of(led_patch(self._store.document.patch)) if question.led else self._engine
         engine.on_tick = self.on_tick
         self._asked = question.id, engine
         first, last = self._range(engine, question)
@@ -220,7 +229,7 @@ class PreviewAnswers:
             if question.document not in (None, self._revision):
                 edits = [replace(edit, base=edit.base or question.document) for edit in edits]
             patch, answers = self._store.attempt(edits)
-        return patch, answers
+        return led_patch(patch) if question.led else patch, answers
 
     def _known(self, patch: Patch) -> PreviewEngine | None:
         return next((engine for engine in (self._engine, *self._branches) if engine.patch == patch), None)

@@ -176,6 +176,43 @@ def test_a_segment_of_a_section_is_found_after_repeated_ones(tmp_path: Path) -> 
     assert [(one["from"], one["to"]) for one in found] == [(14, 16), (4, 4)]
 
 
+def test_measures_behind_a_section_that_waits_are_those_of_somebody_who_leads(tmp_path: Path) -> None:
+    sections = """
+[[section]]
+name = "waiting"
+measures = 2
+wait = true
+[[section]]
+name = "verse"
+measures = 4
+repeat = 3
+[[section]]
+name = "last"
+measures = 4
+then = "verse"
+"""
+    path, plain = tmp_path / "show.toml", tmp_path / "plain.toml"
+    path.write_text(TEXT + sections)
+    once = sections.replace("wait = true\n", "").replace("repeat = 3\n", "").replace('then = "verse"\n', "")
+    plain.write_text(TEXT + once)
+    led, wanted = open_answers(load_show(path)), open_answers(load_show(plain))
+    for question in ({"from_": 7, "to": 9}, {"measure": 8.5}, {"from_": 3, "to": 4, "positions": "samples"}):
+        texts, frames = asked(led, led=True, **question)
+        told, there = asked(wanted, **question)
+        assert frames == there
+        assert texts["moments"] == told["moments"]
+    waiting = asked(led, from_=7, to=9)[1]
+    assert waiting != asked(led, from_=7, to=9, led=True)[1]  # it still waits there
+    edit = {
+        "do": "insert",
+        "at": ["segment"],
+        "value": {"section": "last", "measure": 1, "measures": 2, "formation": "line"},
+    }
+    texts, frames = asked(led, from_=7, to=8, led=True, with_=[edit], positions="none", planned=True)
+    told, there = asked(wanted, from_=7, to=8, with_=[edit], positions="none", planned=True)
+    assert texts["ways"]["ways"] == told["ways"]["ways"]
+
+
 def test_doubts_stand_at_their_measures(loaded: LoadedShow) -> None:
     answers = open_answers(loaded)
     far = {"do": "change", "at": ["segment", 2], "value": {"formation": None, "path": [[2.5, 0.0], [-5.0, 0.0]]}}
