@@ -16,7 +16,7 @@ const KEEPS: Record<string, [Drawn["keep"], string][]> = {
 export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: StageState; stroke: Stroke }) {
   const form = useRef<HTMLFormElement>(null);
   const drawn = useSignal<Drawn>({
-    becomes: "formation", points: stroke.points, closed: stroke.closed, start: stage.here(), measures: 4, group: stage.whom.value,
+    becomes: "formation", points: stroke.points, closed: stroke.closed, start: stage.here(), measures: 4, group: studio.whom.value,
     name: freeName(studio.score.value, "drawn"), inside: false, pattern: "", many: "dancers", amount: 12, mirror: "", keep: "", singleFile: false, strength: 1,
   });
   const now = drawn.value;
@@ -25,7 +25,7 @@ export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: S
   const close = (): void => {
     stage.stroke.value = null;
     stage.thought.value = [];
-    stage.dragAnswer.value = null;
+    stage.endDrag();
   };
 
   useEffect(() => form.current?.querySelector("input")?.focus(), []);
@@ -36,17 +36,19 @@ export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: S
     const first = dancedMeasure(studio.score.value, now.start);
     if (first === null) return;
     if (!isElement) stage.drag(drawnEdits(studio.score.value, now), first, first + now.measures - 1);
-    else stage.dragAnswer.value = null;
+    else stage.endDrag();
   }, [now]);
 
   const keep = async (): Promise<void> => {
     const edits = drawnEdits(studio.score.value, now);
+    const { value: tool } = stage.tool;
     close();
+    stage.tool.value = "select";
     if (!(await stage.send(edits))) {
+      stage.tool.value = tool;
       stage.stroke.value = stroke; // it is not lost
       return;
     }
-    stage.tool.value = "select";
     const first = dancedMeasure(studio.score.value, now.start);
     if (isElement && first !== null) await stage.play(first, first + Math.ceil(now.measures) - 1);
   };

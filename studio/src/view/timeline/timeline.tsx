@@ -225,9 +225,8 @@ export async function drop(studio: Studio, row: Row, measure: number, dragged: D
 
 /** Put an entry at the cursor, for the selected row, or the dancers that are selected on the stage. */
 export async function putEntry(studio: Studio, dragged: Dragged): Promise<boolean> {
-  const dancers = studio.dancers.peek();
-  const row = rowDancers(studio);
-  const group = !hasDancers(dragged.list) ? {} : dancers.length ? { group: dancers.join(" + ") } : row && row !== "*" ? { group: row } : {};
+  const who = studio.dancers.peek().length ? studio.whom.peek() : rowDancers(studio);
+  const group = hasDancers(dragged.list) && who && who !== "*" ? { group: who } : {};
   return studio.insert(dragged.list, { ...dragged.value, ...placeKeys(dragged.list, putAt(studio), studio.ground.peek()), ...group });
 }
 
