@@ -46,7 +46,9 @@ CORNERS: Final = [
 def picture(page: Any, name: str) -> None:
     """Write a picture of the tutorial, if it was asked for."""
     if PICTURES:
-        page.wait_for_timeout(700)  # what is told for a moment is gone
+        for words in ("working", "simulated up to", "Simulating", "come in a moment"):
+            page.get_by_text(words).first.wait_for(state="hidden")
+        page.wait_for_timeout(1500)  # figures and small pictures are drawn
         page.screenshot(path=Path(PICTURES) / f"{name}.jpg", type="jpeg", quality=72)
 
 
@@ -127,8 +129,8 @@ def test_by_mouse_alone(tmp_path: Path) -> None:
         picture(page, "split")
         mouse.click(page.get_by_role("radio", name=re.compile("^Select")))
         mouse.click(mouse.floor(0.0, -2.6, STAGE))  # nobody
-        for group in ("ember", "tide"):
-            from_library(mouse, "Formations", "line", 31, group)
+        from_library(mouse, "Formations", "line", 31, "ember")
+        from_library(mouse, "Formations", "circle", 31, "tide")
         from_library(mouse, "Formations", "triangle", 36, "Everybody")
         draw(mouse, "Closed shape", 42, HEART, closed=True)
         mouse.click(page.get_by_role("form", name="What becomes of the line").get_by_label("inside"))
@@ -158,10 +160,10 @@ def test_by_mouse_alone(tmp_path: Path) -> None:
         mouse.click(inspector.get_by_role("button", name="Add what happens"))
         happens = inspector.get_by_role("group", name="What happens, 1")
         mouse.click(happens.locator("summary"))
-        mouse.click(happens.get_by_role("region", name="light").get_by_role("button", name="level", exact=True))
+        mouse.click(happens.get_by_role("group", name="light", exact=True).get_by_role("button", name="level", exact=True))
         mouse.drag_by(happens.get_by_role("slider"), -25.0)
         picture(page, "signal")
-        from_library(mouse, "Formations", "circle", 58, "Everybody")
+        from_library(mouse, "Formations", "spiral", 58, "Everybody")
         mouse.click(page.get_by_role("button", name="Storyboard"))
         picture(page, "storyboard")
         page.wait_for_timeout(500)

@@ -1,4 +1,5 @@
 // Controls in words: what can be called at a beat, or when a signal comes; and how an entry of the score names it. Pure.
+import { controlWords } from "./plan";
 import { text, type Entry } from "./score";
 import type { Surface, Value, Widget } from "../net/values";
 
@@ -56,6 +57,6 @@ export function calling({ widget }: Choice): { call: string; values: Value[] } {
 /** A control with its values, in a line: "light level 0.5". */
 export function wordsOfCall(choices: Choice[], entry: Entry): string {
   const choice = choiceOf(choices, entry);
-  if (!choice) return text(entry, "call").replace("/dance/", "").replaceAll("/", " ");
+  if (!choice) return controlWords(text(entry, "call"));
   return choice.page === "show" || choice.page === "stage" ? choice.words : `${choice.page}: ${choice.words}`;
 }

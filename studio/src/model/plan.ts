@@ -128,6 +128,11 @@ function boxLength(list: string, entry: Entry, library: Map<string, number>, res
   return LENGTHS[list] ?? 1;
 }
 
+/** The address of a control as words: "light rim colour". */
+export function controlWords(address: string): string {
+  return address.replace("/dance/", "").replace(/[/_]/g, " ");
+}
+
 export function boxLabel(list: string, entry: Entry): string {
   switch (list) {
     case "segment":
@@ -142,7 +147,7 @@ export function boxLabel(list: string, entry: Entry): string {
     case "curve":
       return text(entry, "name");
     case "at":
-      return text(entry, "signal") || text(entry, "scene") || text(entry, "call").replace("/dance/", "");
+      return text(entry, "signal") || text(entry, "scene") || controlWords(text(entry, "call"));
     case "regroup":
       return `${text(entry, "dancers")} to ${text(entry, "group")}`;
     default:

@@ -44,7 +44,7 @@ function Chooser({ choices, now, words, onChoice }: { choices: Choice[]; now: Ch
       <div class="found">
         <input type="search" placeholder="Find a control" aria-label="Find a control" value={wanted.value} onInput={(event) => { wanted.value = event.currentTarget.value; }} />
         {pages.map((page) => (
-          <section key={page} aria-label={page}>
+          <div key={page} class="page" role="group" aria-label={page}>
             <h4>{page}</h4>
             {fitting.filter((one) => one.page === page).map((one) => (
               <button
@@ -59,7 +59,7 @@ function Chooser({ choices, now, words, onChoice }: { choices: Choice[]; now: Ch
                 {one.words}
               </button>
             ))}
-          </section>
+          </div>
         ))}
         {!fitting.length && <p class="hint">No control is called so.</p>}
         <button class="quiet" onClick={() => { open.value = false; }}>Close</button>

@@ -107,6 +107,7 @@ function parsed(said: string): unknown {
 
 function shownDefault(field: Field): string {
   if (Array.isArray(field.default)) return field.default.join(", ");
+  if (field.control === "dancers" && field.default === "*") return "everybody";
   return field.default === undefined || typeof field.default === "object" ? "" : String(field.default);
 }
 

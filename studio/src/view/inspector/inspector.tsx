@@ -39,11 +39,19 @@ export function Inspector({ studio }: { studio: Studio }) {
   );
 }
 
+/** Keys that only some kinds of element have. */
+const FOR_KINDS: Record<string, string[]> = { to: ["cross"], flow: ["flow"], whom: [] };
+
+function isForOther(key: string, all: Entry[]): boolean {
+  const kinds = FOR_KINDS[key];
+  return kinds !== undefined && all.every((one) => one[key] === undefined && !kinds.includes(text(one, "kind")));
+}
+
 /** The form of entries of one kind. */
 function Form({ studio, kind, numbers, all }: { studio: Studio; kind: string; numbers: number[]; all: Entry[] }) {
   const fields = [...new Map(all.flatMap((entry) => fieldsOf(kind, entry)).map((field) => [field.key, field])).values()].filter((field) => numbers.length === 1 || !isRenamed(kind, field.key));
   const calls = kind === "at" && all.length === 1 && all[0]?.["signal"] === undefined && all[0]?.["scene"] === undefined;
-  const isFolded = (field: Field): boolean => field.folded === true || (calls && ["call", "values", "signal", "scene"].includes(field.key));
+  const isFolded = (field: Field): boolean => field.folded === true || (kind === "element" && isForOther(field.key, all)) || (calls && ["call", "values", "signal", "scene"].includes(field.key));
   const folded = fields.filter(isFolded);
   const row = (field: Field) => (
     <Row key={field.key} studio={studio} field={field} all={all} kind={kind} onValue={(value) => void studio.doc.edits(fieldEdits(kind, numbers, field.key, value))} />

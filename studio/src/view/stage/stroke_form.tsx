@@ -79,7 +79,7 @@ export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: S
         <label class="pick"><input type="checkbox" checked={now.singleFile} onChange={() => set({ singleFile: !now.singleFile })} /> one behind another</label>
       )}
       {isElement && <Number words="Strength" value={now.strength} least={0.1} step={0.1} set={(strength) => set({ strength })} />}
-      <label class="field">Who <input value={now.group} maxLength={250} onChange={(event) => set({ group: event.currentTarget.value.trim() || "*" })} /></label>
+      <label class="field">Who <input value={now.group === "*" ? "" : now.group} placeholder="everybody" maxLength={250} onChange={(event) => set({ group: event.currentTarget.value.trim() || "*" })} /></label>
       <div class="pair">
         <Number words="From measure" value={now.start + 1} least={1} step={1} set={(value) => set({ start: Math.round(value) - 1 })} />
         <Number words="for" value={now.measures} least={1} step={1} set={(measures) => set({ measures: Math.round(measures) })} />
