@@ -36,12 +36,13 @@ function show(value: number): string {
 
 function Fader({ values, widget }: Props) {
   const held = useSignal<number | null>(null);
-  const now = held.value ?? Number(values.of(widget.address).value?.[0] ?? widget.start[0] ?? 0);
+  const known = held.value ?? values.of(widget.address).value?.[0] ?? widget.start[0];
+  const now = Number(known ?? 0);
   const low = widget.minimum[0] ?? 0;
   const high = widget.maximum[0] ?? 1;
   return (
     <label>
-      <span>{widget.label}<small aria-hidden="true">{show(now)}</small></span>
+      <span>{widget.label}<small aria-hidden="true">{known === undefined ? "–" : show(now)}</small></span>
       <input
         type="range" min={low} max={high} step={(high - low) / 1000} value={now}
         onInput={(event) => {
