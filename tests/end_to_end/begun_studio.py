@@ -177,6 +177,48 @@ class Mouse(Hand):
         return int(mark.inner_text()), box["x"], box["y"] + box["height"] / 2
 
 
+MOST_TABS: Final = 250
+MOST_PARTS: Final = 8
+IS_IN_PART = """(element) => {
+  const part = element.closest("#app > header, main > section");
+  return part === null || part.contains(document.activeElement);
+}"""
+
+
+class Keys(Hand):
+    """Hands on the keyboard: each key is an action, also each of those that are typed."""
+
+    def press(self, *keys: str, times: int = 1) -> None:
+        for _ in range(times):
+            for key in keys:
+                self.page.keyboard.press(key)
+                self.actions += 1
+
+    def write(self, words: str) -> None:
+        """Type into the field that has the focus, instead of what is there."""
+        self.press("Control+a")
+        self.page.keyboard.type(words)
+        self.actions += len(words)
+
+    def go_to(self, target: Any) -> None:
+        """Go to the part of the page with a control, then Tab until the control has the focus."""
+        target.wait_for(state="attached")
+        for _ in range(MOST_PARTS):
+            if target.evaluate(IS_IN_PART):
+                break
+            self.press("F6")
+        for _ in range(MOST_TABS):
+            if target.evaluate("(element) => element === document.activeElement"):
+                return
+            self.press("Tab")
+        raise AssertionError(f"no Tab leads to {target}")
+
+    def push(self, target: Any) -> None:
+        """Press a button."""
+        self.go_to(target)
+        self.press("Enter")
+
+
 SEEN = """(element) => {
   const box = element.getBoundingClientRect();
   const at = [box.x + box.width / 2, box.y + box.height / 2];

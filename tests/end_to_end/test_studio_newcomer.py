@@ -17,7 +17,7 @@ from typing import Any, Final
 import pytest
 
 from tests.control.waiting import BUSY
-from tests.end_to_end.begun_studio import Begun, Mouse, around, begun_studio, pairs_apart
+from tests.end_to_end.begun_studio import Begun, Keys, Mouse, around, begun_studio, pairs_apart
 from tests.end_to_end.browser import needs_browser
 from tests.places import SHARED
 
@@ -49,7 +49,7 @@ def picture(page: Any, name: str) -> None:
         for words in ("working", "simulated up to", "Simulating", "come in a moment"):
             page.get_by_text(words).first.wait_for(state="hidden")
         page.wait_for_timeout(1500)  # figures and small pictures are drawn
-        page.screenshot(path=Path(PICTURES) / f"{name}.jpg", type="jpeg", quality=72)
+        page.screenshot(path=Path(PICTURES) / f"{name}.jpg", type="jpeg", quality=58)
 
 
 def draw(mouse: Mouse, tool: str, measure: int, points: list[tuple[float, float]], *, closed: bool = False) -> None:
@@ -165,10 +165,152 @@ def test_by_mouse_alone(tmp_path: Path) -> None:
         picture(page, "signal")
         from_library(mouse, "Formations", "spiral", 58, "Everybody")
         mouse.click(page.get_by_role("button", name="Storyboard"))
+        if PICTURES:
+            page.wait_for_timeout(8000)  # its measures are asked for, and simulated
         picture(page, "storyboard")
         page.wait_for_timeout(500)
     print(f"{mouse.actions} actions, {time.monotonic() - begun_at:.0f} s")
     assert mouse.actions <= MOST_ACTIONS
+    check_piece(begun)
+
+
+def at_measure(keys: Keys, measure: int) -> None:
+    """Put the cursor at a measure, from the timeline."""
+    keys.go_to(keys.timeline.get_by_role("button", name="Everybody", exact=True))
+    keys.press("Escape", "Home")
+    keys.press("PageDown", times=(measure - 1) // 8)
+    keys.press("ArrowRight", times=(measure - 1) % 8)
+    keys.page.get_by_text(f"Measure {measure}, preview").wait_for()
+
+
+def draw_by_keys(
+    keys: Keys, tool: str, measure: int, points: list[tuple[int, int]], who: str = "", *, inside: bool = False
+) -> None:
+    """Draw with the pen, in steps of a quarter of a metre from the middle, and put it into the score."""
+    at_measure(keys, measure)
+    keys.push(keys.page.get_by_role("radio", name=re.compile(f"^{tool}")))
+    keys.go_to(keys.page.get_by_role("listbox", name="Dancers on the stage"))
+    keys.press("ArrowUp")  # the pen comes to the middle
+    pen_at(keys, (0, 0), points)
+    keys.press("Enter")
+    form = keys.page.get_by_role("form", name="What becomes of the line")
+    form.wait_for()
+    if inside:
+        keys.go_to(form.get_by_label("on the line"))
+        keys.press("ArrowRight")
+    if who:
+        keys.go_to(form.get_by_label("Who"))
+        keys.write(who)
+    keys.push(form.get_by_role("button", name=f"Put it at measure {measure}"))
+    form.wait_for(state="detached")
+    before = keys.timeline.get_by_role("button", name=re.compile(rf"^formation drawn \d+.*, measure {measure}\b"))
+    keys.see(lambda: before.count() > 0)
+
+
+def pen_at(keys: Keys, place: tuple[int, int], points: list[tuple[int, int]]) -> None:
+    """Move the pen from a place to points, and put each."""
+    for point in points:
+        for by, names in ((point[0] - place[0], ("ArrowLeft", "ArrowRight")), (point[1] - place[1], ("ArrowUp", "ArrowDown"))):
+            keys.press(f"Shift+{names[by > 0]}", times=abs(by) // 4)
+            keys.press(names[by > 0], times=abs(by) % 4)
+        place = point
+        keys.press("Enter")
+
+
+def put_by_keys(keys: Keys, panel: str, item: str, measure: int, row: str) -> None:
+    """Put something of the library at a measure of a row."""
+    at_measure(keys, measure)
+    keys.push(keys.timeline.get_by_role("button", name=row, exact=True))
+    library = keys.region("Library")
+    keys.push(library.get_by_role("button", name=panel, exact=True))
+    keys.push(library.get_by_role("button", name=item, exact=True))
+    keys.box(rf"{item}.*measure {measure}\b").wait_for()
+    keys.push(keys.timeline.get_by_role("button", name=row, exact=True))  # no row is chosen any more
+
+
+def test_by_keyboard_alone(tmp_path: Path) -> None:
+    begun_at = time.monotonic()
+    with begun_studio(tmp_path, SONG) as begun:
+        page, keys = begun.page, Keys(begun.page)
+        keys.push(page.get_by_role("button", name="Begin"))
+        page.get_by_role("region", name="Timeline").wait_for(timeout=120_000 * BUSY)
+        inspector = keys.region("Inspector")
+        length = inspector.get_by_label("length", exact=True)
+        keys.go_to(length)
+        keys.write(str(MEASURES))
+        keys.press("Tab")
+        keys.see(lambda: length.input_value() == str(MEASURES))
+        keys.go_to(keys.timeline.get_by_role("button", name="Everybody", exact=True))
+        keys.press("0")
+        page.locator("i.measure", has_text="57").wait_for()
+
+        draw_by_keys(keys, "Line", 8, [(-12, 6), (0, -7), (12, 6)])
+        put_by_keys(keys, "Formations", "star", 14, "Everybody")
+        draw_by_keys(keys, "Curve", 20, [(-13, 4), (-8, -4), (-3, 4), (3, -4), (8, 4), (13, -4)])
+        keys.press("Escape", "ArrowDown")  # a box: the nearest to the cursor, or from there by arrows
+        keys.see(lambda: page.locator(".box[aria-pressed=true]").count() == 1)
+        drawn = keys.box("formation drawn 2")
+        for _ in range(8):
+            if drawn.get_attribute("aria-pressed") == "true":
+                break
+            keys.press("ArrowRight")
+            page.wait_for_timeout(50)
+        keys.go_to(page.get_by_role("slider", name=re.compile("begins later")))
+        keys.press("ArrowRight", times=2)
+        for who, line in zip(("1-2", "3-4", "5-6", "7-8"), CORNERS, strict=True):
+            draw_by_keys(keys, "Line", 26, [(round(4 * x), round(4 * z)) for x, z in line], who)
+        put_by_keys(keys, "Formations", "line", 31, "ember")
+        put_by_keys(keys, "Formations", "circle", 31, "tide")
+        put_by_keys(keys, "Formations", "triangle", 36, "Everybody")
+        draw_by_keys(keys, "Closed shape", 42, [(0, -4), (8, -7), (10, 0), (0, 8), (-10, 0), (-8, -7)], inside=True)
+
+        at_measure(keys, 48)
+        keys.push(page.get_by_role("radio", name=re.compile("^Gather")))
+        keys.go_to(page.get_by_role("listbox", name="Dancers on the stage"))
+        keys.press("Enter")
+        keys.box("attract").wait_for()
+        keys.press("Escape")
+        keys.push(page.get_by_role("radio", name=re.compile("^Select")))
+        keys.go_to(keys.timeline.get_by_role("button", name="Everybody", exact=True))
+        keys.press("Escape")
+        at_measure(keys, 48)
+        keys.press("ArrowDown")
+        keys.see(lambda: keys.box("attract").get_attribute("aria-pressed") == "true")
+        keys.press("Shift+ArrowLeft")
+        keys.box("attract.* 3 long").wait_for()
+        keys.press("Shift+ArrowLeft")
+        keys.box("attract.* 2 long").wait_for()
+
+        at_measure(keys, 52)
+        keys.go_to(page.get_by_role("listbox", name="Dancers on the stage"))
+        keys.places()
+        keys.press("ArrowRight", "Space")
+        page.get_by_text("1 selected").first.wait_for()
+        keys.push(keys.region("Library").get_by_role("button", name="Steps", exact=True))
+        keys.push(page.get_by_role("button", name="Put turn at the cursor"))
+        keys.box(r"turn, dancer \d+").wait_for()
+
+        at_measure(keys, 36)
+        keys.push(keys.timeline.get_by_role("button", name="Signals", exact=True))
+        keys.press("n")
+        keys.box("signal 36").wait_for()
+        keys.push(inspector.get_by_role("button", name="Add what happens"))
+        happens = inspector.get_by_role("group", name="What happens, 1")
+        keys.push(happens.locator("summary"))
+        keys.go_to(happens.get_by_label("Find a control"))
+        keys.write("level of all light")
+        keys.push(happens.get_by_role("group", name="light", exact=True).get_by_role("button", name="level", exact=True))
+        slider = happens.get_by_role("slider")
+        keys.go_to(slider)
+        keys.press("PageDown", times=4)
+        keys.see(lambda: float(slider.input_value()) < 0.9)
+        keys.push(keys.timeline.get_by_role("button", name="Signals", exact=True))
+        put_by_keys(keys, "Formations", "spiral", 58, "Everybody")
+        keys.press("?")
+        page.get_by_role("heading", name="Keys").wait_for()
+        keys.press("Escape")
+        page.wait_for_timeout(500)
+    print(f"{keys.actions} keys, {time.monotonic() - begun_at:.0f} s")
     check_piece(begun)
 
 

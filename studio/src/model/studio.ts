@@ -41,6 +41,8 @@ export class Studio {
   readonly library: Library;
   /** Whether the ways of the selected segments are looked at, to choose from. */
   readonly choosing = signal(false);
+  /** Whether the table of keys is looked at. */
+  readonly helping = signal(false);
 
   readonly score = computed(() => this.doc.structure.value?.score ?? {});
   readonly boxes = computed(() => (this.doc.structure.value ? allBoxes(this.doc.structure.value) : []));

@@ -51,8 +51,9 @@ function Chooser({ choices, now, words, onChoice }: { choices: Choice[]; now: Ch
                 key={`${one.widget.address} ${one.words}`}
                 aria-pressed={one === now}
                 title={one.help}
-                onClick={() => {
+                onClick={(event) => {
                   open.value = false;
+                  event.currentTarget.closest("details")?.querySelector("summary")?.focus();
                   onChoice(one);
                 }}
               >
