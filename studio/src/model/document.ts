@@ -102,6 +102,8 @@ export class ShowDocument {
   readonly revision = computed(() => this.structure.value?.revision ?? 0);
   private wants: Record<string, unknown> = { positions: 30, clock: 10, joints: 0, notes: true };
   private answers = new Map<string, (answer: Answer) => void>();
+  /** Answers whose change has not come yet. */
+  private early: Answer[] = [];
   private count = 0;
   private noticeCount = 0;
   /** Whether there is a new connection, whose structure has not come yet. */
@@ -206,11 +208,19 @@ export class ShowDocument {
     how?.(answer);
   }
 
+  /** Keep what edits promised once this page has what they changed: an answer may come before the change. */
+  private answerEarly(): void {
+    const ready = this.early.filter((one) => (one.revision ?? 0) <= this.revision.value);
+    this.early = this.early.filter((one) => !ready.includes(one));
+    for (const answer of ready) this.answered(answer, false);
+  }
+
   private take(told: Record<string, unknown>): void {
     switch (told["kind"]) {
       case "structure":
         this.structure.value = told as unknown as Structure;
         if (this.opened) this.sendAgain(this.revision.value);
+        this.answerEarly();
         break;
       case "change": {
         const change = told as unknown as Change;
@@ -218,6 +228,7 @@ export class ShowDocument {
         const after = before && applyChange(before, change);
         if (after) this.structure.value = after;
         this.lastChange.value = change;
+        this.answerEarly();
         break;
       }
       case "replacement":
@@ -235,9 +246,12 @@ export class ShowDocument {
       case "people":
         this.people.value = (told["people"] as Person[]) ?? [];
         break;
-      case "answer":
-        this.answered(told as unknown as Answer, false);
+      case "answer": {
+        const answer = told as unknown as Answer;
+        if ((answer.revision ?? 0) > this.revision.value) this.early.push(answer);
+        else this.answered(answer, false);
         break;
+      }
       case "refused":
         this.tell("refused", String(told["refused"]));
         break;
