@@ -112,7 +112,9 @@ class Hand:
         """Where everybody stands in the measure that is looked at [m], as the list of the stage tells it."""
         listed = self.page.get_by_role("listbox", name="Dancers on the stage")
         listed.get_by_role("option", name=re.compile(r" m$")).first.wait_for(state="attached")
-        told = re.findall(r"(\d+), at (-?[\d.]+), (-?[\d.]+) m", " ".join(listed.get_by_role("option").all_inner_texts()))
+        told = re.findall(
+            r"(\d+), at (-?[\d.]+), (-?[\d.]+) m", " ".join(listed.get_by_role("option").all_inner_texts())
+        )
         return {int(dancer): (float(x), float(z)) for dancer, x, z in told}
 
 
@@ -222,8 +224,10 @@ class Keys(Hand):
 SEEN = """(element) => {
   const box = element.getBoundingClientRect();
   const at = [box.x + box.width / 2, box.y + box.height / 2];
+  const scrolls = (one) =>
+    one.scrollHeight > one.clientHeight + 1 && /auto|scroll/.test(getComputedStyle(one).overflowY);
   let frame = element.parentElement;
-  while (frame && !(frame.scrollHeight > frame.clientHeight + 1 && /auto|scroll/.test(getComputedStyle(frame).overflowY))) frame = frame.parentElement;
+  while (frame && !scrolls(frame)) frame = frame.parentElement;
   if (!frame) return { at, over: at, away: 0 };
   const room = frame.getBoundingClientRect();
   const away = at[1] < room.top + 12 ? at[1] - room.top - 60 : at[1] > room.bottom - 12 ? at[1] - room.bottom + 60 : 0;

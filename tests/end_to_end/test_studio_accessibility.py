@@ -117,6 +117,14 @@ def choose_call(page: Any) -> None:
     page.get_by_role("group", name="What happens, 1").locator("summary").click()
 
 
+def step_card(page: Any) -> None:
+    page.get_by_role("region", name="Library").get_by_role("button", name=re.compile("^groove")).first.click()
+
+
+def tool(name: str) -> State:
+    return lambda page: page.get_by_role("radio", name=re.compile(f"^{name}")).click()
+
+
 def steps_mode(page: Any) -> None:
     page.get_by_role("region", name="Timeline").get_by_role("button", name="Steps", exact=True).click()
 
@@ -127,14 +135,14 @@ STATES: Final[dict[str, tuple[State, State]]] = {
     "formation editor": (press("New …"), close),
     "elements": (press("Elements", "Library"), lambda page: None),
     "steps": (press("Steps", "Library"), lambda page: None),
-    "step card": (lambda page: page.get_by_role("region", name="Library").get_by_role("button", name=re.compile("^groove")).first.click(), close),
+    "step card": (step_card, close),
     "formation box": (box("formation gate"), lambda page: None),
     "ways": (press("Choose …"), close),
     "signal": (box("signal bang"), lambda page: None),
     "controls": (choose_call, lambda page: page.keyboard.press("Escape")),
     "call": (box("call light rim colour"), lambda page: None),
     "steps mode": (both(steps_mode, box("steps groove, dancer 1")), press("Group motion")),
-    "element tool": (lambda page: page.get_by_role("radio", name=re.compile("^Gather")).click(), lambda page: page.get_by_role("radio", name=re.compile("^Select")).click()),
+    "element tool": (tool("Gather"), tool("Select")),
     "drawn": (draw, press("Cancel")),
     "placed by hand": (place_by_hand, press("Cancel")),
     "play": (press("Play", exact=True), lambda page: None),
@@ -145,6 +153,7 @@ STATES: Final[dict[str, tuple[State, State]]] = {
     "light": (press("Light"), lambda page: None),
     "clock": (press("Clock"), lambda page: None),
     "everything": (press("Everything"), lambda page: None),
+    "keys": (press("Keys"), close),
 }  # fmt: skip
 """Each state of the page: how it is reached from the one before, and how it is left."""
 

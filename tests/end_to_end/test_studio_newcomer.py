@@ -160,7 +160,9 @@ def test_by_mouse_alone(tmp_path: Path) -> None:
         mouse.click(inspector.get_by_role("button", name="Add what happens"))
         happens = inspector.get_by_role("group", name="What happens, 1")
         mouse.click(happens.locator("summary"))
-        mouse.click(happens.get_by_role("group", name="light", exact=True).get_by_role("button", name="level", exact=True))
+        mouse.click(
+            happens.get_by_role("group", name="light", exact=True).get_by_role("button", name="level", exact=True)
+        )
         mouse.drag_by(happens.get_by_role("slider"), -25.0)
         picture(page, "signal")
         from_library(mouse, "Formations", "spiral", 58, "Everybody")
@@ -210,7 +212,10 @@ def draw_by_keys(
 def pen_at(keys: Keys, place: tuple[int, int], points: list[tuple[int, int]]) -> None:
     """Move the pen from a place to points, and put each."""
     for point in points:
-        for by, names in ((point[0] - place[0], ("ArrowLeft", "ArrowRight")), (point[1] - place[1], ("ArrowUp", "ArrowDown"))):
+        for by, names in (
+            (point[0] - place[0], ("ArrowLeft", "ArrowRight")),
+            (point[1] - place[1], ("ArrowUp", "ArrowDown")),
+        ):
             keys.press(f"Shift+{names[by > 0]}", times=abs(by) // 4)
             keys.press(names[by > 0], times=abs(by) % 4)
         place = point
@@ -299,7 +304,9 @@ def test_by_keyboard_alone(tmp_path: Path) -> None:
         keys.push(happens.locator("summary"))
         keys.go_to(happens.get_by_label("Find a control"))
         keys.write("level of all light")
-        keys.push(happens.get_by_role("group", name="light", exact=True).get_by_role("button", name="level", exact=True))
+        keys.push(
+            happens.get_by_role("group", name="light", exact=True).get_by_role("button", name="level", exact=True)
+        )
         slider = happens.get_by_role("slider")
         keys.go_to(slider)
         keys.press("PageDown", times=4)
@@ -339,7 +346,8 @@ def check_piece(begun: Begun) -> None:
 
     def live(*words: str) -> str:
         done = subprocess.run(
-            [sys.executable, "-m", "live", *words], capture_output=True, text=True, cwd=begun.folder, timeout=600 * BUSY,
+            [sys.executable, "-m", "live", *words],
+            capture_output=True, text=True, cwd=begun.folder, timeout=600 * BUSY,
             env={**os.environ, "LIVE_CONFIG_DIR": str(begun.folder / "settings")},
         )  # fmt: skip
         assert done.returncode == 0, done.stdout + done.stderr

@@ -1,4 +1,4 @@
-"""Two pages edit one show at random: in the end both, the engine and the file agree, and the log gives the same bytes."""
+"""Two pages edit one show at random: in the end both, engine and file agree, and the log gives the same bytes."""
 
 import json
 import random
@@ -90,7 +90,9 @@ def test_two_pages_that_edit_at_random_end_with_the_same_bytes(
                         edit = gone(rng, own, first) or edit
                     values = edit.to_json_values()
                     said = {"do": values["do"], "at": values["at"], "value": values.get("value")}
-                    page.evaluate(f"void studio.doc.edit({json.dumps(said)}, true).then({COUNT.replace('WORD', 'edit')})")
+                    page.evaluate(
+                        f"void studio.doc.edit({json.dumps(said)}, true).then({COUNT.replace('WORD', 'edit')})"
+                    )
                     sent += 1
                 for page in pages:
                     until(page, "!studio.doc.waiting.value.length")
