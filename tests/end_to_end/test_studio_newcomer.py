@@ -49,7 +49,7 @@ def picture(page: Any, name: str) -> None:
         for words in ("working", "simulated up to", "Simulating", "come in a moment"):
             page.get_by_text(words).first.wait_for(state="hidden")
         page.wait_for_timeout(1500)  # figures and small pictures are drawn
-        page.screenshot(path=Path(PICTURES) / f"{name}.jpg", type="jpeg", quality=58)
+        page.screenshot(path=Path(PICTURES) / f"{name}.jpg", type="jpeg", quality=55)
 
 
 def draw(mouse: Mouse, tool: str, measure: int, points: list[tuple[float, float]], *, closed: bool = False) -> None:
@@ -168,7 +168,7 @@ def test_by_mouse_alone(tmp_path: Path) -> None:
         from_library(mouse, "Formations", "spiral", 58, "Everybody")
         mouse.click(page.get_by_role("button", name="Storyboard"))
         if PICTURES:
-            page.wait_for_timeout(8000)  # its measures are asked for, and simulated
+            page.get_by_text(re.compile(r"^\d+ pictures$")).wait_for()
         picture(page, "storyboard")
         page.wait_for_timeout(500)
     print(f"{mouse.actions} actions, {time.monotonic() - begun_at:.0f} s")

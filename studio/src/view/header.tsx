@@ -9,6 +9,7 @@ export function Header({ studio }: { studio: Studio }) {
   const clock = doc.clock.value;
   const state = doc.link.state.value;
   return (
+    <>
     <header class="bar">
       <h1 title={String(studio.score.value["name"] ?? "")}>{String(studio.score.value["name"] ?? "…")}</h1>
       <nav class="tabs" aria-label="Views">
@@ -34,9 +35,10 @@ export function Header({ studio }: { studio: Studio }) {
           <li key={index} title={person.name} style={{ boxShadow: `inset 0 0 0 2px ${personColour(person.name)}` }}>{initials(person.name)}</li>
         ))}
       </ul>
-      {studio.helping.value && <Keys onClose={() => { studio.helping.value = false; }} />}
       {state !== "open" && <p class="link" role="status">{state === "connecting" ? "Connecting …" : "No connection: trying again"}</p>}
     </header>
+    {studio.helping.value && <Keys onClose={() => { studio.helping.value = false; }} />}
+    </>
   );
 }
 
