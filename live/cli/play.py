@@ -153,12 +153,20 @@ def studio(
     from_: Annotated[
         str | None, typer.Option("--from", help="Begin a new show in the folder SHOW, as a copy of an example.")
     ] = None,
+    journal: Annotated[
+        Path | None, typer.Option(help="Write the journal here, for `live replay`.", metavar="FILE")
+    ] = None,
 ) -> None:
     """Make a show where it is seen: the studio in the browser; the show runs here without a projector.
 
     Without a show that exists the page asks for one: it is begun from a song or an example, in this folder, or opened.
     `live play SHOW --web` serves the same page beside a projector.
     """
+    from rich.console import Console
+
+    from live.app.machine.kernel_warmup import warm_kernels
+
+    warm_kernels(Console(stderr=True, highlight=False))  # the first time it takes minutes, and says so
     if song is not None or from_ is not None or dancers is not None:
         from live.app.services.new_show import make_show
 
@@ -177,7 +185,7 @@ def studio(
         print(f"studio: {_studio_link(where, key)}", file=sys.stderr)
         patch = choose_show(Path.cwd(), Path(patch or "").name, where, key)
     written = {each.name: None for kind in _option_classes() for each, _ in _options(kind)}
-    play(**{**written, "patch": patch, "web": web, "web_key": key, "osc": osc, "headless": True})
+    play(**{**written, "patch": patch, "web": web, "web_key": key, "osc": osc, "journal": journal, "headless": True})
 
 
 def _is_there(patch: str) -> bool:

@@ -73,6 +73,6 @@ test("places, phrases and a first section", () => {
 
 test("curves have rows of their own", () => {
   const rows = planRows({ ...STRUCTURE, score: { ...STRUCTURE.score, curve: [{ name: "light", points: [[0, 0], [4, 1]] }] } }, "motion");
-  assert.deepEqual(rows.map((row) => row.id), ["signals", "curve 1", "calls", "group 0", "group 1"]);
-  assert.equal(rows[3]?.selection, "ember");
+  assert.deepEqual(rows.map((row) => row.id), ["signals", "curve 1", "calls", "all", "group 0", "group 1"]);
+  assert.equal(rows[4]?.selection, "ember");
 });

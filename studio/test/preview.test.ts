@@ -87,6 +87,11 @@ test("an edit that is lost with the connection is sent once again, or it is told
   const again = FakeSocket.last.sent.filter((one) => one["do"] === "set");
   assert.deepEqual(again.map((one) => [one["value"], one["base"]]), [[1, 4], [2, 4]]);
   FakeSocket.last.tell({ kind: "answer", id: again[0]?.["id"], revision: 5 });
+  let known = false;
+  void kept.then(() => { known = true; });
+  await Promise.resolve();
+  assert.equal(known, false); // the page does not have the change yet
+  FakeSocket.last.tell({ kind: "change", revision: 5, what: "edit", by: "ana", of: null, edit: null, shifts: [], entries: [] });
   assert.equal((await kept).revision, 5);
   FakeSocket.last.lose();
   timers.splice(0).forEach((go) => FakeSocket.last.readyState === 3 && String(go).includes("open") && go());

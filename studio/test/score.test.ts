@@ -33,6 +33,11 @@ test("changes give the next structure and leave the former one as it was", () =>
   assert.equal(applyChange(STRUCTURE, change({ entries: null })), null);
 });
 
+test("a list without entries is gone", () => {
+  const after = applyChange(STRUCTURE, change({ shifts: [{ list: "sequence", from: 1, to: null }] }));
+  assert.equal(after?.score["sequence"], undefined);
+});
+
 test("a moved entry takes its values along", () => {
   const after = applyChange(STRUCTURE, change({ shifts: [{ list: "segment", from: 1, to: 3 }] }));
   assert.deepEqual((after?.score["segment"] as { formation: string }[]).map((one) => one.formation), ["star", "grid", "line"]);

@@ -110,12 +110,12 @@ export class ShowDocument {
   readonly revision = computed(() => this.structure.value?.revision ?? 0);
   private wants: Record<string, unknown> = { positions: 30, clock: 10, joints: 0, notes: true };
   private answers = new Map<string, (answer: Answer) => void>();
+  /** Answers whose change has not come yet. */
+  private early: Answer[] = [];
   private count = 0;
   private noticeCount = 0;
   /** Whether there is a new connection, whose structure has not come yet. */
   private opened = false;
-  /** The latest revision that an answer has told. */
-  private readonly answeredRevision = signal(0);
   private turns: Promise<void> = Promise.resolve();
   private turnsWait = 0;
   private page = Math.random().toString(36).slice(2, 8);
@@ -168,11 +168,10 @@ export class ShowDocument {
   }
 
   private settled(): Promise<void> {
-    const isSettled = (): boolean => !this.waiting.value.length && this.revision.value >= this.answeredRevision.value;
-    if (isSettled()) return Promise.resolve();
+    if (!this.waiting.value.length) return Promise.resolve();
     return new Promise((resolve) => {
       const stop = effect(() => {
-        if (isSettled()) {
+        if (!this.waiting.value.length) {
           resolve();
           queueMicrotask(() => stop());
         }
@@ -237,18 +236,24 @@ export class ShowDocument {
   }
 
   private answered(answer: Answer, _quiet: boolean): void {
-    if (answer.revision) this.answeredRevision.value = answer.revision;
     this.waiting.value = this.waiting.value.filter((one) => one.id !== answer.id);
     const how = this.answers.get(answer.id);
     this.answers.delete(answer.id);
     how?.(answer);
   }
 
+  /** Keep what edits promised once this page has what they changed: an answer may come before the change. */
+  private answerEarly(): void {
+    const ready = this.early.filter((one) => (one.revision ?? 0) <= this.revision.value);
+    this.early = this.early.filter((one) => !ready.includes(one));
+    for (const answer of ready) this.answered(answer, false);
+  }
+
   private take(told: Record<string, unknown>): void {
     switch (told["kind"]) {
       case "structure":
         this.structure.value = told as unknown as Structure;
-        this.answeredRevision.value = Math.min(this.answeredRevision.value, this.revision.value); // an heir's may be an earlier one
+        this.answerEarly();
         if (this.opened) this.sendAgain(this.revision.value);
         break;
       case "change": {
@@ -257,6 +262,7 @@ export class ShowDocument {
         const after = before && applyChange(before, change);
         if (after) this.structure.value = after;
         this.lastChange.value = change;
+        this.answerEarly();
         break;
       }
       case "replacement":
@@ -277,9 +283,12 @@ export class ShowDocument {
       case "people":
         this.people.value = (told["people"] as Person[]) ?? [];
         break;
-      case "answer":
-        this.answered(told as unknown as Answer, false);
+      case "answer": {
+        const answer = told as unknown as Answer;
+        if ((answer.revision ?? 0) > this.revision.value) this.early.push(answer);
+        else this.answered(answer, false);
         break;
+      }
       case "refused":
         this.tell("refused", String(told["refused"]));
         break;

@@ -58,6 +58,21 @@ export function readNumber(field: Field, said: string): number | null {
   return Math.min(field.most ?? Infinity, Math.max(field.least ?? -Infinity, whole));
 }
 
+/** How much a number changes for each step of a drag: one, or a hundredth of its range, or a tenth. */
+export function dragStep(field: Field): number {
+  if (field.control === "integer") return 1;
+  const range = (field.most ?? Infinity) - (field.least ?? -Infinity);
+  return range <= 2 ? 0.01 : 0.1;
+}
+
+/** A number that was dragged by some steps, within the limits of its field. */
+export function dragged(field: Field, value: unknown, steps: number): number {
+  const step = dragStep(field);
+  const from = typeof value === "number" ? value : typeof field.default === "number" ? field.default : Math.max(field.least ?? 0, 0);
+  const moved = Math.round((from + steps * step) / step) * step;
+  return Math.min(field.most ?? Infinity, Math.max(field.least ?? -Infinity, Number(moved.toFixed(4))));
+}
+
 /** Numbers with commas or spaces between them; null if one of them is none. */
 export function readNumbers(said: string): number[] | null {
   const parts = said.split(/[\s,;]+/).filter(Boolean).map(Number);
@@ -87,6 +102,12 @@ export function dancerWords(score: Score): string[] {
   const attributes = groups.flatMap((group) => (Array.isArray(group["attributes"]) ? (group["attributes"] as string[]) : []));
   const own = Object.keys((score["selections"] as object | undefined) ?? {});
   return [...new Set([...groups.map((group) => text(group, "name")), ...own, ...attributes, "soloist", "left", "right", "front", "back", "centre"])];
+}
+
+/** A selection as a label: numbers alone are told to be dancers. */
+export function wordsOfDancers(selection: string): string {
+  if (!/^[\d\s+-]+$/.test(selection)) return selection;
+  return `${/^\d+$/.test(selection.trim()) ? "dancer" : "dancers"} ${selection.trim().replaceAll(" + ", ", ").replaceAll("-", "–")}`;
 }
 
 /** A selection with a word more, or without it. */

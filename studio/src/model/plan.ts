@@ -128,6 +128,11 @@ function boxLength(list: string, entry: Entry, library: Map<string, number>, res
   return LENGTHS[list] ?? 1;
 }
 
+/** The address of a control as words: "light rim colour". */
+export function controlWords(address: string): string {
+  return address.replace("/dance/", "").replace(/[/_]/g, " ");
+}
+
 export function boxLabel(list: string, entry: Entry): string {
   switch (list) {
     case "segment":
@@ -142,7 +147,7 @@ export function boxLabel(list: string, entry: Entry): string {
     case "curve":
       return text(entry, "name");
     case "at":
-      return text(entry, "signal") || text(entry, "scene") || text(entry, "call").replace("/dance/", "");
+      return text(entry, "signal") || text(entry, "scene") || controlWords(text(entry, "call"));
     case "regroup":
       return `${text(entry, "dancers")} to ${text(entry, "group")}`;
     default:
@@ -193,7 +198,7 @@ export function planRows(structure: Structure, mode: Mode): Row[] {
   for (const box of boxes) if (box.list === "curve") add(`curve ${box.number}`, box.label, "curve", -1, 0, [box]);
   add("calls", "Calls and cues", "calls", -1, 0, boxes.filter((box) => box.list === "at" || box.list === "cue"));
   const everybody = shown.filter((box) => isEverybody(box.group));
-  if (everybody.length) add("all", "Everybody", "part", -1, 0, everybody, "*");
+  add("all", "Everybody", "part", -1, 0, everybody, "*");
   const names = structure.groups.map((group) => group.name.toLowerCase());
   const parts = new Map<string, Box[]>();
   for (const box of shown) {
@@ -201,11 +206,12 @@ export function planRows(structure: Structure, mode: Mode): Row[] {
     if (isEverybody(box.group) || names.includes(name)) continue;
     parts.set(name, [...(parts.get(name) ?? []), box]);
   }
+  const groupOf = structure.groups.flatMap((group, index) => Array<number>(group.dancers).fill(index));
   structure.groups.forEach((group, index) => {
     const name = group.name.toLowerCase();
     add(`group ${index}`, group.name, "group", index, 0, shown.filter((box) => box.group.trim().toLowerCase() === name), group.name);
     for (const [words, own] of parts) {
-      if (namedGroups(words, names).join() === String(index)) {
+      if (namedGroups(words, names, groupOf).join() === String(index)) {
         add(`part ${words}`, own[0]?.group ?? words, "part", index, 1, own, own[0]?.group ?? words);
         parts.delete(words);
       }
@@ -230,10 +236,11 @@ function isEverybody(words: string): boolean {
   return ["", "*"].includes(words.trim());
 }
 
-/** Indices of the groups that a selection names. */
-function namedGroups(words: string, names: string[]): number[] {
+/** Indices of the groups that a selection names, or to which its numbered dancers belong; `groupOf`: by dancer. */
+function namedGroups(words: string, names: string[], groupOf: number[]): number[] {
   const parts = words.split(/[+&()-]/).map((part) => part.trim());
-  return names.flatMap((name, index) => (parts.includes(name) ? [index] : []));
+  const numbered = parts.flatMap((part) => (/^\d+$/.test(part) ? [groupOf[Number(part) - 1] ?? -1] : []));
+  return names.flatMap((name, index) => (parts.includes(name) || numbered.includes(index) ? [index] : []));
 }
 
 function laneOf(boxes: Box[]): { lanes: number; lane: Map<Box, number> } {

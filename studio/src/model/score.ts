@@ -71,6 +71,7 @@ export function applyChange(before: Structure, change: Change): Structure | null
     else if (value === null) delete score[name];
     else score[name] = value;
   }
+  for (const list of copies) if (!entries(score, list).length) delete score[list]; // as the engine tells it
   return { ...before, revision: change.revision, groups: change.groups ?? before.groups, score };
 }
 

@@ -5,7 +5,7 @@ import type { PreviewAnswer, Question } from "../net/preview";
 import type { Value } from "../net/values";
 import type { SingleEdit, Ways } from "./document";
 import { dancedMeasure, writtenStart } from "./danced";
-import { numbersInWords, type Place } from "./geometry";
+import type { Place } from "./geometry";
 import { bodiesAt, endsOfWays, positionsAt, waysOf } from "./playback";
 import type { Studio } from "./studio";
 
@@ -143,19 +143,8 @@ export class StageState {
     const { meetings, tooFar } = this.faults.value;
     return new Set([...meetings.flatMap((one) => one.dancers), ...tooFar.map((one) => one.dancer)]);
   });
-  /** Words of a selection for what is drawn or put: the chosen dancers, or everybody. */
-  readonly whom = computed(() => {
-    const { dancers, doc } = this.studio;
-    const chosen = dancers.value;
-    if (!chosen.length) return "*";
-    let at = 0;
-    for (const group of doc.structure.value?.groups ?? []) {
-      if (chosen.length === group.dancers && chosen[0] === at + 1 && chosen.at(-1) === at + group.dancers) return group.name;
-      at += group.dancers;
-    }
-    return numbersInWords(chosen);
-  });
   private playing = 0;
+  private drags = 0;
 
   constructor(readonly studio: Studio) {}
 
@@ -180,6 +169,7 @@ export class StageState {
         const played = this.solid.value ? this.played.peek() : null;
         if (played && !played.answer.motions.length && played.to - played.from < MOST_BODIES) void this.play(played.from, played.to);
       }),
+      this.studio.cursor.subscribe(() => { if (this.played.peek()) this.stop(); }),
       effect(() => {
         void this.studio.selected.value;
         void this.studio.doc.revision.value;
@@ -213,11 +203,18 @@ export class StageState {
     const all = [...this.tried.value, ...edits];
     const last = Math.min(to, from + MOST_MEASURES - 1);
     const question: Question = { from, to: last, with: all, notes: true, ...(simulated ? { positions: "samples" } : { positions: "none", planned: true }) };
+    const drag = ++this.drags;
     void this.studio.preview.ask(question, "drag", true).then((answer) => {
-      if (answer.replaced) return;
+      if (answer.replaced || drag !== this.drags) return;
       if (simulated && answer.positions.length) answer.texts["ways"] = { ...answer.texts["ways"], ...waysOf(answer.positions) };
       this.studio.dragAnswer.value = answer;
     });
+  }
+
+  /** Nothing is dragged any more: answers that still come are forgotten. */
+  endDrag(): void {
+    this.drags++;
+    this.studio.dragAnswer.value = null;
   }
 
   /** Send edits, or keep them to be tried. True: taken. */
@@ -227,7 +224,7 @@ export class StageState {
       return true;
     }
     const answer = await this.studio.doc.edits(edits);
-    this.studio.dragAnswer.value = null;
+    this.endDrag();
     return !answer.refused;
   }
 
@@ -246,7 +243,7 @@ export class StageState {
   discard(): void {
     this.tried.value = [];
     this.without.value = false;
-    this.studio.dragAnswer.value = null;
+    this.endDrag();
     this.trying.value = false;
     this.stop();
   }

@@ -1,6 +1,7 @@
 // The storyboard: a picture for each moment at which somebody arrives, in the order of the score.
 import { allBoxes, sectionSpans, stageSize, type Box } from "./plan";
 import { dancedMeasure } from "./danced";
+import { wordsOfDancers } from "./form";
 import type { Structure } from "./score";
 import type { PreviewAnswer } from "../net/preview";
 
@@ -76,7 +77,7 @@ export function measuresText(picture: Picture): string {
 }
 
 export function title(picture: Picture): string {
-  return [...new Set(picture.boxes.map((box) => box.label + (box.group && box.group.trim() !== "*" ? ` (${box.group})` : "")))].join(", ") || "All begin here";
+  return [...new Set(picture.boxes.map((box) => box.label + (box.group && box.group.trim() !== "*" ? ` (${wordsOfDancers(box.group)})` : "")))].join(", ") || "All begin here";
 }
 
 /** A place on the stage in a dancer's words: "1.2 m left, 0.5 m in front of the middle", as the public sees it. */

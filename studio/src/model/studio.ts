@@ -6,6 +6,7 @@ import { Library } from "./library";
 import { ShowDocument, type Edit, type SingleEdit } from "./document";
 import { groundOf, type Copied, type Snap } from "./arrange";
 import { allBoxes, beatsPerMeasure, grown, hasEnd, planRows, scoreLength, sectionSpans, type Box, type Mode } from "./plan";
+import { numbersInWords } from "./geometry";
 import { entries, type Entry } from "./score";
 
 export type View = "make" | "play" | "show" | "storyboard";
@@ -44,6 +45,8 @@ export class Studio {
   readonly library: Library;
   /** Whether the ways of the selected segments are looked at, to choose from. */
   readonly choosing = signal(false);
+  /** Whether the table of keys is looked at. */
+  readonly helping = signal(false);
 
   readonly score = computed(() => this.doc.structure.value?.score ?? {});
   readonly boxes = computed(() => (this.doc.structure.value ? allBoxes(this.doc.structure.value) : []));
@@ -69,6 +72,17 @@ export class Studio {
   readonly length = computed(() => (hasEnd(this.score.value) ? this.written.value : grown(this.written.value, this.playhead.value)));
   readonly ground = computed(() => groundOf(this.score.value, this.doc.structure.value?.library ?? []));
   readonly beats = computed(() => beatsPerMeasure(this.score.value));
+  /** Words of a selection for what is drawn or put: the chosen dancers, or everybody. */
+  readonly whom = computed(() => {
+    const chosen = this.dancers.value;
+    if (!chosen.length) return "*";
+    let at = 0;
+    for (const group of this.doc.structure.value?.groups ?? []) {
+      if (chosen.length === group.dancers && chosen[0] === at + 1 && chosen.at(-1) === at + group.dancers) return group.name;
+      at += group.dancers;
+    }
+    return numbersInWords(chosen);
+  });
   /** Where the show is danced now, in measures of the written score from 0; null before it begins. */
   readonly playhead = computed(() => {
     const clock = this.doc.clock.value;

@@ -1,5 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { fromHex, SWATCHES, toHex } from "../model/colour";
+import { nameOf } from "../model/controls";
 import type { Values, Widget } from "../net/values";
 import { LearnMenu } from "./learn_menu";
 
@@ -8,6 +9,7 @@ export function Control({ values, widget }: { values: Values; widget: Widget }) 
   const menu = useSignal<{ x: number; y: number } | null>(null);
   const kinds = { fader: Fader, colour: ColourField, button: Press, toggle: Toggle, pad: Pad };
   const Kind = kinds[widget.kind];
+  const named = { ...widget, label: nameOf(widget) };
   return (
     <div
       class={`control ${widget.kind}`}
@@ -17,7 +19,7 @@ export function Control({ values, widget }: { values: Values; widget: Widget }) 
         menu.value = { x: event.clientX, y: event.clientY };
       }}
     >
-      <Kind values={values} widget={widget} />
+      <Kind values={values} widget={named} />
       {menu.value && <LearnMenu values={values} widget={widget} at={menu.value} onClose={() => { menu.value = null; }} />}
     </div>
   );
@@ -34,12 +36,13 @@ function show(value: number): string {
 
 function Fader({ values, widget }: Props) {
   const held = useSignal<number | null>(null);
-  const now = held.value ?? Number(values.of(widget.address).value?.[0] ?? widget.start[0] ?? 0);
+  const known = held.value ?? values.of(widget.address).value?.[0] ?? widget.start[0];
+  const now = Number(known ?? 0);
   const low = widget.minimum[0] ?? 0;
   const high = widget.maximum[0] ?? 1;
   return (
     <label>
-      <span>{widget.label}<small aria-hidden="true">{show(now)}</small></span>
+      <span>{widget.label}<small aria-hidden="true">{known === undefined ? "–" : show(now)}</small></span>
       <input
         type="range" min={low} max={high} step={(high - low) / 1000} value={now}
         onInput={(event) => {

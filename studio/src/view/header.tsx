@@ -1,3 +1,5 @@
+import { Dialog } from "../ui/dialog";
+import { KEY_PAGES } from "../ui/keys";
 import { personColour, type Studio, type View } from "../model/studio";
 
 const VIEWS: [View, string][] = [["make", "Make"], ["play", "Play"], ["show", "Show"], ["storyboard", "Storyboard"]];
@@ -7,6 +9,7 @@ export function Header({ studio }: { studio: Studio }) {
   const clock = doc.clock.value;
   const state = doc.link.state.value;
   return (
+    <>
     <header class="bar">
       <h1 title={String(studio.score.value["name"] ?? "")}>{String(studio.score.value["name"] ?? "…")}</h1>
       <nav class="tabs" aria-label="Views">
@@ -25,6 +28,7 @@ export function Header({ studio }: { studio: Studio }) {
         <button onClick={() => void doc.undo()} title="Undo (Ctrl+Z)">Undo</button>
         <button onClick={() => void doc.redo()} title="Redo (Ctrl+Shift+Z)">Redo</button>
         <button class="go" onClick={() => studio.values.send("/dance/go")} title="The next cue (G)">GO</button>
+        <button class="help" aria-label="Keys" title="What the keys do (?)" onClick={() => { studio.helping.value = true; }}>?</button>
       </div>
       <ul class="people" aria-label="Who is here">
         {doc.people.value.map((person, index) => (
@@ -33,7 +37,28 @@ export function Header({ studio }: { studio: Studio }) {
       </ul>
       {state !== "open" && <p class="link" role="status">{state === "connecting" ? "Connecting …" : "No connection: trying again"}</p>}
     </header>
+    {studio.helping.value && <Keys onClose={() => { studio.helping.value = false; }} />}
+    </>
   );
+}
+
+function Keys({ onClose }: { onClose: () => void }) {
+  return (
+    <Dialog title="Keys" wide onClose={onClose}>
+      <div class="body keys" tabIndex={0} role="group" aria-label="What the keys do">
+        {KEY_PAGES.map(([title, keys]) => (
+          <section key={title} aria-label={title}>
+            <h3>{title}</h3>
+            <dl>{keys.map((one) => [<dt key={`k ${one.keys}`}>{inWords(one.keys)}</dt>, <dd key={`w ${one.keys}`}>{one.words}</dd>])}</dl>
+          </section>
+        ))}
+      </div>
+    </Dialog>
+  );
+}
+
+function inWords(keys: string): string {
+  return keys.replace("ArrowLeft", "←").replace("ArrowRight", "→").replace("ArrowUp", "↑").replace("ArrowDown", "↓").replace("PageUp", "Page up").replace("PageDown", "Page down").replaceAll("+", " + ").replace(/^ \+ $/, "+");
 }
 
 function initials(name: string): string {

@@ -1,7 +1,8 @@
+import type { Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Studio } from "../../model/studio";
 import { entries } from "../../model/score";
-import { colourOfHex, dancerWords, hexOf, namesOf, readNumber, readNumbers, toggled, type Field } from "../../model/form";
+import { colourOfHex, dancerWords, dragged, hexOf, namesOf, readNumber, readNumbers, toggled, type Field } from "../../model/form";
 import { StepsControl } from "./steps_control";
 
 const SWATCHES = ["#eb5c24", "#1f84b8", "#e0b85c", "#58b368", "#a06bb0", "#e05c7f", "#4fb9b3", "#f0f0f4", "#7d8db0", "#31313b"];
@@ -61,6 +62,40 @@ export function FieldControl(props: Props) {
   }
 }
 
+const SCRUB_PX = 4;
+
+/** A number whose label is dragged: where it was pressed [px], and what it would be. */
+export interface Scrubbed {
+  from: number;
+  value: number | null;
+}
+
+/** Listeners for the label of a number: dragged to the right it is more, to the left less, with Shift ten times as fast. */
+export function scrub(field: Field, value: unknown, held: Signal<Scrubbed | null>, onValue: (value: number) => void) {
+  return {
+    title: "Drag it to the right for more, to the left for less; with Shift faster",
+    onPointerDown: (event: PointerEvent): void => {
+      if (event.button !== 0) return;
+      held.value = { from: event.clientX, value: null };
+      (event.currentTarget as HTMLElement).setPointerCapture(event.pointerId);
+    },
+    onPointerMove: (event: PointerEvent): void => {
+      const now = held.peek();
+      if (!now) return;
+      const steps = Math.trunc((event.clientX - now.from) / SCRUB_PX) * (event.shiftKey ? 10 : 1);
+      if (steps || now.value !== null) held.value = { ...now, value: dragged(field, value, steps) };
+    },
+    onPointerUp: (event: PointerEvent): void => {
+      const last = held.peek()?.value ?? null;
+      held.value = null;
+      if (last === null) return;
+      event.currentTarget?.addEventListener("click", (click) => click.preventDefault(), { once: true }); // or the field gets the focus
+      if (last !== value) onValue(last);
+    },
+    onPointerCancel: (): void => { held.value = null; },
+  };
+}
+
 function parsed(said: string): unknown {
   if (!said.trim()) return undefined;
   try {
@@ -72,6 +107,7 @@ function parsed(said: string): unknown {
 
 function shownDefault(field: Field): string {
   if (Array.isArray(field.default)) return field.default.join(", ");
+  if (field.control === "dancers" && field.default === "*") return "everybody";
   return field.default === undefined || typeof field.default === "object" ? "" : String(field.default);
 }
 
@@ -210,7 +246,7 @@ function DancersControl(props: Props) {
             <button key={word} aria-pressed={!several && parts.includes(word.toLowerCase())} onClick={() => onValue(toggled(selection, word))}>{word}</button>
           ))}
           {dancers.length > 0 && (
-            <button onClick={() => onValue(dancers.join(" + "))}>{dancers.length === 1 ? `dancer ${dancers[0]}` : dancers.length <= MOST_DANCERS ? `dancers ${dancers.join(", ")}` : `the ${dancers.length} of the stage`}</button>
+            <button onClick={() => onValue(studio.whom.peek())}>{dancers.length === 1 ? `dancer ${dancers[0]}` : dancers.length <= MOST_DANCERS ? `dancers ${dancers.join(", ")}` : `the ${dancers.length} of the stage`}</button>
           )}
         </div>
         <p class="hint">Also “tide &amp; left”, “ember - soloist”, or numbers: “1 + 4”.</p>

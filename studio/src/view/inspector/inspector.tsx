@@ -2,7 +2,8 @@ import { useSignal } from "@preact/signals";
 import type { Studio } from "../../model/studio";
 import { entries, text, type Entry } from "../../model/score";
 import { common, fieldEdits, fieldsOf, hexOf, isRenamed, type Field } from "../../model/form";
-import { FieldControl } from "./controls";
+import { CallField, Reactions } from "./calls";
+import { FieldControl, scrub, type Scrubbed } from "./controls";
 import "./inspector.css";
 
 const TITLES: Record<string, [string, string]> = {
@@ -38,22 +39,34 @@ export function Inspector({ studio }: { studio: Studio }) {
   );
 }
 
+/** Keys that only some kinds of element have. */
+const FOR_KINDS: Record<string, string[]> = { to: ["cross"], flow: ["flow"], whom: [] };
+
+function isForOther(key: string, all: Entry[]): boolean {
+  const kinds = FOR_KINDS[key];
+  return kinds !== undefined && all.every((one) => one[key] === undefined && !kinds.includes(text(one, "kind")));
+}
+
 /** The form of entries of one kind. */
 function Form({ studio, kind, numbers, all }: { studio: Studio; kind: string; numbers: number[]; all: Entry[] }) {
   const fields = [...new Map(all.flatMap((entry) => fieldsOf(kind, entry)).map((field) => [field.key, field])).values()].filter((field) => numbers.length === 1 || !isRenamed(kind, field.key));
-  const folded = fields.filter((field) => field.folded);
+  const calls = kind === "at" && all.length === 1 && all[0]?.["signal"] === undefined && all[0]?.["scene"] === undefined;
+  const isFolded = (field: Field): boolean => field.folded === true || (kind === "element" && isForOther(field.key, all)) || (calls && ["call", "values", "signal", "scene"].includes(field.key));
+  const folded = fields.filter(isFolded);
   const row = (field: Field) => (
     <Row key={field.key} studio={studio} field={field} all={all} kind={kind} onValue={(value) => void studio.doc.edits(fieldEdits(kind, numbers, field.key, value))} />
   );
   return (
     <>
-      {fields.filter((field) => !field.folded).map(row)}
+      {calls && <CallField studio={studio} entry={all[0] ?? {}} words="What is called" onCall={(call, values) => void studio.doc.edit({ do: "change", at: [kind, numbers[0] ?? 1], value: { call, values } })} />}
+      {fields.filter((field) => !isFolded(field)).map(row)}
       {folded.length > 0 && (
-        <details class="more" open={folded.some((field) => common(all, field.key).written && field.key !== "section")}>
+        <details class="more" open={folded.some((field) => field.folded && common(all, field.key).written && field.key !== "section")}>
           <summary>More</summary>
           {folded.map(row)}
         </details>
       )}
+      {kind === "signal" && all.length === 1 && <Reactions studio={studio} name={text(all[0] ?? {}, "name")} />}
     </>
   );
 }
@@ -63,9 +76,11 @@ function Row({ studio, kind, field, all, onValue }: { studio: Studio; kind: stri
   const renaming = useSignal(false);
   const id = `field-${kind}-${field.key}`;
   const isName = isRenamed(kind, field.key);
+  const held = useSignal<Scrubbed | null>(null);
+  const scrubbed = same && (field.control === "number" || field.control === "integer") ? scrub(field, value, held, onValue) : null;
   return (
     <div class={`formrow${written ? "" : " unwritten"}${WIDE.includes(field.control) ? " wide" : ""}`} title={field.help}>
-      <label for={id} id={`${id}-words`}>{field.words}</label>
+      <label for={id} id={`${id}-words`} class={scrubbed ? "scrub" : undefined} {...scrubbed}>{field.words}</label>
       <div class="fieldbox">
         {isName && !renaming.value ? (
           <button id={id} class="value" aria-label={`Rename ${String(value ?? "")}`} title="Rename: it is renamed wherever it is named" onClick={() => { renaming.value = true; }}>{String(value ?? "")}</button>
@@ -74,7 +89,7 @@ function Row({ studio, kind, field, all, onValue }: { studio: Studio; kind: stri
             studio={studio}
             id={id}
             field={field}
-            value={same ? value : undefined}
+            value={held.value?.value ?? (same ? value : undefined)}
             several={!same}
             focus={renaming.value}
             onValue={(next) => {

@@ -19,7 +19,7 @@ export function ElementsPanel({ studio, wanted }: { studio: Studio; wanted: stri
         };
         return (
           <li key={kind}>
-            <button draggable class="plainrow" title="Drag it onto a row, or click: it is put at the cursor" onDragStart={(event) => drag(event, item)} onKeyDown={onEnter(() => void putAtCursor(studio, item))} onClick={() => void putAtCursor(studio, item)}>
+            <button draggable class="plainrow" title="Drag it onto a row, or click: it is put at the cursor" onDragStart={(event) => drag(studio, event, item)} onKeyDown={onEnter(() => void putAtCursor(studio, item))} onClick={() => void putAtCursor(studio, item)}>
               <b>{kind}</b>
               <small>{words}</small>
             </button>

@@ -61,7 +61,7 @@ function OwnFormation({ studio, name, number, dancers, onEdit }: { studio: Studi
         class="picture"
         draggable
         title={`Drag it onto a row. Click: edit it. Enter: put it at the cursor${places && !places.fits ? `\nIt does not fit the stage: ${places.remedy}` : ""}`}
-        onDragStart={(event) => drag(event, itemOf(name))}
+        onDragStart={(event) => drag(studio, event, itemOf(name))}
         onKeyDown={onEnter(() => void putAtCursor(studio, itemOf(name)))}
         onClick={onEdit}
       >
@@ -94,7 +94,7 @@ function Shape({ studio, name, dancers }: { studio: Studio; name: string; dancer
   const item = itemOf(name);
   return (
     <li>
-      <button class="picture" draggable title="Drag it onto a row, or click: it is put at the cursor" onDragStart={(event) => drag(event, item)} onKeyDown={onEnter(() => void putAtCursor(studio, item))} onClick={() => void putAtCursor(studio, item)}>
+      <button class="picture" draggable title="Drag it onto a row, or click: it is put at the cursor" onDragStart={(event) => drag(studio, event, item)} onKeyDown={onEnter(() => void putAtCursor(studio, item))} onClick={() => void putAtCursor(studio, item)}>
         <FormationPicture studio={studio} places={places} />
         <b>{name}</b>
       </button>

@@ -8,14 +8,20 @@ export interface Item {
   value: Entry;
 }
 
-export function drag(event: DragEvent, item: Item): void {
+/** The rows that show what is put. */
+function showRows(studio: Studio, item: Item): void {
+  studio.mode.value = item.list === "sequence" ? "steps" : "motion";
+}
+
+export function drag(studio: Studio, event: DragEvent, item: Item): void {
   dragging.now = item;
   event.dataTransfer?.setData(DRAGGED, JSON.stringify(item));
   if (event.dataTransfer) event.dataTransfer.effectAllowed = "copy";
+  setTimeout(() => showRows(studio, item)); // browsers end a drag whose page changes as it begins
 }
 
 export async function putAtCursor(studio: Studio, item: Item): Promise<void> {
-  studio.mode.value = item.list === "sequence" ? "steps" : "motion";
+  showRows(studio, item);
   await putEntry(studio, item);
 }
 

@@ -132,7 +132,7 @@ function Chain({ studio, facts, onOpen, onPut }: { studio: Studio; facts: StepFa
       <h3>May come before {facts.name}</h3>
       <p class="hint">{facts.precedes.join(", ") || "nothing yet"}</p>
       <div class="actions">
-        <button class="primary" draggable onDragStart={(event) => drag(event, item)} disabled={Boolean(check?.missing.length || check?.fault)} onClick={() => { void putAtCursor(studio, item); onPut(); }}>
+        <button class="primary" draggable onDragStart={(event) => drag(studio, event, item)} disabled={Boolean(check?.missing.length || check?.fault)} onClick={() => { void putAtCursor(studio, item); onPut(); }}>
           Put at the cursor
         </button>
       </div>

@@ -39,7 +39,7 @@ function StepRow({ studio, name, facts, onOpen }: { studio: Studio; name: string
         draggable
         class="entry"
         title="Drag it onto a row. Click: look at it. Enter: put it at the cursor"
-        onDragStart={(event) => drag(event, item)}
+        onDragStart={(event) => drag(studio, event, item)}
         onKeyDown={onEnter(() => void putAtCursor(studio, item))}
         onClick={onOpen}
       >

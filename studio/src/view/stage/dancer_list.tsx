@@ -14,6 +14,12 @@ export function DancerList({ studio, stage, drawing, children }: { studio: Studi
   const chosen = new Set(studio.dancers.value);
   const rows = groups.flatMap((group) => Array.from({ length: group.dancers }, () => group.name));
   const focus = stage.focus.value;
+  const still = stage.looked.value === null ? null : stage.momentPositions.value; // those who move are not read out
+  const placeWords = (row: number): string => {
+    if (!still?.present[row]) return "";
+    const [x, z] = placeIn(still, row + 1);
+    return `, at ${x.toFixed(1)}, ${z.toFixed(1)} m`;
+  };
   return (
     <div
       class="dancers"
@@ -32,7 +38,7 @@ export function DancerList({ studio, stage, drawing, children }: { studio: Studi
     >
       {rows.map((group, index) => (
         <div key={index} id={`dancer-${index + 1}`} class="unseen" role="option" aria-selected={chosen.has(index + 1)}>
-          {group} {index + 1}
+          {group} {index + 1}{placeWords(index)}
         </div>
       ))}
       {children}

@@ -121,11 +121,11 @@ export class Drawing {
     const { stage, studio } = this;
     const measures = stage.measures.value;
     if (stage.live.value) {
-      stage.call(...liveCall(kind, points, stage.strength.value, measures, stage.whom.value));
+      stage.call(...liveCall(kind, points, stage.strength.value, measures, studio.whom.value));
       return;
     }
     const start = stage.here();
-    const value = elementEntry(studio.score.value, kind, points, start, measures, stage.strength.value, stage.whom.value);
+    const value = elementEntry(studio.score.value, kind, points, start, measures, stage.strength.value, studio.whom.value);
     const taken = await stage.send([{ do: "insert", at: ["element"], value }]);
     if (!taken) return;
     const first = dancedMeasure(studio.score.value, start);

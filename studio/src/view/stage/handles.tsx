@@ -72,7 +72,7 @@ export function Handles({ studio, stage, camera }: { studio: Studio; stage: Stag
             onPointerCancel={() => {
               dragged.value = null;
               stage.held.value = null;
-              stage.studio.dragAnswer.value = null;
+              stage.endDrag();
             }}
             onKeyDown={(event) => {
               const by = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];

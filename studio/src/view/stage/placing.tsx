@@ -38,7 +38,7 @@ export function beginPlacing(studio: Studio, stage: StageState): void {
 }
 
 function editsOf(studio: Studio, stage: StageState, now: Placing): ReturnType<typeof placedEdits> {
-  return placedEdits(studio.score.value, now.name, now.number, now.places, now.headings, { start: stage.here(), measures: stage.measures.value, group: stage.whom.value });
+  return placedEdits(studio.score.value, now.name, now.number, now.places, now.headings, { start: stage.here(), measures: stage.measures.value, group: studio.whom.value });
 }
 
 function show(studio: Studio, stage: StageState): void {
@@ -147,7 +147,7 @@ export function PlacingBar({ studio, stage }: { studio: Studio; stage: StageStat
   const close = (): void => {
     stage.placing.value = null;
     stage.held.value = null;
-    stage.studio.dragAnswer.value = null;
+    stage.endDrag();
   };
   return (
     <form

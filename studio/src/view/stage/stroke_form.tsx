@@ -16,7 +16,7 @@ const KEEPS: Record<string, [Drawn["keep"], string][]> = {
 export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: StageState; stroke: Stroke }) {
   const form = useRef<HTMLFormElement>(null);
   const drawn = useSignal<Drawn>({
-    becomes: "formation", points: stroke.points, closed: stroke.closed, start: stage.here(), measures: 4, group: stage.whom.value,
+    becomes: "formation", points: stroke.points, closed: stroke.closed, start: stage.here(), measures: 4, group: studio.whom.value,
     name: freeName(studio.score.value, "drawn"), inside: false, pattern: "", many: "dancers", amount: 12, mirror: "", keep: "", singleFile: false, strength: 1,
   });
   const now = drawn.value;
@@ -25,7 +25,7 @@ export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: S
   const close = (): void => {
     stage.stroke.value = null;
     stage.thought.value = [];
-    stage.studio.dragAnswer.value = null;
+    stage.endDrag();
   };
 
   useEffect(() => form.current?.querySelector("input")?.focus(), []);
@@ -36,17 +36,19 @@ export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: S
     const first = dancedMeasure(studio.score.value, now.start);
     if (first === null) return;
     if (!isElement) stage.drag(drawnEdits(studio.score.value, now), first, first + now.measures - 1);
-    else stage.studio.dragAnswer.value = null;
+    else stage.endDrag();
   }, [now]);
 
   const keep = async (): Promise<void> => {
     const edits = drawnEdits(studio.score.value, now);
+    const { value: tool } = stage.tool;
     close();
+    stage.tool.value = "select";
     if (!(await stage.send(edits))) {
+      stage.tool.value = tool;
       stage.stroke.value = stroke; // it is not lost
       return;
     }
-    stage.tool.value = "select";
     const first = dancedMeasure(studio.score.value, now.start);
     if (isElement && first !== null) await stage.play(first, first + Math.ceil(now.measures) - 1);
   };
@@ -77,7 +79,7 @@ export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: S
         <label class="pick"><input type="checkbox" checked={now.singleFile} onChange={() => set({ singleFile: !now.singleFile })} /> one behind another</label>
       )}
       {isElement && <Number words="Strength" value={now.strength} least={0.1} step={0.1} set={(strength) => set({ strength })} />}
-      <label class="field">Who <input value={now.group} maxLength={250} onChange={(event) => set({ group: event.currentTarget.value.trim() || "*" })} /></label>
+      <label class="field">Who <input value={now.group === "*" ? "" : now.group} placeholder="everybody" maxLength={250} onChange={(event) => set({ group: event.currentTarget.value.trim() || "*" })} /></label>
       <div class="pair">
         <Number words="From measure" value={now.start + 1} least={1} step={1} set={(value) => set({ start: Math.round(value) - 1 })} />
         <Number words="for" value={now.measures} least={1} step={1} set={(measures) => set({ measures: Math.round(measures) })} />

@@ -2,6 +2,7 @@ import type { Signal } from "@preact/signals";
 import type { Labels, StageState, Tool } from "../../model/stage_state";
 import type { Studio } from "../../model/studio";
 import { colourOf } from "./paint";
+import { wordsOfDancers } from "../../model/form";
 import { isElementTool, type Drawing } from "./drawing";
 
 /** Name, title and the path of the icon, in a square of 16. */
@@ -88,7 +89,7 @@ export function ToolOptions({ stage }: { stage: StageState }) {
   if (!isElementTool(tool)) return null;
   return (
     <div class="strip options" role="group" aria-label="The element">
-      <span class="hint">{stage.whom.value === "*" ? "everybody" : `dancers ${stage.whom.value}`}</span>
+      <span class="hint">{stage.studio.whom.value === "*" ? "everybody" : wordsOfDancers(stage.studio.whom.value)}</span>
       <NumberField words="strength" value={stage.strength} least={0.1} most={10} step={0.1} />
       <NumberField words="measures" value={stage.measures} least={1} most={64} step={1} />
       <Switch value={stage.live} words="Live" />

@@ -48,7 +48,7 @@ export function Storyboard({ studio }: { studio: Studio }) {
           </select>
         </label>
         <button onClick={() => print()}>Print</button>
-        <span class="hint" role="status">{problem.value || (taken.value.size < all.length ? studio.preview.progress.value !== null ? `Simulating: ${studio.preview.progress.value} measures so far` : "" : `${all.length} pictures`)}</span>
+        <span class="hint" role="status">{problem.value || (all.some((one) => !taken.value.has(one.danced)) ? studio.preview.progress.value !== null ? `Simulating: ${studio.preview.progress.value} measures so far` : "The pictures come in a moment …" : `${all.length} pictures`)}</span>
       </header>
       {shown.map((one) => <Sheet key={one ?? "all"} studio={studio} all={all} taken={taken.value} dancer={one} />)}
     </main>

@@ -1,9 +1,11 @@
 // What keys do in the timeline; the table of all keys shows them as well.
-import { copied, hasDancers, joinEdits, moveEdits, pasteEdits, resizeEdits, splitEdits, unitOf, FIXED } from "../../model/arrange";
-import type { Box } from "../../model/plan";
+import { copied, hasDancers, joinEdits, moveEdits, pasteEdits, placeKeys, resizeEdits, splitEdits, unitOf, FIXED } from "../../model/arrange";
+import type { Box, Row } from "../../model/plan";
 import type { Shortcut } from "../../ui/keys";
 import type { Studio } from "../../model/studio";
 import { timelineOf } from "./state";
+
+const PHRASE = 8;
 
 /** The measure at which things are put: the cursor, or where the show is danced. */
 export function putAt(studio: Studio): number {
@@ -129,6 +131,34 @@ function inTurn(act: (studio: Studio) => void): (studio: Studio) => void {
   return (studio) => studio.doc.inTurn(() => act(studio));
 }
 
+/** Where a measure of the written score (from 0) lies: in its section, if there are sections. */
+export function placeOf(studio: Studio, measure: number): { measure: number; section?: string } {
+  return placeKeys("segment", measure, studio.ground.peek()) as { measure: number; section?: string };
+}
+
+/** Begin a box on a row: a signal, a call, a formation or steps. */
+export async function addHere(studio: Studio, row: Row, measure: number): Promise<void> {
+  const place = placeOf(studio, measure);
+  const group = row.selection === null ? {} : { group: row.selection };
+  if (row.kind === "signals") await studio.insert("signal", { ...place, name: `signal ${measure + 1}` });
+  else if (row.kind === "calls") await studio.insert("at", { ...place, call: "/dance/light/level", values: [1.0] });
+  else if (studio.mode.value === "motion") await studio.insert("segment", { ...place, ...group, measures: 4, formation: "circle" });
+  else await studio.insert("sequence", { ...place, ...group, steps: [studio.doc.structure.value?.library[0]?.name ?? "walk"] });
+}
+
+/** A box at the cursor, on the chosen row. */
+function addAtCursor(studio: Studio): void {
+  const row = studio.rows.value.find((one) => one.id === studio.row.value);
+  if (!row || row.kind === "curve") studio.doc.tell("told", "Choose a row first, by its name.");
+  else void addHere(studio, row, Math.floor(putAt(studio))).then(() => { const [box] = studio.chosenBoxes(); show(studio, box); });
+}
+
+/** The cursor by so many measures. */
+function leap(studio: Studio, by: number): void {
+  studio.select(null);
+  studio.cursor.value = Math.min(Math.max(0, Math.floor(putAt(studio)) + by), studio.length.value - 1);
+}
+
 export const TIMELINE_SHORTCUTS: Shortcut[] = [
   { keys: "ArrowLeft", words: "the box before; without one, the cursor earlier", run: (studio) => along(studio, -1) },
   { keys: "ArrowRight", words: "the next box; without one, the cursor later", run: (studio) => along(studio, 1) },
@@ -150,6 +180,9 @@ export const TIMELINE_SHORTCUTS: Shortcut[] = [
   { keys: "+", words: "zoom in", run: (studio) => timelineOf(studio).zoom(1.25) },
   { keys: "-", words: "zoom out", run: (studio) => timelineOf(studio).zoom(0.8) },
   { keys: "0", words: "the whole show", run: (studio) => timelineOf(studio).fit(0, studio.length.value) },
+  { keys: "PageUp", words: "the cursor eight measures earlier", run: (studio) => leap(studio, -PHRASE) },
+  { keys: "PageDown", words: "the cursor eight measures later", run: (studio) => leap(studio, PHRASE) },
+  { keys: "N", words: "a new box on the chosen row, at the cursor", run: addAtCursor },
   { keys: "Home", words: "the cursor at the beginning", run: (studio) => { studio.cursor.value = 0; timelineOf(studio).element?.scrollTo({ left: 0 }); } },
   { keys: "1", words: "steps", run: (studio) => { studio.mode.value = "steps"; } },
   { keys: "2", words: "group motion", run: (studio) => { studio.mode.value = "motion"; } },

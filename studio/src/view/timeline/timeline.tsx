@@ -9,7 +9,7 @@ import { DenseBoxes } from "./dense";
 import { listenToGestures } from "./gestures";
 import { Overlay } from "./overlay";
 import { addSection, Ruler } from "./ruler";
-import { join, putAt, rowDancers, split } from "./shortcuts";
+import { addHere, join, putAt, rowDancers, split } from "./shortcuts";
 import { colourOf } from "../stage/paint";
 import { heightOf, timelineOf, type TimelineState } from "./state";
 import { Track } from "./track";
@@ -231,22 +231,7 @@ export async function drop(studio: Studio, row: Row, measure: number, dragged: D
 
 /** Put an entry at the cursor, for the selected row, or the dancers that are selected on the stage. */
 export async function putEntry(studio: Studio, dragged: Dragged): Promise<boolean> {
-  const dancers = studio.dancers.peek();
-  const row = rowDancers(studio);
-  const group = !hasDancers(dragged.list) ? {} : dancers.length ? { group: dancers.join(" + ") } : row && row !== "*" ? { group: row } : {};
+  const who = studio.dancers.peek().length ? studio.whom.peek() : rowDancers(studio);
+  const group = hasDancers(dragged.list) && who && who !== "*" ? { group: who } : {};
   return studio.insert(dragged.list, { ...dragged.value, ...placeKeys(dragged.list, putAt(studio), studio.ground.peek()), ...group });
-}
-
-/** Where a measure of the written score (from 0) lies: in its section, if there are sections. */
-export function placeOf(studio: Studio, measure: number): { measure: number; section?: string } {
-  return placeKeys("segment", measure, studio.ground.peek()) as { measure: number; section?: string };
-}
-
-async function addHere(studio: Studio, row: Row, measure: number): Promise<void> {
-  const place = placeOf(studio, measure);
-  const group = row.selection === null ? {} : { group: row.selection };
-  if (row.kind === "signals") await studio.insert("signal", { ...place, name: `signal ${measure + 1}` });
-  else if (row.kind === "calls") await studio.insert("at", { ...place, call: "/dance/light/level", values: [1.0] });
-  else if (studio.mode.value === "motion") await studio.insert("segment", { ...place, ...group, measures: 4, formation: "circle" });
-  else await studio.insert("sequence", { ...place, ...group, steps: [studio.doc.structure.value?.library[0]?.name ?? "walk"] });
 }

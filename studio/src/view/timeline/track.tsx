@@ -1,5 +1,6 @@
 import { useComputed } from "@preact/signals";
 import { memo } from "./memo";
+import { wordsOfDancers } from "../../model/form";
 import type { Box, Row } from "../../model/plan";
 import { keyOf, type Studio } from "../../model/studio";
 import { colourOf } from "../stage/paint";
@@ -9,7 +10,7 @@ import { CHUNK, type TimelineState } from "./state";
 const POINT_WORDS: Record<string, string> = { segment: "formation", sequence: "steps", at: "call", element: "element", improvise: "improvisation", regroup: "new group", cue: "cue", signal: "signal" };
 
 export function wordsOf(box: Box): string {
-  const who = box.group && box.group !== "*" ? `, ${box.group}` : "";
+  const who = box.group && box.group !== "*" ? `, ${wordsOfDancers(box.group)}` : "";
   const length = box.length ? `, ${short(box.length)} long` : "";
   return `${POINT_WORDS[box.list] ?? box.list} ${box.label}${who}, measure ${short(box.start + 1)}${length}`;
 }
@@ -38,7 +39,7 @@ export const Track = memo(({ studio, state, row }: { studio: Studio; state: Time
         >
           {row.group >= 0 && row.depth === 0 && <i style={{ background: colour }} />}
           {row.depth > 0 && <i class="branch" aria-hidden="true" />}
-          <span>{row.depth > 0 ? shortPart(row.label, group?.name ?? "") : row.label}</span>
+          <span>{row.depth > 0 ? shortPart(row.label, group?.name ?? "") : wordsOfDancers(row.label)}</span>
         </button>
       </div>
       <div class="lane" data-lane={row.id}>
@@ -58,7 +59,7 @@ export const Track = memo(({ studio, state, row }: { studio: Studio; state: Time
 function shortPart(words: string, group: string): string {
   const rest = words.toLowerCase().startsWith(group.toLowerCase()) ? words.slice(group.length).trim() : words;
   if (rest.startsWith("&")) return rest.slice(1).trim();
-  return rest.startsWith("-") ? `without ${rest.slice(1).trim()}` : rest || words;
+  return rest.startsWith("-") ? `without ${rest.slice(1).trim()}` : wordsOfDancers(rest || words);
 }
 
 interface Part {

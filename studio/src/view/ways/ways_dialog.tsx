@@ -6,7 +6,7 @@ import { FACINGS, fillEntry, gapEdits, MATCHES, WAYS, type Gap, type Option, typ
 import { entries, text } from "../../model/score";
 import type { Studio } from "../../model/studio";
 import { Dialog } from "../../ui/dialog";
-import { placeOf } from "../timeline/timeline";
+import { placeOf } from "../timeline/shortcuts";
 import { LinkByHand } from "./link_by_hand";
 import { WayPicture } from "./way_picture";
 import "./ways.css";
