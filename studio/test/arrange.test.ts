@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { copied, firstSectionEdits, groundOf, joinEdits, moveEdits, pasteEdits, phrases, placeKeys, resizeEdits, snappedMove, splitEdits, unitOf } from "../src/model/arrange";
+import { copied, firstSectionEdits, groundOf, joinEdits, moveEdits, pasteEdits, phraseEdit, phrases, placeKeys, resizeEdits, snappedMove, splitEdits, unitOf } from "../src/model/arrange";
 import { allBoxes, planRows } from "../src/model/plan";
 import type { Structure } from "../src/model/score";
 
@@ -75,4 +75,16 @@ test("curves have rows of their own", () => {
   const rows = planRows({ ...STRUCTURE, score: { ...STRUCTURE.score, curve: [{ name: "light", points: [[0, 0], [4, 1]] }] } }, "motion");
   assert.deepEqual(rows.map((row) => row.id), ["signals", "curve 1", "calls", "all", "group 0", "group 1"]);
   assert.equal(rows[4]?.selection, "ember");
+});
+
+test("phrases are named, begun and taken away where they begin", () => {
+  const score = { music: { phrase: [{ measure: 9, name: "B" }, { measure: 1, name: "A" }] } } as never;
+  assert.deepEqual(phrases(score, 20).map((one) => [one.start, one.measures, one.name, one.number]), [[0, 8, "A", 2], [8, 12, "B", 1]]);
+  assert.deepEqual(phraseEdit(score, 8, "chorus"), { do: "set", at: ["music", "phrase", 1, "name"], value: "chorus" });
+  assert.deepEqual(phraseEdit(score, 8, ""), { do: "delete", at: ["music", "phrase", 1] });
+  assert.equal(phraseEdit(score, 8, "B"), null);
+  assert.deepEqual(phraseEdit({}, 4, "C"), { do: "insert", at: ["music", "phrase"], value: { measure: 5, name: "C" } });
+  const sorted = { music: { phrase: [{ measure: 1, name: "A" }, { measure: 9, name: "B" }] } } as never;
+  assert.deepEqual(phraseEdit(sorted, 4, "C"), { do: "insert", at: ["music", "phrase", 2], value: { measure: 5, name: "C" } });
+  assert.deepEqual(phrases({}, 12).map((one) => [one.start, one.measures, one.number]), [[0, 8, 0], [8, 4, 0]]);
 });

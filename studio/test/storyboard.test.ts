@@ -1,6 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { measuresText, neighbours, pictures, placeText, ranges, title, type Taken } from "../src/model/storyboard";
+import { isLed, measuresText, neighbours, pictures, placeText, ranges, title, type Taken } from "../src/model/storyboard";
+import { reached } from "../src/model/danced";
 import type { Structure } from "../src/model/score";
 
 const STRUCTURE: Structure = {
@@ -34,4 +35,15 @@ test("places and neighbours as the public sees them", () => {
   assert.deepEqual(neighbours(taken, 2), { left: 1, right: 3 });
   taken.present[0] = 0;
   assert.deepEqual(neighbours(taken, 2), { left: null, right: 3 });
+});
+
+test("behind a section that waits the pictures are those of somebody who leads", () => {
+  const score = { ...STRUCTURE.score, section: [{ name: "verse", measures: 8, wait: true }, { name: "chorus", measures: 8 }] };
+  const waiting: Structure = { ...STRUCTURE, score };
+  assert.equal(isLed(STRUCTURE), false);
+  assert.equal(isLed(waiting), true);
+  assert.deepEqual(pictures(waiting).map((one) => [one.first, one.last, one.danced]), [[0, 0, 1], [0, 4, 5], [8, 12, 13]]);
+  assert.deepEqual(reached(STRUCTURE.score, 9, 4), { from: 18, to: 21, led: false });
+  assert.deepEqual(reached(score, 9, 4), { from: 10, to: 13, led: true });
+  assert.deepEqual(reached(score, 3, 0), { from: 4, to: 4, led: false });
 });

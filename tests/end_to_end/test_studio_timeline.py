@@ -260,6 +260,49 @@ def test_sections_are_blocks(tmp_path: Path) -> None:
             written(show, page, r'name = "part"\nmeasures = 8\nrepeat = 3')
 
 
+def test_phrases_are_named_by_a_double_click_and_by_a_key(show: Studio, page: Any) -> None:
+    ruler = page.locator(".ruler .lane").first.bounding_box()
+    page.mouse.dblclick(ruler["x"] + 4 * 40 + 12, ruler["y"] + 33)
+    page.get_by_label("Name of the phrase that begins in measure 5").fill("verse")
+    page.keyboard.press("Enter")
+    written(show, page, r'\[\[music\.phrase\]\]\nmeasure = 5\nname = "verse"')
+    page.mouse.dblclick(ruler["x"] + 4 * 40 + 12, ruler["y"] + 33)
+    page.get_by_label("Name of the phrase that begins in measure 5").fill("couplet")
+    page.keyboard.press("Enter")
+    written(show, page, r'measure = 5\nname = "couplet"')
+    page.mouse.click(ruler["x"] + 8 * 40 + 12, ruler["y"] + 52)
+    page.keyboard.press("p")
+    page.get_by_label("Name of the phrase that begins in measure 9").fill("bridge")
+    page.keyboard.press("Enter")
+    written(show, page, r'name = "couplet".*measure = 9\nname = "bridge"')
+    page.keyboard.press("p")
+    page.get_by_label("Name of the phrase that begins in measure 9").fill("")
+    page.keyboard.press("Escape")  # nothing changes
+    page.keyboard.press("p")
+    assert page.get_by_label("Name of the phrase that begins in measure 9").input_value() == "bridge"
+    page.get_by_label("Name of the phrase that begins in measure 9").fill("")
+    page.keyboard.press("Enter")
+    deadline = time.monotonic() + 8.0 * BUSY
+    while "bridge" in show.loaded.path.read_text():
+        assert time.monotonic() < deadline
+        page.wait_for_timeout(20)
+
+
+def test_measures_behind_a_section_that_waits_are_looked_at_and_have_pictures(tmp_path: Path) -> None:
+    sections = SECTIONS.replace('name = "verse"', 'name = "verse"\nwait = true')
+    text = PATCH.replace("measure = 8", 'section = "chorus"\nmeasure = 2') + sections
+    for made in show_of(tmp_path, text):
+        with opened_page(made) as page:
+            ruler = page.locator(".ruler .lane").first.bounding_box()
+            page.mouse.click(ruler["x"] + 11 * 40 + 12, ruler["y"] + 52)
+            page.get_by_text("Measure 12, preview").wait_for()
+            page.get_by_text("if somebody leads there").wait_for()
+            page.locator(".moment .hint", has_text="working").wait_for(state="detached")
+            page.get_by_role("navigation", name="Views").get_by_role("button", name="Storyboard").click()
+            page.get_by_text("3 pictures, as somebody leads from section to section").wait_for()
+            assert page.locator(".storyboard .board.empty").count() == 0
+
+
 def test_the_inspector_changes_one_several_and_the_show(show: Studio, page: Any) -> None:
     inspector = page.get_by_role("region", name="Inspector")
     box(page, "circle, ember").click()

@@ -240,10 +240,37 @@ export function curvePoints(entry: Entry): [number, number][] {
   return points.filter((one): one is [number, number] => Array.isArray(one) && typeof one[0] === "number" && typeof one[1] === "number");
 }
 
+/** A phrase of the music, in measures from 0; `number`: its entry, from 1, or 0 where nobody wrote it. */
+export interface Phrase {
+  start: number;
+  measures: number;
+  name: string;
+  number: number;
+}
+
 /** Phrases of the music, or every eight measures. */
-export function phrases(score: Score, length: number): { start: number; measures: number; name: string }[] {
-  const music = (score["music"] as Score | undefined) ?? {};
-  const written = entries(music, "phrase").map((one) => ({ start: number(one, "measure", 1) - 1, name: text(one, "name") }));
-  const all = written.length ? written : Array.from({ length: Math.ceil(length / 8) }, (_, index) => ({ start: 8 * index, name: "" }));
+export function phrases(score: Score, length: number): Phrase[] {
+  const written = writtenPhrases(score);
+  const all = written.length ? written : Array.from({ length: Math.ceil(length / 8) }, (_, index) => ({ start: 8 * index, name: "", number: 0 }));
   return all.filter((one) => one.start < length).map((one, index) => ({ ...one, measures: (all[index + 1]?.start ?? length) - one.start }));
+}
+
+function writtenPhrases(score: Score): { start: number; name: string; number: number }[] {
+  const music = (score["music"] as Score | undefined) ?? {};
+  return entries(music, "phrase")
+    .map((one, index) => ({ start: number(one, "measure", 1) - 1, name: text(one, "name"), number: index + 1 }))
+    .sort((one, other) => one.start - other.start);
+}
+
+/** What a phrase that begins in a measure (from 0) is called from now on; an empty name takes a phrase away that is there. Null: nothing changes. */
+export function phraseEdit(score: Score, start: number, name: string): SingleEdit | null {
+  const all = writtenPhrases(score);
+  const known = all.find((one) => one.start === start);
+  const at = ["music", "phrase"];
+  if (known) {
+    if (known.name === name) return null;
+    return name ? { do: "set", at: [...at, known.number, "name"], value: name } : { do: "delete", at: [...at, known.number] };
+  }
+  const before = all.findLast((one) => one.start < start)?.number ?? 0;
+  return { do: "insert", at: before === all.length ? at : [...at, before + 1], value: name ? { measure: start + 1, name } : { measure: start + 1 } };
 }

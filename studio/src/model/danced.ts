@@ -25,6 +25,25 @@ export function dancedMeasure(score: Score, written: number): number | null {
   return null;
 }
 
+/** Measures as the preview counts them, from 1; `led`: they come only if somebody leads there, and are counted as they are written. */
+export interface Reached {
+  from: number;
+  to: number;
+  led: boolean;
+}
+
+/** Where some measures of the written score (from 0) are danced, or would be if somebody led there. */
+export function reached(score: Score, written: number, measures = 1): Reached {
+  const danced = dancedMeasure(score, written);
+  const from = danced ?? Math.floor(written) + 1;
+  return { from, to: from + Math.max(Math.ceil(measures), 1) - 1, led: danced === null };
+}
+
+/** For a question to the preview. */
+export function asLed(led: boolean): { led?: true } {
+  return led ? { led: true } : {};
+}
+
 /** The written measure (from 0, with a fraction) at which an entry begins. */
 export function writtenStart(score: Score, entry: Entry, beats: number): number {
   const name = text(entry, "section").toLowerCase();

@@ -4,7 +4,7 @@ import type { Positions } from "../net/frames";
 import type { PreviewAnswer, Question } from "../net/preview";
 import type { Value } from "../net/values";
 import type { SingleEdit, Ways } from "./document";
-import { dancedMeasure, writtenStart } from "./danced";
+import { asLed, reached, writtenStart, type Reached } from "./danced";
 import type { Place } from "./geometry";
 import { bodiesAt, endsOfWays, positionsAt, waysOf } from "./playback";
 import type { Studio } from "./studio";
@@ -44,12 +44,10 @@ export interface TooFar {
   reach: number;
 }
 
-export interface Played {
+export interface Played extends Reached {
   answer: PreviewAnswer;
   /** The same measures without the changes that are tried, for comparison. */
   before: PreviewAnswer | null;
-  from: number;
-  to: number;
 }
 
 const MOST_MEASURES = 64;
@@ -94,8 +92,10 @@ export class StageState {
   /** The danced measure (from 1) at the cursor; null: now. */
   readonly looked = computed(() => {
     const cursor = this.studio.cursor.value;
-    return cursor === null ? null : dancedMeasure(this.studio.score.value, cursor);
+    return cursor === null ? null : reached(this.studio.score.value, cursor).from;
   });
+  /** Whether that measure comes only if somebody leads there. */
+  readonly led = computed(() => this.studio.cursor.value !== null && reached(this.studio.score.value, this.studio.cursor.value).led);
   /** Where everybody stands at the cursor, by the preview. */
   readonly momentPositions = computed(() => {
     const answer = this.momentAnswer.value;
@@ -153,21 +153,21 @@ export class StageState {
     const stops = [
       effect(() => {
         const measure = this.looked.value;
-        this.about(measure === null ? null : { from: measure, to: measure, positions: "samples", ways: false, notes: false }, "moment", this.momentAnswer);
+        this.about(measure === null ? null : { from: measure, to: measure, positions: "samples", ways: false, notes: false, ...asLed(this.led.value) }, "moment", this.momentAnswer);
       }),
       effect(() => {
         const measure = this.looked.value;
-        this.about(measure === null ? null : { from: measure, to: measure, positions: "none", ways: false }, "notes", this.momentNotes);
+        this.about(measure === null ? null : { from: measure, to: measure, positions: "none", ways: false, ...asLed(this.led.value) }, "notes", this.momentNotes);
       }),
       effect(() => {
         const chosen = this.studio.selected.value.filter((one) => one.list === "segment");
         const one = chosen.length === 1 ? chosen[0] : undefined;
         if (!one) this.segmentAnswer.value = null;
-        this.about(one ? { segment: one.number } : null, "segment", this.segmentAnswer);
+        this.about(one ? { segment: one.number, ...asLed(this.measuresOf("segment", one.number)?.led ?? false) } : null, "segment", this.segmentAnswer);
       }),
       effect(() => {
         const played = this.solid.value ? this.played.peek() : null;
-        if (played && !played.answer.motions.length && played.to - played.from < MOST_BODIES) void this.play(played.from, played.to);
+        if (played && !played.answer.motions.length && played.to - played.from < MOST_BODIES) void this.play(played);
       }),
       this.studio.cursor.subscribe(() => { if (this.played.peek()) this.stop(); }),
       effect(() => {
@@ -199,10 +199,10 @@ export class StageState {
   }
 
   /** What edits would change in some danced measures, while they are dragged: planned ways, or simulated ones of elements. */
-  drag(edits: SingleEdit[], from: number, to: number, simulated = false): void {
+  drag(edits: SingleEdit[], { from, to, led }: Reached, simulated = false): void {
     const all = [...this.tried.value, ...edits];
     const last = Math.min(to, from + MOST_MEASURES - 1);
-    const question: Question = { from, to: last, with: all, notes: true, ...(simulated ? { positions: "samples" } : { positions: "none", planned: true }) };
+    const question: Question = { from, to: last, with: all, notes: true, ...asLed(led), ...(simulated ? { positions: "samples" } : { positions: "none", planned: true }) };
     const drag = ++this.drags;
     void this.studio.preview.ask(question, "drag", true).then((answer) => {
       if (answer.replaced || drag !== this.drags) return;
@@ -248,12 +248,12 @@ export class StageState {
     this.stop();
   }
 
-  /** Danced measures (from 1) of an entry: its first and last; null if somebody has to lead there. */
-  measuresOf(list: string, number: number): [number, number] | null {
+  /** The measures of an entry; null if it is gone. */
+  measuresOf(list: string, number: number): Reached | null {
     const entry = this.studio.entry({ list, number });
     if (!entry) return null;
-    const first = dancedMeasure(this.studio.score.value, writtenStart(this.studio.score.value, entry, this.studio.beats.value));
-    return first === null ? null : [first, first + Math.max(0, Math.ceil(this.studio.box({ list, number })?.length ?? 1) - 1)];
+    const { score, beats } = this.studio;
+    return reached(score.value, writtenStart(score.value, entry, beats.value), this.studio.box({ list, number })?.length ?? 1);
   }
 
   /** The written measure (from 0) where something new begins: that of the cursor, or the next one. */
@@ -261,11 +261,11 @@ export class StageState {
     return Math.floor(this.studio.cursor.value ?? (this.studio.playhead.value ?? -1) + 1);
   }
 
-  /** Play danced measures of the preview, on the beat, again and again. */
-  async play(from: number, to: number): Promise<void> {
+  /** Play measures of the preview, on the beat, again and again. */
+  async play({ from, to, led }: Reached): Promise<void> {
     this.stop();
     const last = Math.min(to, from + MOST_MEASURES - 1);
-    const question: Question = { from, to: last, positions: "samples", joints: this.solid.value && last - from < MOST_BODIES };
+    const question: Question = { from, to: last, ...asLed(led), positions: "samples", joints: this.solid.value && last - from < MOST_BODIES };
     const tried = this.tried.value;
     this.waits.value = true;
     const ask = (edits: SingleEdit[], topic: string): Promise<PreviewAnswer> => this.studio.preview.ask({ ...question, ...(edits.length ? { with: edits } : {}) }, topic);
@@ -276,7 +276,7 @@ export class StageState {
       this.studio.doc.tell("refused", `Measures ${from} to ${last} cannot be played`, answer.refused ?? []);
       return;
     }
-    this.played.value = { answer, before, from, to: last };
+    this.played.value = { answer, before, from, to: last, led };
     const begun = performance.now();
     const first = answer.moments[0]?.time_s ?? 0;
     const length = (answer.moments.at(-1)?.time_s ?? first) - first;

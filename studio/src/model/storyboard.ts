@@ -1,6 +1,6 @@
 // The storyboard: a picture for each moment at which somebody arrives, in the order of the score.
 import { allBoxes, sectionSpans, stageSize, type Box } from "./plan";
-import { dancedMeasure } from "./danced";
+import { dancedMeasure, reached } from "./danced";
 import { wordsOfDancers } from "./form";
 import type { Structure } from "./score";
 import type { PreviewAnswer } from "../net/preview";
@@ -8,6 +8,7 @@ import type { PreviewAnswer } from "../net/preview";
 /** Measures of one question: pictures come while the rest is simulated. */
 const MOST_MEASURES = 16;
 const MOST_PICTURES = 400;
+const MOVES = ["segment", "element"];
 
 export interface Picture {
   /** Measures of the written score, from 0: where it begins, and where all have arrived. */
@@ -15,7 +16,7 @@ export interface Picture {
   last: number;
   section: string;
   boxes: Box[];
-  /** The danced measure (from 1) at whose line it is taken. */
+  /** The danced measure (from 1) at whose line it is taken; in a led storyboard, as it is written. */
   danced: number;
 }
 
@@ -26,9 +27,15 @@ export interface Taken {
   steps: string[];
 }
 
+/** Whether the storyboard shows the score as somebody dances it who leads: some of it comes only then. */
+export function isLed(structure: Structure): boolean {
+  return allBoxes(structure).some((box) => MOVES.includes(box.list) && dancedMeasure(structure.score, Math.floor(box.start)) === null);
+}
+
 /** The pictures of a score: where it begins, and after each formation or way. */
 export function pictures(structure: Structure): Picture[] {
-  const moves = allBoxes(structure).filter((box) => box.list === "segment" || box.list === "element");
+  const moves = allBoxes(structure).filter((box) => MOVES.includes(box.list));
+  const led = isLed(structure);
   const spans = sectionSpans(structure.score);
   const section = (measure: number): string => spans.find((span) => measure >= span.first && measure < span.first + span.measures)?.name ?? "";
   const found = new Map<number, Picture>();
@@ -36,8 +43,8 @@ export function pictures(structure: Structure): Picture[] {
   for (const box of [...moves].sort((a, b) => a.start + a.length - b.start - b.length)) {
     const first = Math.floor(box.start);
     const last = Math.ceil(box.start + box.length);
-    const danced = dancedMeasure(structure.score, first);
-    if (danced === null || last <= first) continue;
+    if (last <= first) continue;
+    const danced = led ? first + 1 : reached(structure.score, first).from;
     const known = found.get(last);
     if (known) {
       known.boxes.push(box);

@@ -133,15 +133,15 @@ function PadButton({ studio, pad, column, first, onLaunch }: { studio: Studio; p
     <button
       class={`pad ${state} ${away && state === "idle" ? "away" : ""} ${wide ? "wide" : ""}`} tabIndex={first ? 0 : -1} title={reason}
       style={{ "--box": column.group >= 0 ? colourOf(studio.doc.structure.value?.groups[column.group]) : "var(--accent)", "--share": launch?.state === "runs" ? shareOf(launch, danced) : 0 }}
-      aria-label={[pad.name, column.label, doing, away && state === "idle" ? "cannot follow at once" : ""].filter(Boolean).join(", ")}
       onClick={onLaunch}
     >
       {wide && <span class="thumb"><PadPicture studio={studio} pad={pad} /></span>}
       <span class="words">
         <b>{pad.name}</b>
-        <small>{state === "runs" && launch ? `▶ ${measureOf(launch, danced, told.beats)} ${followMark(launch.follow)}` : state === "refused" ? "refused" : away ? (away < 0 ? "no way" : `+${away} ${away === 1 ? "measure" : "measures"}`) : wide ? pad.words : ""}</small>
+        <small aria-hidden="true">{state === "runs" && launch ? `▶ ${measureOf(launch, danced, told.beats)} ${followMark(launch.follow)}` : state === "refused" ? "refused" : away ? (away < 0 ? "no way" : `+${away} ${away === 1 ? "measure" : "measures"}`) : wide ? pad.words : ""}</small>
       </span>
-      {state === "waits" && <span class="count">{count ?? "…"}</span>}
+      <span class="unseen">{[column.label, doing, away && state === "idle" ? "cannot follow at once" : ""].filter(Boolean).join(", ")}</span>
+      {state === "waits" && <span class="count" aria-hidden="true">{count ?? "…"}</span>}
     </button>
   );
 }

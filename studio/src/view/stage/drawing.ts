@@ -2,7 +2,7 @@
 import { signal } from "@preact/signals";
 import { distance, isClosed, isWithin, simplified, type Place } from "../../model/geometry";
 import { elementEntry, liveCall } from "../../model/stage_edits";
-import { dancedMeasure } from "../../model/danced";
+import { reached } from "../../model/danced";
 import type { Studio } from "../../model/studio";
 import type { StageState, Tool } from "../../model/stage_state";
 import { placeIn } from "./paint_marks";
@@ -128,8 +128,7 @@ export class Drawing {
     const value = elementEntry(studio.score.value, kind, points, start, measures, stage.strength.value, studio.whom.value);
     const taken = await stage.send([{ do: "insert", at: ["element"], value }]);
     if (!taken) return;
-    const first = dancedMeasure(studio.score.value, start);
-    if (first !== null) await stage.play(first, first + Math.max(1, Math.ceil(measures)) - 1);
+    await stage.play(reached(studio.score.value, start, measures));
   }
 
   nearest([x, z]: Place): number {

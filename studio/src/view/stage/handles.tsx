@@ -33,7 +33,7 @@ export function Handles({ studio, stage, camera }: { studio: Studio; stage: Stag
   };
   const show = (handle: Handle, place: Place): void => {
     const measures = ["segment", "element"].includes(handle.list) ? stage.measuresOf(handle.list, handle.number) : null;
-    if (measures) stage.drag([edit(handle, place)], measures[0], measures[1], handle.list === "element");
+    if (measures) stage.drag([edit(handle, place)], measures, handle.list === "element");
   };
   return (
     <div class="handles">

@@ -1,8 +1,10 @@
 import { useSignal } from "@preact/signals";
-import { dancedMeasure } from "../../model/danced";
+import { reached, type Reached } from "../../model/danced";
 import type { StageState } from "../../model/stage_state";
 import type { Studio } from "../../model/studio";
 import { Switch } from "./tool_bar";
+
+const MEASURES_AT_CURSOR = 4;
 
 /** Which moment the stage shows: what is danced now, a measure of the preview, or a range that is played. */
 export function MomentBar({ studio, stage }: { studio: Studio; stage: StageState }) {
@@ -17,10 +19,9 @@ export function MomentBar({ studio, stage }: { studio: Studio; stage: StageState
           ? `Measures ${played.from}–${played.to}, preview`
           : cursor === null
             ? "Now"
-            : stage.looked.value === null
-              ? `Measure ${Math.floor(cursor) + 1} comes only if somebody leads there`
-              : `Measure ${Math.floor(cursor) + 1}, preview`}
+            : `Measure ${Math.floor(cursor) + 1}, preview`}
       </strong>
+      {(played ? played.led : stage.led.value) && <span class="hint">if somebody leads there</span>}
       {played && <span class="hint counter">{stage.playedMeasure.value.toFixed(1)}</span>}
       {isPreview && stage.waits.value && <span class="hint">{progress === null ? "working …" : `simulated up to measure ${progress}`}</span>}
       {isPreview && <button onClick={() => stage.now()}>Back to now</button>}
@@ -48,7 +49,7 @@ export function MomentBar({ studio, stage }: { studio: Studio; stage: StageState
 function PlayRange({ studio, stage }: { studio: Studio; stage: StageState }) {
   const from = useSignal("");
   const to = useSignal("");
-  const [first, last] = wanted(studio, stage);
+  const { from: first, to: last, led } = wanted(studio, stage);
   const begin = Number(from.value) || first;
   const end = Math.max(begin, Number(to.value) || Math.max(last, begin));
   return (
@@ -57,7 +58,7 @@ function PlayRange({ studio, stage }: { studio: Studio; stage: StageState }) {
       onSubmit={(event) => {
         event.preventDefault();
         if (stage.played.value) stage.stop();
-        else void stage.play(begin, end);
+        else void stage.play({ from: begin, to: end, led });
       }}
     >
       <input type="number" min={1} aria-label="First measure" placeholder={String(first)} value={from.value} onInput={(event) => { from.value = event.currentTarget.value; }} />
@@ -68,15 +69,17 @@ function PlayRange({ studio, stage }: { studio: Studio; stage: StageState }) {
   );
 }
 
-function wanted(studio: Studio, stage: StageState): [number, number] {
+function wanted(studio: Studio, stage: StageState): Reached {
   const range = studio.range.value;
-  const begin = range && dancedMeasure(studio.score.value, Math.floor(range[0]));
-  if (range && begin) return [begin, begin + Math.ceil(range[1]) - Math.floor(range[0]) - 1];
+  if (range) return reached(studio.score.value, Math.floor(range[0]), Math.ceil(range[1]) - Math.floor(range[0]));
   const spans = studio.selected.value.flatMap((one) => {
     const found = ["segment", "element", "sequence", "improvise"].includes(one.list) ? stage.measuresOf(one.list, one.number) : null;
     return found ? [found] : [];
   });
-  if (spans.length) return [Math.min(...spans.map((one) => one[0])), Math.max(...spans.map((one) => one[1]))];
-  const here = dancedMeasure(studio.score.value, studio.cursor.value ?? Math.max(0, Math.floor(studio.playhead.value ?? 0))) ?? 1;
-  return [here, here + 3];
+  const [one] = spans;
+  if (one) {
+    const alike = spans.filter((each) => each.led === one.led); // the two kinds are counted differently
+    return { from: Math.min(...alike.map((each) => each.from)), to: Math.max(...alike.map((each) => each.to)), led: one.led };
+  }
+  return reached(studio.score.value, studio.cursor.value ?? Math.max(0, Math.floor(studio.playhead.value ?? 0)), MEASURES_AT_CURSOR);
 }

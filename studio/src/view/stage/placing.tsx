@@ -1,6 +1,6 @@
 import type { Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { dancedMeasure } from "../../model/danced";
+import { reached } from "../../model/danced";
 import { distance, nearestOf, type Place } from "../../model/geometry";
 import { entries, number, text } from "../../model/score";
 import { freeName, placedEdits } from "../../model/stage_edits";
@@ -45,9 +45,8 @@ function show(studio: Studio, stage: StageState): void {
   const now = stage.placing.value;
   if (!now) return;
   const used = studio.selected.value.find((one) => one.list === "segment");
-  const first = dancedMeasure(studio.score.value, stage.here());
-  const measures = now.number && used ? stage.measuresOf(used.list, used.number) : !now.number && first !== null ? [first, first + stage.measures.value - 1] as const : null;
-  if (measures) stage.drag(editsOf(studio, stage, now), measures[0], measures[1]);
+  const measures = now.number ? used && stage.measuresOf(used.list, used.number) : reached(studio.score.value, stage.here(), stage.measures.value);
+  if (measures) stage.drag(editsOf(studio, stage, now), measures);
 }
 
 /** Circles and triangles of a formation that are dragged by hand. By keyboard: Tab, arrows, and < > to turn. */

@@ -3,6 +3,7 @@ import { useEffect, useRef } from "preact/hooks";
 import { stageSize } from "../../model/plan";
 import { entries, number } from "../../model/score";
 import type { StageState } from "../../model/stage_state";
+import { asLed } from "../../model/danced";
 import type { Studio } from "../../model/studio";
 import type { Joints, Positions } from "../../net/frames";
 import { PARENTS, REST_MM } from "./skeleton";
@@ -130,7 +131,7 @@ function connect(studio: Studio, stage: StageState, element: HTMLElement, pictur
       void studio.doc.revision.value;
       looked.value = null;
       if (measure === null || cursor === null) return;
-      void studio.preview.ask({ measure: measure + (cursor % 1), joints: true, ...(tried.length ? { with: tried } : {}) }, "joints").then((answer) => {
+      void studio.preview.ask({ measure: measure + (cursor % 1), joints: true, ...asLed(stage.led.value), ...(tried.length ? { with: tried } : {}) }, "joints").then((answer) => {
         if (!answer.replaced) looked.value = answer.joints;
       });
     }),

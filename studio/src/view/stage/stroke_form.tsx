@@ -1,6 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
-import { dancedMeasure } from "../../model/danced";
+import { reached } from "../../model/danced";
 import type { Place } from "../../model/geometry";
 import { drawnEdits, drawnFormation, freeName, liveCall, type Becomes, type Drawn } from "../../model/stage_edits";
 import type { StageState, Stroke } from "../../model/stage_state";
@@ -33,9 +33,7 @@ export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: S
     // what it would look like: places of the formation, and ways into it
     if (now.becomes === "formation") void placesOf(studio, now).then((places) => { if (stage.stroke.peek()) stage.thought.value = places; });
     else stage.thought.value = [];
-    const first = dancedMeasure(studio.score.value, now.start);
-    if (first === null) return;
-    if (!isElement) stage.drag(drawnEdits(studio.score.value, now), first, first + now.measures - 1);
+    if (!isElement) stage.drag(drawnEdits(studio.score.value, now), reached(studio.score.value, now.start, now.measures));
     else stage.endDrag();
   }, [now]);
 
@@ -49,8 +47,7 @@ export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: S
       stage.stroke.value = stroke; // it is not lost
       return;
     }
-    const first = dancedMeasure(studio.score.value, now.start);
-    if (isElement && first !== null) await stage.play(first, first + Math.ceil(now.measures) - 1);
+    if (isElement) await stage.play(reached(studio.score.value, now.start, now.measures));
   };
 
   return (

@@ -1,7 +1,8 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useMemo } from "preact/hooks";
+import { asLed } from "../../model/danced";
 import type { Studio } from "../../model/studio";
-import { measuresText, neighbours, pictures, placeText, ranges, takenAt, title, type Picture, type Taken } from "../../model/storyboard";
+import { isLed, measuresText, neighbours, pictures, placeText, ranges, takenAt, title, type Picture, type Taken } from "../../model/storyboard";
 import { groupOf } from "../stage/stage_view";
 import { BoardPicture } from "./board_picture";
 import "./storyboard.css";
@@ -13,13 +14,14 @@ export function Storyboard({ studio }: { studio: Studio }) {
   const dancer = useSignal<number | null>(null);
   const structure = studio.doc.structure.value;
   const all = useMemo(() => (structure ? pictures(structure) : []), [structure]);
+  const led = structure !== null && isLed(structure);
 
   useEffect(() => {
     let wanted = true;
     void (async () => {
       const found = new Map<number, Taken>();
       for (const [from, to] of ranges(all)) {
-        const answer = await studio.preview.ask({ from, to, positions: "measures", ways: false, notes: false }, "storyboard");
+        const answer = await studio.preview.ask({ from, to, ...asLed(led), positions: "measures", ways: false, notes: false }, "storyboard");
         if (!wanted) return;
         if (answer.refused) {
           problem.value = answer.refused[0]?.what ?? "";
@@ -48,11 +50,15 @@ export function Storyboard({ studio }: { studio: Studio }) {
           </select>
         </label>
         <button onClick={() => print()}>Print</button>
-        <span class="hint" role="status">{problem.value || (all.some((one) => !taken.value.has(one.danced)) ? studio.preview.progress.value !== null ? `Simulating: ${studio.preview.progress.value} measures so far` : "The pictures come in a moment …" : `${all.length} pictures`)}</span>
+        <span class="hint" role="status">{problem.value || (all.some((one) => !taken.value.has(one.danced)) ? studio.preview.progress.value !== null ? `Simulating: ${studio.preview.progress.value} measures so far` : "The pictures come in a moment …" : countText(all.length, led))}</span>
       </header>
       {shown.map((one) => <Sheet key={one ?? "all"} studio={studio} all={all} taken={taken.value} dancer={one} />)}
     </main>
   );
+}
+
+function countText(count: number, led: boolean): string {
+  return `${count} ${count === 1 ? "picture" : "pictures"}${led ? ", as somebody leads from section to section" : ""}`;
 }
 
 function Sheet({ studio, all, taken, dancer }: { studio: Studio; all: Picture[]; taken: Map<number, Taken>; dancer: number | null }) {

@@ -1,4 +1,4 @@
-import { firstSectionEdits, freeName, phrases } from "../../model/arrange";
+import { firstSectionEdits, freeName, phraseEdit, phrases } from "../../model/arrange";
 import type { SectionSpan } from "../../model/plan";
 import type { Studio } from "../../model/studio";
 import type { TimelineState } from "./state";
@@ -16,6 +16,7 @@ export function Ruler({ studio, state }: { studio: Studio; state: TimelineState 
         <Numbers studio={studio} state={state} />
         {studio.spans.value.map((span) => <SectionBlock key={span.number} studio={studio} state={state} span={span} />)}
         <Range studio={studio} />
+        <PhraseName studio={studio} state={state} />
       </div>
       <Wave studio={studio} state={state} />
     </div>
@@ -34,7 +35,7 @@ function Numbers({ studio, state }: { studio: Studio; state: TimelineState }) {
   const eights = phrases(studio.score.value, studio.length.value).filter((one) => (one.start + one.measures) * scale >= left - width && one.start * scale <= left + 2 * width);
   return (
     <>
-      {eights.map((one) => <i key={`p${one.start}`} class="phrase" style={{ "--start": one.start, "--length": one.measures }}>{one.name}</i>)}
+      {eights.map((one) => <i key={`p${one.start}`} class="phrase" title={`${one.name || "phrase"}: a double click, or P at the cursor, names the phrase that begins here; without a name it is taken away`} style={{ "--start": one.start, "--length": one.measures }}>{one.name}</i>)}
       {numbers.map((measure) => <i key={measure} class="measure" style={{ "--start": measure }}>{measure + 1}</i>)}
       {showBeats && numbers.flatMap((measure) =>
         Array.from({ length: beats - 1 }, (_, beat) => <i key={`${measure}.${beat}`} class="beat" style={{ "--start": measure + (beat + 1) / beats }}>{beat + 2}</i>))}
@@ -90,6 +91,35 @@ function SectionBlock({ studio, state, span }: { studio: Studio; state: Timeline
     >
       <span>{span.name}{more ? <small> {more}</small> : null}</span>
     </button>
+  );
+}
+
+/** The name of a phrase that is being written. */
+function PhraseName({ studio, state }: { studio: Studio; state: TimelineState }) {
+  const start = state.phrase.value;
+  if (start === null) return null;
+  const known = phrases(studio.score.value, studio.length.value).find((one) => one.number && one.start === start);
+  const done = (name: string): void => {
+    if (state.phrase.peek() === null) return; // by Escape
+    state.phrase.value = null;
+    const edit = phraseEdit(studio.score.peek(), start, name.trim());
+    if (edit) void studio.doc.edit(edit);
+  };
+  return (
+    <input
+      class="phrase"
+      style={{ "--start": start }}
+      aria-label={`Name of the phrase that begins in measure ${start + 1}`}
+      value={known?.name ?? ""}
+      maxLength={64}
+      ref={(field) => field?.focus()}
+      onBlur={(event) => done(event.currentTarget.value)}
+      onKeyDown={(event) => {
+        if (event.key === "Enter") event.currentTarget.blur();
+        else if (event.key === "Escape") state.phrase.value = null;
+        event.stopPropagation();
+      }}
+    />
   );
 }
 

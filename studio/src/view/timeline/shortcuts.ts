@@ -177,6 +177,7 @@ export const TIMELINE_SHORTCUTS: Shortcut[] = [
   { keys: "Ctrl+D", words: "repeat what is selected behind itself", run: inTurn(duplicate) },
   { keys: "S", words: "split at the cursor", run: inTurn(split) },
   { keys: "J", words: "join the selected boxes", run: inTurn(join) },
+  { keys: "P", words: "name the phrase that begins at the cursor", run: (studio) => { timelineOf(studio).phrase.value = Math.floor(putAt(studio)); } },
   { keys: "+", words: "zoom in", run: (studio) => timelineOf(studio).zoom(1.25) },
   { keys: "-", words: "zoom out", run: (studio) => timelineOf(studio).zoom(0.8) },
   { keys: "0", words: "the whole show", run: (studio) => timelineOf(studio).fit(0, studio.length.value) },

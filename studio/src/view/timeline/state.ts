@@ -1,11 +1,13 @@
 // Where the timeline stands: its geometry, what is visible, what is held, and what the preview says of it.
 import { computed, signal } from "@preact/signals";
 import { hasDancers, moveEdits, resizeEdits } from "../../model/arrange";
-import { dancedMeasure } from "../../model/danced";
+import { asLed, reached } from "../../model/danced";
 import type { Box, Row } from "../../model/plan";
 import type { SingleEdit } from "../../model/document";
 import type { Studio } from "../../model/studio";
 
+/** Top and bottom of the phrases in the ruler [px]. */
+export const PHRASES: readonly [number, number] = [26, 40];
 /** Height of a lane, of a row of a curve, and of the ruler [px]. */
 export const LANE = 26;
 const ROW_MARGIN = 7;
@@ -21,6 +23,7 @@ const MOST_ELEMENTS = 300;
 const STEP_LISTS = ["sequence", "improvise"];
 /** Before what has to be simulated is tried; what is only planned is tried at once [ms]. */
 const TRY_WAIT_MS = 150;
+const MOST_TRIED = 32;
 
 /** What is done with the pointer, as it stands now. */
 export type Gesture =
@@ -57,6 +60,8 @@ export class TimelineState {
   /** The danced division of the range. */
   readonly danced = signal<Row[]>([]);
   readonly naming = signal<number | null>(null);
+  /** The measure (from 0) in which a phrase begins that is being named. */
+  readonly phrase = signal<number | null>(null);
   element: HTMLElement | null = null;
   private tried = "";
   private timer = 0;
@@ -256,10 +261,9 @@ export class TimelineState {
     if (!ghosts.length) return;
     const first = Math.max(0, Math.floor(Math.min(...ghosts.map((ghost) => ghost.start))));
     const last = Math.ceil(Math.max(...ghosts.map((ghost) => ghost.start + Math.max(ghost.length, 1))));
-    const from = dancedMeasure(this.studio.score.peek(), first) ?? 1;
-    const to = from + Math.min(Math.max(last - first, 1), 32) - 1;
+    const { from, to, led } = reached(this.studio.score.peek(), first, Math.min(last - first, MOST_TRIED));
     const list = edits.length === 1 ? edits : [{ do: "together" as const, edits }];
-    const answer = await this.studio.preview.ask({ from, to, with: list, positions: "none", planned: isPlanned(edits), notes: true }, "timeline", true);
+    const answer = await this.studio.preview.ask({ from, to, ...asLed(led), with: list, positions: "none", planned: isPlanned(edits), notes: true }, "timeline", true);
     if (answer.replaced || said !== this.tried || !this.gesture.peek()) return;
     const told = answer.texts["notes"] as { answers?: { refused?: { what: string; remedy?: string }[] }[]; notes?: { what: string }[]; meetings?: unknown[]; too_far?: { dancer: number; measure: number }[] } | undefined;
     const faults = answer.refused ?? told?.answers?.flatMap((one) => one.refused ?? []) ?? [];

@@ -1,6 +1,6 @@
 import { useEffect, useMemo, useRef } from "preact/hooks";
-import { hasDancers, placeKeys, type Snap } from "../../model/arrange";
-import { dancedMeasure } from "../../model/danced";
+import { hasDancers, phrases, placeKeys, type Snap } from "../../model/arrange";
+import { asLed, reached } from "../../model/danced";
 import { divisionRows, type Branch } from "../../model/division";
 import { sequenceLength, type Row } from "../../model/plan";
 import type { Studio } from "../../model/studio";
@@ -11,10 +11,12 @@ import { Overlay } from "./overlay";
 import { addSection, Ruler } from "./ruler";
 import { addHere, join, putAt, rowDancers, split } from "./shortcuts";
 import { colourOf } from "../stage/paint";
-import { heightOf, timelineOf, type TimelineState } from "./state";
+import { heightOf, PHRASES, timelineOf, type TimelineState } from "./state";
 import { Track } from "./track";
 import "./timeline.css";
 
+/** Width of a phrase's name [px]: a double click there names it anew. */
+const PHRASE_LABEL_PX = 48;
 const FLASH_MS = 1600;
 const MOST_DIVIDED = 64;
 /** A double click that a browser tells so soon after a double tap is the same one. */
@@ -149,12 +151,24 @@ function doubleClick(event: MouseEvent, studio: Studio, state: TimelineState): v
   const target = document.elementFromPoint(event.clientX, event.clientY);
   const section = target?.closest<HTMLElement>("[data-section]")?.dataset["section"];
   if (section) state.naming.value = Number(section);
-  const id = target?.closest(".knot, .box, .canon") ? undefined : target?.closest<HTMLElement>("[data-lane]")?.dataset["lane"];
   const place = state.place(event);
+  const down = event.clientY - (state.element?.getBoundingClientRect().top ?? 0);
+  if (!section && place.row < 0 && down >= PHRASES[0] && down <= PHRASES[1]) {
+    namePhrase(studio, state, place.measure);
+    return;
+  }
+  const id = target?.closest(".knot, .box, .canon") ? undefined : target?.closest<HTMLElement>("[data-lane]")?.dataset["lane"];
   const row = state.rows.peek().find((one) => one.id === id);
   const [first] = row?.boxes ?? [];
   if (row?.kind === "curve" && first) addPoint(studio, state, first, event);
   else if (row && row.kind !== "danced" && !state.boxAt(place)) void addHere(studio, row, Math.floor(place.measure));
+}
+
+/** Name the phrase whose name is there, or a new one. */
+function namePhrase(studio: Studio, state: TimelineState, measure: number): void {
+  const all = phrases(studio.score.peek(), studio.length.peek());
+  const under = all.find((one) => one.number && measure >= one.start && (measure - one.start) * studio.scale.peek() < PHRASE_LABEL_PX);
+  state.phrase.value = under?.start ?? Math.floor(measure);
 }
 
 /** Show who dances together in the chosen measures, or hide it. */
@@ -165,16 +179,11 @@ async function showDivision(studio: Studio, state: TimelineState): Promise<void>
     return;
   }
   const first = Math.floor(range[0]);
-  const danced = dancedMeasure(studio.score.peek(), first);
-  if (danced === null) {
-    studio.doc.tell("told", "These measures come only if somebody leads there.");
-    return;
-  }
-  const to = danced + Math.min(Math.ceil(range[1]) - first, MOST_DIVIDED) - 1;
-  const answer = await studio.preview.ask({ from: danced, to, positions: "none", ways: false, notes: false, division: true }, "division");
+  const { from, to, led } = reached(studio.score.peek(), first, Math.min(Math.ceil(range[1]) - first, MOST_DIVIDED));
+  const answer = await studio.preview.ask({ from, to, ...asLed(led), positions: "none", ways: false, notes: false, division: true }, "division");
   if (answer.refused) studio.doc.tell("refused", "Nothing to show", answer.refused);
   const found = (answer.texts["division"]?.["division"] ?? {}) as Record<string, Branch[]>;
-  state.danced.value = divisionRows(found[studio.mode.peek() === "steps" ? "steps" : "motion"] ?? [], first, danced);
+  state.danced.value = divisionRows(found[studio.mode.peek() === "steps" ? "steps" : "motion"] ?? [], first, from);
 }
 
 /** Show for a moment what somebody else changed, with their name. */

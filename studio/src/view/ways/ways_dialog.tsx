@@ -1,5 +1,6 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useState } from "preact/hooks";
+import { asLed, reached } from "../../model/danced";
 import type { SingleEdit } from "../../model/document";
 import { freeName } from "../../model/formations";
 import { FACINGS, fillEntry, gapEdits, MATCHES, WAYS, type Gap, type Option, type OptionFigures } from "../../model/gap";
@@ -39,7 +40,7 @@ export function WaysDialog({ studio, gap, onClose }: { studio: Studio; gap: Gap;
     const tried: SingleEdit[] = gap.free ? [{ do: "insert", at: ["segment"], value: fillEntry(gap, place, {}) }] : [];
     const segment = gap.free ? entries(studio.score.peek(), "segment").length + 1 : gap.to;
     const timer = setTimeout(() => {
-      void studio.library.ask({ segment, options: MATCHES.map(([name]) => option(name)), ...(tried.length ? { with: tried } : {}) }).then((answer) => {
+      void studio.library.ask({ segment, ...asLed(reached(studio.score.peek(), gap.start).led), options: MATCHES.map(([name]) => option(name)), ...(tried.length ? { with: tried } : {}) }).then((answer) => {
         if (left) return;
         const told = answer.texts["options"] as { dancers: number[]; options: OptionFigures[] } | undefined;
         setFound({
