@@ -51,6 +51,11 @@ export interface Played extends Reached {
 }
 
 const MOST_MEASURES = 64;
+/** Measures that are simulated ahead: so many at once, so many in all; after an edit, and between two questions [ms]. */
+const AHEAD_AT_ONCE = 2;
+const MOST_AHEAD = 128;
+const AHEAD_WAIT_MS = 1500;
+const AHEAD_REST_MS = 120;
 /** Measures whose bodies are played; in longer ranges they only stand. */
 const MOST_BODIES = 16;
 
@@ -144,6 +149,7 @@ export class StageState {
     return new Set([...meetings.flatMap((one) => one.dancers), ...tooFar.map((one) => one.dancer)]);
   });
   private playing = 0;
+  private ahead = 0;
   private drags = 0;
 
   constructor(readonly studio: Studio) {}
@@ -169,6 +175,10 @@ export class StageState {
         const played = this.solid.value ? this.played.peek() : null;
         if (played && !played.answer.motions.length && played.to - played.from < MOST_BODIES) void this.play(played);
       }),
+      effect(() => {
+        void this.studio.doc.revision.value;
+        if (this.studio.doc.structure.value) this.simulateAhead();
+      }),
       this.studio.cursor.subscribe(() => { if (this.played.peek()) this.stop(); }),
       effect(() => {
         void this.studio.selected.value;
@@ -179,7 +189,20 @@ export class StageState {
     return () => {
       for (const stop of stops) stop();
       this.stop();
+      this.ahead++;
     };
+  }
+
+  /** Have the preview simulate the score while nothing else is asked, a little at a time, so that what is clicked is there. */
+  private simulateAhead(): void {
+    const mine = ++this.ahead;
+    const last = Math.min(Math.ceil(this.studio.length.peek()), MOST_AHEAD);
+    const next = async (measure: number): Promise<void> => {
+      if (mine !== this.ahead || measure > last) return;
+      if (!document.hidden) await this.studio.preview.ask({ measure }, "ahead");
+      setTimeout(() => void next(document.hidden ? measure : measure + AHEAD_AT_ONCE), AHEAD_REST_MS);
+    };
+    setTimeout(() => void next(AHEAD_AT_ONCE), AHEAD_WAIT_MS);
   }
 
   private about(question: Question | null, topic: string, into: { value: PreviewAnswer | null }): void {
@@ -191,7 +214,7 @@ export class StageState {
       return;
     }
     if (topic !== "notes") this.waits.value = true;
-    void preview.ask({ ...question, ...(tried.length ? { with: tried } : {}) }, topic, topic === "moment").then((answer) => {
+    void preview.ask({ ...question, ...(tried.length ? { with: tried } : {}) }, topic, topic !== "notes").then((answer) => {
       if (answer.replaced) return;
       if (topic !== "notes") this.waits.value = false;
       into.value = answer;
