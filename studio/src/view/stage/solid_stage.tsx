@@ -120,6 +120,7 @@ function connect(studio: Studio, stage: StageState, element: HTMLElement, pictur
   watch.observe(element);
   let groups: unknown = null;
   let painted = "";
+  let asked = 0;
   let colours = new Float32Array(0);
   return [
     effect(() => picture.surround(surroundings(studio))),
@@ -149,8 +150,11 @@ function connect(studio: Studio, stage: StageState, element: HTMLElement, pictur
         colours = new Float32Array(rows.length / 22); // a new array: the picture is coloured anew
         for (let dancer = 0; dancer < positions.count; dancer++) colours.set(known[(positions.present[dancer] ?? 1) - 1]?.colour ?? [0.6, 0.6, 0.6], 3 * dancer);
       }
-      picture.pose(rows, colours, positions.present, new Set(studio.dancers.value));
+      const chosen = new Set(studio.dancers.value);
+      cancelAnimationFrame(asked); // positions and joints come one by one, perhaps several times before a picture is drawn
+      asked = requestAnimationFrame(() => picture.pose(rows, colours, positions.present, chosen));
     }),
+    () => cancelAnimationFrame(asked),
     () => watch.disconnect(),
     () => dark.removeEventListener("change", recolour),
   ];
