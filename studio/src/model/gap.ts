@@ -13,6 +13,12 @@ export const MATCHES: [string, string, string][] = [
   ["number", "By number", "the first dancer to the first place"],
 ];
 export const WAYS: [string, string][] = [["mended", "give way"], ["straight", "straight"], ["divided", "bent by halves"]];
+
+/** A choice of a key as it is said everywhere on the page. */
+export function choiceInWords(key: string, choice: string): string {
+  const known = key === "match" ? MATCHES : key === "way" ? WAYS : [];
+  return known.find(([name]) => name === choice)?.[1].toLowerCase() ?? choice;
+}
 export const FACINGS: [string, string][] = [["", "as usual"], ["linear", "evenly"], ["tangent", "along the way"], ["measures", "measure by measure"], ["declared", "by hand"]];
 
 export interface Option {

@@ -2,6 +2,7 @@ import type { Signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Studio } from "../../model/studio";
 import { entries } from "../../model/score";
+import { choiceInWords } from "../../model/gap";
 import { colourOfHex, dancerWords, dragged, hexOf, namesOf, readNumber, readNumbers, toggled, type Field } from "../../model/form";
 import { StepsControl } from "./steps_control";
 
@@ -36,7 +37,7 @@ export function FieldControl(props: Props) {
           if (found !== undefined) onValue(found);
         }}>
           {(several || (value === undefined && field.default === undefined)) && <option value="">{several ? "several" : "–"}</option>}
-          {field.choices?.map((one) => <option key={one} value={String(one)}>{String(one)}</option>)}
+          {field.choices?.map((one) => <option key={one} value={String(one)}>{choiceInWords(field.key, String(one))}</option>)}
         </select>
       );
     case "colour":

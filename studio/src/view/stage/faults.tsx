@@ -27,6 +27,6 @@ export function Faults({ stage }: { stage: StageState }) {
 }
 
 function summary(meetings: number, far: number, all: number): string {
-  const parts = [meetings ? `${meetings} would meet` : "", far ? `${far} too far` : ""].filter(Boolean);
+  const parts = [meetings ? `${meetings} ${meetings === 1 ? "pair" : "pairs"} would meet` : "", far ? `${far} too far` : ""].filter(Boolean);
   return parts.length ? parts.join(", ") : all === 1 ? "1 note" : `${all} notes`;
 }
