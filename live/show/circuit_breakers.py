@@ -42,7 +42,7 @@ EFFECTS: Final = {
     Stage.CLOCK: "the clock runs on at its tempo and follows nothing",
     Stage.MEASURE: "measures are as long as the last one",
     Stage.SCORE: "the score triggers nothing",
-    Stage.DESK: "fades, cues and moving cameras stand still",
+    Stage.DESK: "fades, cues, launches and moving cameras stand still",
     Stage.AUDIENCE: "the audience has no effect",
     Stage.EDITS: "edits of patch and steps wait",
     Stage.SELECTION: "dancers take the nearest next step, whatever the score asks for",

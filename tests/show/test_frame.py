@@ -6,10 +6,10 @@ from live.clock.ticks import TICK
 from live.show.circuit_breakers import EFFECTS, Stage
 from tests.show.made_show import made_show
 
-PLAN = ["DESK", "AUDIENCE", "SCORE", "DESK", "EDITS", "SELECTION", "INTERRUPTS", "MEASURE"]
+PLAN = ["DESK", "AUDIENCE", "DESK", "SCORE", "DESK", "EDITS", "SELECTION", "INTERRUPTS", "MEASURE"]
 MOTION = ["STEERING", "STEERING", "PARTNERS", "CORRECTION", "DANCERS", "CAPTURE", "PARTNERS", "LIGHT", "OUTSIDE"]
 LINE = [
-    "SCORE", "DESK", "CORRECTION", "DANCERS", "EDITS", "MEASURE", "SCORE", "PARTNERS", "DESK", "VARIATION",
+    "DESK", "SCORE", "DESK", "CORRECTION", "DANCERS", "EDITS", "MEASURE", "SCORE", "PARTNERS", "DESK", "VARIATION",
     "SELECTION", "STEERING", "CORRECTION", "REACTIONS", "DESK", "AUDIENCE",
 ]  # fmt: skip
 

@@ -33,7 +33,7 @@ class Calls:
 
     def fire(self, now: Now, line: float | None = None) -> None:
         """Issue everything scheduled up to the danced beat `line` (None: now), and what that triggers at once."""
-        if self._breakers.closed(Stage.SCORE) and not self._desk.held:
+        if self._breakers.closed(Stage.DESK) and not self._desk.held:
             self._launcher.fire(now, now.danced_beats if line is None else line, self.issue)
         for _ in range(MAX_CALL_DEPTH):
             due: list[ControlEvent] = []
