@@ -117,6 +117,7 @@ def kill_three_engines(running: Running, port: int) -> dict[str, Any]:
     return line
 
 
+@pytest.mark.long
 def test_show_outlives_supervisor_and_is_adopted_by_next_one(play, patch: Path, tmp_path: Path):
     """Supervisor killed: ticks, journal, sound, status and OSC continue in the same engine. Started again, it adopts
     that engine; then the engine is killed, and the show continues as if it had always been the supervisor's.

@@ -18,7 +18,7 @@ from tests.control.waiting import BUSY
 from tests.end_to_end.browser import browser, needs_browser
 from tests.show.patch.edited_night import write_patch_folder
 
-pytestmark = [needs_browser, pytest.mark.browser]
+pytestmark = [needs_browser, pytest.mark.browser, pytest.mark.long]
 TIMEOUT = 60_000 * BUSY
 COUNTED_BEATS = """() => {
   const shown = document.querySelector(".countin:not(.measures) b");

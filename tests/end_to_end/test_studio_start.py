@@ -14,7 +14,7 @@ from live.show.patch.patch_search_path import PATCHES
 from tests.control.waiting import BUSY
 from tests.end_to_end.browser import browser, needs_browser
 
-pytestmark = [needs_browser, pytest.mark.browser]
+pytestmark = [needs_browser, pytest.mark.browser, pytest.mark.long]
 KEY = "a-key-of-the-tests-4711"
 
 

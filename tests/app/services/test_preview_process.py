@@ -112,6 +112,7 @@ def test_a_killed_process_is_replaced_and_the_question_told(loaded: LoadedShow) 
     with_client(loaded, act)
 
 
+@pytest.mark.long
 def test_one_that_hangs_is_replaced(loaded: LoadedShow) -> None:
     async def act(client: PreviewClient) -> None:
         await ask(client, {"id": 1, "measure": 1.5})
@@ -145,6 +146,7 @@ def test_a_newer_question_of_a_page_replaces_its_older_one_and_others_wait_for_t
     with_client(loaded, act)
 
 
+@pytest.mark.long
 def test_it_ends_when_nobody_asks_and_comes_again(loaded: LoadedShow) -> None:
     async def act(client: PreviewClient) -> None:
         assert (await ask(client, {"measure": 1.5})).last["kind"] == "done"

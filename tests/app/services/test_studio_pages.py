@@ -216,6 +216,7 @@ def test_edits_together_are_one_for_every_page(studio: Studio) -> None:
     assert studio.loaded.path.read_bytes() == before
 
 
+@pytest.mark.long
 def test_a_long_edit_is_taken_journalled_and_replayed(studio: Studio) -> None:
     points = [[round(0.01 * number, 4), round(0.001 * number, 4)] for number in range(500)]
     edit = {"do": "insert", "at": ["segment"], "value": {"measure": 4, "measures": 2, "group": "ember", "path": points}}
