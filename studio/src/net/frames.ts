@@ -48,7 +48,9 @@ export function readJoints(data: DataView): Joints {
   const size = 3 * JOINT_COUNT;
   const count = Math.min(data.getUint16(2, true), Math.floor((data.byteLength - HEAD) / (2 * size)));
   const rows = new Float32Array(count * size);
-  for (let index = 0; index < rows.length; index++) rows[index] = data.getInt16(HEAD + 2 * index, true) * METRES;
+  const at = data.byteOffset + HEAD;
+  const values = at % 2 ? null : new Int16Array(data.buffer, at, rows.length); // every browser's machine is little-endian
+  for (let index = 0; index < rows.length; index++) rows[index] = (values ? (values[index] as number) : data.getInt16(HEAD + 2 * index, true)) * METRES;
   return { tick: data.getUint32(4, true), count, chosen: data.getUint8(1) === 1, rows };
 }
 

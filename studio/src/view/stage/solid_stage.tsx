@@ -1,7 +1,7 @@
 import { effect, signal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { stageSize } from "../../model/plan";
-import { entries, number } from "../../model/score";
+import { entries, number, type Group } from "../../model/score";
 import type { StageState } from "../../model/stage_state";
 import { asLed } from "../../model/danced";
 import type { Studio } from "../../model/studio";
@@ -122,6 +122,16 @@ function connect(studio: Studio, stage: StageState, element: HTMLElement, pictur
   let painted = "";
   let asked = 0;
   let colours = new Float32Array(0);
+  const pose = (positions: Positions, joints: Joints | null, played: Float32Array | null, known: Group[], chosen: number[]): void => {
+    const rows = played && played.length >= 66 * positions.count ? played : joints && joints.count >= positions.count ? joints.rows : standing(positions);
+    const states = positions.present.join();
+    if (known !== groups || states !== painted || colours.length !== rows.length / 22) {
+      [groups, painted] = [known, states];
+      colours = new Float32Array(rows.length / 22); // a new array: the picture is coloured anew
+      for (let dancer = 0; dancer < positions.count; dancer++) colours.set(known[(positions.present[dancer] ?? 1) - 1]?.colour ?? [0.6, 0.6, 0.6], 3 * dancer);
+    }
+    picture.pose(rows, colours, positions.present, new Set(chosen));
+  };
   return [
     effect(() => picture.surround(surroundings(studio))),
     effect(() => {
@@ -141,18 +151,10 @@ function connect(studio: Studio, stage: StageState, element: HTMLElement, pictur
       const live = stage.looked.value === null && !stage.played.value;
       const joints = live ? studio.doc.joints.value : stage.played.value ? null : looked.value;
       const played = stage.playedBodies.value;
-      if (!positions) return;
-      const rows = played && played.length >= 66 * positions.count ? played : joints && joints.count >= positions.count ? joints.rows : standing(positions);
       const known = studio.doc.structure.value?.groups ?? [];
-      const states = positions.present.join();
-      if (known !== groups || states !== painted || colours.length !== rows.length / 22) {
-        [groups, painted] = [known, states];
-        colours = new Float32Array(rows.length / 22); // a new array: the picture is coloured anew
-        for (let dancer = 0; dancer < positions.count; dancer++) colours.set(known[(positions.present[dancer] ?? 1) - 1]?.colour ?? [0.6, 0.6, 0.6], 3 * dancer);
-      }
-      const chosen = new Set(studio.dancers.value);
+      const chosen = studio.dancers.value;
       cancelAnimationFrame(asked); // positions and joints come one by one, perhaps several times before a picture is drawn
-      asked = requestAnimationFrame(() => picture.pose(rows, colours, positions.present, chosen));
+      asked = requestAnimationFrame(() => { if (positions) pose(positions, joints, played, known, chosen); });
     }),
     () => cancelAnimationFrame(asked),
     () => watch.disconnect(),
