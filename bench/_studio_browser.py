@@ -20,7 +20,7 @@ PAN_FRAMES = 120
 IDLE_S = 4.0
 
 WATCH = """
-window.bench = { from: 0, to: 0, ask: null, topic: "" };
+window.bench = {};
 for (const kind of ["pointerdown", "pointermove"]) {
   addEventListener(kind, (event) => { bench[kind] = performance.now(); }, { capture: true });
 }
@@ -72,7 +72,7 @@ bench.zoom = (count) => {
 
 
 class Person:
-    """Somebody at the page; `pages`: how many are open."""
+    """Somebody at the page."""
 
     def __init__(self, browser: Any, url: str) -> None:
         self._browser, self._url, self._pages = browser, url, list[Any]()

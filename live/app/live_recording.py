@@ -15,7 +15,7 @@ from live.render.film.network_stream import NetworkStream
 from live.render.film.shared_memory import FrameRing
 from live.render.film.streams import FilmSound
 from live.render.headless import FrameReader, Picture, is_software
-from live.render.outputs.picture_sampler import PictureSampler
+from live.render.outputs.projection import PictureSampler
 
 SOFTWARE_FPS = 30.0
 PAGE_INTERVAL = 0.25

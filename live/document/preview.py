@@ -316,7 +316,7 @@ def _is_danced_alike(old: Patch, new: Patch) -> bool:
 
 
 def led_patch(patch: Patch) -> Patch:
-    """Return the patch as it is danced by somebody who leads from each section to the one written below it."""
+    """Return the patch with sections that neither wait nor repeat: each leads to the one written below it."""
     plain = {"repeat": 1, "wait": False, "then": None}
     return patch.model_copy(update={"section": tuple(one.model_copy(update=plain) for one in patch.section)})
 

@@ -36,8 +36,7 @@ class Question(BaseModel):
     ways: bool = True
     notes: bool = True
     led: bool = False
-    """As somebody dances the score who leads from each section to the one written below it: measures that come only
-    then; they are counted as they are written."""
+    """The score as if somebody led from each section to the one written below it. Measures are counted as written."""
     planned: bool = False
     """Of a range with edits: only ways and faults as planned, from where everybody stands without the edits."""
     waveform: bool = False

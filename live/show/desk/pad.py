@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal
+from typing import TYPE_CHECKING, Final
 
 from live.base.errors import PersonError, error_context
 from live.control.events import events
@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from live.show.dancers.dancers import Dancers
     from live.show.group.evolutions import Evolutions
 
-PadKind = Literal["own", "step", "phrase", "formation", "element", "look"]
-KINDS: Final[tuple[PadKind, ...]] = ("own", "step", "phrase", "formation", "element", "look")
+KINDS: Final = ("own", "step", "phrase", "formation", "element", "look")
 """The pages of pads, in order; scenes and cues share one."""
 LANES: Final = {
     "step": "steps", "phrase": "steps", "formation": "motion", "element": "elements", "scene": "looks", "cue": "looks",
@@ -83,9 +82,13 @@ class Pads:
 
     # -- lists -------------------------------------------------------------------------------------------------------
 
-    def page(self, kind: PadKind) -> tuple[Pad, ...]:
-        """Return the pads of a page, at most `MAX_PADS`."""
-        return tuple(itertools.islice(getattr(self, f"_{kind}_pads")(), MAX_PADS))
+    def page(self, kind: str) -> tuple[Pad, ...]:
+        """Return the pads of a page of `KINDS`, at most `MAX_PADS`."""
+        pages = {
+            "own": self._own_pads, "step": self._step_pads, "phrase": self._phrase_pads,
+            "formation": self._formation_pads, "element": self._element_pads, "look": self._look_pads,
+        }  # fmt: skip
+        return tuple(itertools.islice(pages[kind](), MAX_PADS))
 
     def _own_pads(self) -> Iterator[Pad]:
         for each in self._patch.pad:
@@ -164,7 +167,7 @@ class Pads:
         """Return the pads among which the one after this pad is found: all of its kind, itself included."""
         if pad.own:
             return self.page("own")
-        page: PadKind = "look" if pad.kind in ("scene", "cue") else pad.kind  # type: ignore[assignment]
+        page = "look" if pad.kind in ("scene", "cue") else pad.kind
         return tuple(one for one in self.page(page) if one.kind == pad.kind)
 
     # -- events ------------------------------------------------------------------------------------------------------

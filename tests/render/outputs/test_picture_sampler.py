@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from live.render.headless import OffscreenTarget
-from live.render.outputs.picture_sampler import PictureSampler, fitted_size
+from live.render.outputs.projection import PictureSampler, fitted_size
 
 
 @pytest.mark.parametrize(
