@@ -11,6 +11,7 @@ import numpy as np
 
 from live.library.motion_file import read_motion
 from live.motion import quaternion
+from live.motion.cleanup.foot_planting import plant_feet
 from live.motion.cleanup.glitch_detection import find_glitches
 from live.motion.cleanup.glitch_repair import repair
 from live.motion.cleanup.trim_start import find_recording_start
@@ -83,11 +84,11 @@ def _recording(mocap: Path, name: str) -> Material:
 
 
 def _mended(motion: SourceMotion, name: str, fps: float | None) -> Clip:
-    """As `live steps add --repair` takes it: without T-pose and run-in, tracking faults bridged where that is safe."""
+    """As `live steps add --repair` takes it: without T-pose and run-in, tracking faults bridged where that is safe, feet planted."""
     tracks = body_tracks(motion, fps=fps)
     drop = find_recording_start(tracks).drop_frames
     mended, _ = repair(motion, find_glitches(tracks, motion.parents, start=drop), fps=fps)
-    return retarget(mended, name=name, fps=fps, drop_frames=drop)
+    return plant_feet(retarget(mended, name=name, fps=fps, drop_frames=drop)).clip
 
 
 def measures_of(clip: Clip, step: str, anchor: float, bpm: float, measures: int) -> list[StepClip]:

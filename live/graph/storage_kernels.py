@@ -1,4 +1,4 @@
-"""Kernels of the library's storage: quaternion signs along clips, and sums for mean poses."""
+"""Kernels of the library's storage: quaternion signs along clips, sums for mean poses, and alike measures."""
 
 import math
 
@@ -10,6 +10,7 @@ from live.base.jit import kernel
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int64 = npt.NDArray[np.int64]
+Bool = npt.NDArray[np.bool_]
 
 
 @kernel("void(f4[:,:,::1], i8[::1])")
@@ -74,3 +75,34 @@ def mean_turns(rotation: Float32, first: Int64, last: Int64, centre: Float64, ou
                 ty += share * y
                 tz += share * z
             out[n, j, 0], out[n, j, 1], out[n, j, 2] = tx / count, ty / count, tz / count
+
+
+@kernel("void(i8[::1],i8[::1],b1[:,:,::1],f4[:,:,:,::1],i8,f4,b1[:,::1])")
+def alike_measures(
+    rows: Int64, others: Int64, contact: Bool, rotation: Float32, differing: int, least: float, alike: Bool
+) -> None:
+    """Keep in `alike` (n, m) only pairs of the measures `rows` (n,) and `others` (m,) that may be mixed.
+
+    `contact` (N, P, 2) and local `rotation` (N, P, J, 4) at P moments of each of the N measures. At most `differing`
+    contacts may differ, and no joint but the root may be turned so far that the dot product is below `least`.
+    """
+    for i in range(rows.shape[0]):
+        for k in range(others.shape[0]):
+            if not alike[i, k]:
+                continue
+            u, v, off = rows[i], others[k], 0
+            for p in range(contact.shape[1]):
+                off += (contact[u, p, 0] != contact[v, p, 0]) + (contact[u, p, 1] != contact[v, p, 1])
+            if off > differing:
+                alike[i, k] = False
+                continue
+            for p in range(rotation.shape[1]):
+                for j in range(1, rotation.shape[2]):
+                    dot = np.float32(0.0)
+                    for c in range(4):
+                        dot += rotation[u, p, j, c] * rotation[v, p, j, c]
+                    if abs(dot) < least:
+                        alike[i, k] = False
+                        break
+                if not alike[i, k]:
+                    break

@@ -1,12 +1,13 @@
 """Takes: other clips of the same step that may be mixed into a measure, live (T044-T047)."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
 
-from live.base.arrays import Float64, Int32
+from live.base.arrays import Bool, Float64, Int32, Int64
+from live.graph.storage_kernels import alike_measures
 from live.motion.step_clip import StepClip
 
 if TYPE_CHECKING:
@@ -14,6 +15,15 @@ if TYPE_CHECKING:
 
 
 NO_TAKE = -1
+MOMENTS: Final = 16
+"""Moments of a measure at which takes are compared."""
+MAX_CONTACTS_DIFFERING: Final = 0.15
+"""Share of the moments at which a foot may stand in one take and swing in the other: a mixture would drag that foot."""
+MAX_JOINT_ANGLE: Final = np.radians(95.0)
+"""Farthest that a joint may be turned from one take to the other [rad]. A mixture of poses farther apart resembles
+neither, and near 180 degrees it flips from one side to the other."""
+BLOCK: Final = 256
+"""Measures compared at a time with all others."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,8 +52,9 @@ class Takes:
 def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = None) -> Takes:
     """Return all takes of a library. Only clips of one structural variation are mixed (T046): same foot, same poses.
 
-    The rule is that of `check_same_structure`. Measures of a stream (T037) and those that are `leaving` (N,) are not
-    takes of any other.
+    The rule is that of `check_same_structure`; besides, the feet must stand at the same time and the poses resemble each
+    other throughout, because recordings of one name may be unlike. Measures of a stream (T037) and those that are
+    `leaving` (N,) are not takes of any other.
     """
     numbers: dict[tuple[object, ...], int] = {}
     # key of a take: all that must be equal but the side; -1 if the clip has no takes
@@ -56,18 +67,36 @@ def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = N
     if leaving is not None:
         place[leaving] = -1
     order = np.argsort(place, kind="stable")
+    contact, rotation = _moments(library)
     pairs = [np.zeros((2, 0), np.int64)]
     for group in np.split(order, np.flatnonzero(np.diff(place[order])) + 1):
         if len(group) < 2 or place[group[0]] < 0:
             continue
         own = clip[group]
         left, right, side = foot[own] == 1, foot[own] == 2, mirrored[own]
-        told = (left | right)[:, None] & (left | right)[None]
-        same = np.where(told, left[:, None] == left[None], side[:, None] == side[None])
-        pairs.append(group[np.stack(np.nonzero(same & (own[:, None] != own[None])))])
+        for first in range(0, len(group), BLOCK):
+            some = slice(first, first + BLOCK)
+            told = (left | right)[some, None] & (left | right)[None]
+            same = np.where(told, left[some, None] == left[None], side[some, None] == side[None])
+            same &= own[some, None] != own[None]
+            alike_measures(
+                group[some], group, contact, rotation,
+                int(MAX_CONTACTS_DIFFERING * 2 * MOMENTS), np.float32(np.cos(0.5 * MAX_JOINT_ANGLE)), same,
+            )  # fmt: skip
+            one, other = np.nonzero(same)
+            pairs.append(np.stack([group[first + one], group[other]]))
     node, take = np.concatenate(pairs, axis=1)
     start = np.searchsorted(np.sort(node), np.arange(library.node_count + 1))
     return Takes(start.astype(np.int32), take[np.lexsort((take, node))].astype(np.int32))
+
+
+def _moments(library: "StepLibrary") -> tuple[Bool, npt.NDArray[np.float32]]:
+    """Return contacts (N, MOMENTS, 2) and local rotations (N, MOMENTS, J, 4) of every measure at even moments."""
+    share = (np.arange(MOMENTS) + 0.5) / MOMENTS
+    at: Int64 = np.round(library.node_first[:, None] + share * (library.node_last - library.node_first)[:, None]).astype(
+        np.int64
+    )
+    return library.clip_contact[at], library.clip_rotation[at]
 
 
 def _kind(clip: StepClip) -> tuple[object, ...]:

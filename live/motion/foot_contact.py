@@ -39,7 +39,7 @@ def find_contacts(ankles: Float, toes: Float, sample_rate: float) -> Bool:
     shortest = max(1, round(MIN_DURATION * sample_rate))
     contact = np.zeros((samples, 2), np.bool_)
     for foot in range(2):
-        contact[:, foot] = _remove_flicker(_hysteresis(lands[:, foot], leaves[:, foot]), shortest)
+        contact[:, foot] = remove_flicker(_hysteresis(lands[:, foot], leaves[:, foot]), shortest)
     return contact
 
 
@@ -63,7 +63,7 @@ def _hysteresis(on: Bool, off: Bool) -> Bool:
     return np.asarray(last_on > last_off)
 
 
-def _remove_flicker(contact: Bool, shortest: int) -> Bool:
+def remove_flicker(contact: Bool, shortest: int) -> Bool:
     """Fill short gaps, then drop contacts shorter than `shortest` samples; runs that touch an end are kept."""
     contact = contact.copy()
     for value in (False, True):

@@ -43,6 +43,14 @@ def find_feet(clip: Clip) -> Feet:
     return Feet(positions[:, ANKLES], positions[:, BALLS])
 
 
+UPPER_LEGS: Final = (SKELETON.index("leftUpperLeg"), SKELETON.index("rightUpperLeg"))
+"""The hip joints."""
+LEG_LENGTH: Final = float(
+    sum(np.linalg.norm(SKELETON.offsets[SKELETON.index(name)]) for name in ("leftLowerLeg", "leftFoot"))
+)
+"""Length of a leg from hip to ankle [m]."""
+MAX_LEG_SHARE: Final = 0.992
+"""Share of its length beyond which a leg looks stretched."""
 _SOFTNESS: Final = 0.002
 """IK softness: recorded legs are often nearly straight and may stay so, within a few tenths of a percent."""
 _FORWARD: Final = np.array((0.0, 0.0, 1.0))
@@ -116,3 +124,17 @@ def smooth_upper_bound(depth: Float64, half: int) -> Float64:
     most = windows(padded, 2 * half + 1, axis=0).max(axis=-1)
     weights = np.hanning(2 * half + 3)[1:-1]
     return np.asarray(windows(most, 2 * half + 1, axis=0) @ (weights / weights.sum()))
+
+
+def lower_hips(root: Float, rotation: Float, ankles: Float, longest: Float, rate: float) -> Float:
+    """Return the hips lowered, smoothly in time, so that no leg is longer than `longest` (T, 2) [m]."""
+    for _ in range(2):
+        position, _ = forward_kinematics(root, rotation)
+        way = position[:, UPPER_LEGS] - ankles
+        flat = way[..., 0] ** 2 + way[..., 2] ** 2
+        highest = np.sqrt(np.maximum(longest**2 - flat, 0.0))
+        depth = np.maximum(way[..., 1] - highest, 0.0).max(axis=1, keepdims=True)
+        if not depth.any():
+            return root
+        root = root - np.array((0.0, 1.0, 0.0)) * smooth_upper_bound(depth, max(1, round(0.08 * rate)))
+    return root

@@ -18,7 +18,17 @@ from live.base.arrays import Bool, Float, Float64
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.curve import smoothstep
-from live.motion.editing.foot_correction import ANKLES, correct_floor, find_feet, smooth_upper_bound, solve_legs
+from live.motion.editing.foot_correction import (
+    ANKLES,
+    LEG_LENGTH,
+    MAX_LEG_SHARE,
+    UPPER_LEGS,
+    correct_floor,
+    find_feet,
+    lower_hips,
+    smooth_upper_bound,
+    solve_legs,
+)
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
@@ -29,12 +39,6 @@ FADE_S: Final = 0.12
 """Time over which a leg's texture fades in and out next to a stance [s]."""
 MAX_SOLE_HEIGHT: Final = 0.05
 """A sole lower than this [m] is kept where the sketch has it."""
-MAX_LEG_SHARE: Final = 0.992
-"""The hips sink so that no leg is stretched to more than this share of its length, or more than in the sketch."""
-_HIPS: Final = tuple(SKELETON.index(side + "UpperLeg") for side in ("left", "right"))
-_LEG: Final = float(
-    sum(np.linalg.norm(SKELETON.offsets[SKELETON.index(f"left{joint}")]) for joint in ("LowerLeg", "Foot"))
-)
 _SIDE_OF: Final = {joint: 0 if SKELETON.names[joint].startswith("left") else 1 for joint in LEGS}
 
 
@@ -52,8 +56,8 @@ def apply_foot_constraints(
             sketch.root_position.astype(np.float64), sketch.rotation.astype(np.float64)
         )
         ankles, feet = position[:, ANKLES], world[:, ANKLES]
-        legs_own = np.linalg.norm(position[:, _HIPS] - ankles, axis=-1)
-        root = _lower_hips(root, rotation, ankles, np.maximum(legs_own, MAX_LEG_SHARE * _LEG), sketch.sample_rate)
+        legs_own = np.linalg.norm(position[:, UPPER_LEGS] - ankles, axis=-1)
+        root = lower_hips(root, rotation, ankles, np.maximum(legs_own, MAX_LEG_SHARE * LEG_LENGTH), sketch.sample_rate)
         rotation = solve_legs(root, rotation, ankles, feet)
     if legs:
         free = texture_weights(sketch.contact, find_feet(sketch).height, sketch.sample_rate)
@@ -78,20 +82,6 @@ def texture_weights(contact: Bool, height: Float, rate: float) -> Float64:
     """
     held = (contact | (height < MAX_SOLE_HEIGHT)).astype(np.float64)
     return np.asarray(1.0 - smooth_upper_bound(held, max(1, round(0.5 * FADE_S * rate))))
-
-
-def _lower_hips(root: Float, rotation: Float, ankles: Float, longest: Float, rate: float) -> Float:
-    """Return the hips lowered, smoothly in time, so that no leg is longer than `longest` (T, 2) [m]."""
-    for _ in range(2):
-        position, _ = forward_kinematics(root, rotation)
-        way = position[:, _HIPS] - ankles
-        flat = way[..., 0] ** 2 + way[..., 2] ** 2
-        highest = np.sqrt(np.maximum(longest**2 - flat, 0.0))
-        depth = np.maximum(way[..., 1] - highest, 0.0).max(axis=1, keepdims=True)
-        if not depth.any():
-            return root
-        root = root - np.array((0.0, 1.0, 0.0)) * smooth_upper_bound(depth, max(1, round(0.08 * rate)))
-    return root
 
 
 MAX_DISTANCE_M: Final = 0.06
