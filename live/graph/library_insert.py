@@ -56,6 +56,7 @@ def facts_of(graph: MotionGraph) -> NodeFacts:
         turns=graph.node_turns,
         peak_turn_rate=graph.node_peak_turn_rate,
         warp_curve=graph.node_warp_curve,
+        foot_curve=graph.node_foot_curve,
         reach_margins=graph.node_reach_margins,
         lift_shares=graph.node_lift_shares,
         moments=graph.moments,

@@ -48,7 +48,9 @@ class MotionGraph:
     node_peak_turn_rate: Float64
     """Peak speed of a turn, in whole angles per measure, shape (N,)."""
     node_warp_curve: Float64
-    """When in each measure a correction is applied: share and rate at its knots (root_warp), shape (N, 65, 2)."""
+    """When in each measure the hips take a correction: share and rate at its knots (footstep_plan), shape (N, 65, 2)."""
+    node_foot_curve: Float64
+    """When the left and the right foot take their part of it, shape (N, 2, 65, 2)."""
     node_reach_margins: Float64
     """How far a dancer can be displaced beyond each measure's own path [m] with planted feet, in 16 directions about
         clip's axes, shape (N, 16)."""
@@ -158,6 +160,7 @@ def graph_of(
         node_turns=facts.turns,
         node_peak_turn_rate=facts.peak_turn_rate,
         node_warp_curve=facts.warp_curve,
+        node_foot_curve=facts.foot_curve,
         node_reach_margins=facts.reach_margins,
         node_lift_shares=facts.lift_shares,
         moments=facts.moments,

@@ -17,7 +17,7 @@ from live.graph.step_library import StepLibrary, window_samples
 from live.motion.editing.foot_correction import ANKLES, BALLS, Feet
 from live.motion.editing.turn_insertion import support_turn_rows
 from live.motion.pose.pose_pipeline import PosePipeline, PoseSkeleton
-from live.motion.pose.root_warp import measure_warps
+from live.motion.pose.footstep_plan import MeasurePlans, plan_measures
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
 
@@ -142,6 +142,7 @@ class NodeFacts:
     turns: Float64
     peak_turn_rate: Float64
     warp_curve: Float64
+    foot_curve: Float64
     reach_margins: Float64
     lift_shares: Float64
     moments: Moments
@@ -159,7 +160,7 @@ def node_facts(library: StepLibrary, window: float) -> NodeFacts:
     """Measure all nodes; `window` is the length of a transition as a share of the measure (T036)."""
     facing_start, facing_end, facing_mean = _facing(library, window)
     turns, quickest = _turns(library, window)
-    rise, gives, holds = _warp_curves(library, window)
+    plans = _plans(library, window)
     return NodeFacts(
         start=_root_at(library, library.node_first),
         end=_root_at(library, library.node_last),
@@ -168,9 +169,10 @@ def node_facts(library: StepLibrary, window: float) -> NodeFacts:
         facing_mean=facing_mean,
         turns=turns,
         peak_turn_rate=quickest,
-        warp_curve=rise,
-        reach_margins=gives,
-        lift_shares=holds,
+        warp_curve=plans.root,
+        foot_curve=plans.feet,
+        reach_margins=plans.margin,
+        lift_shares=plans.hold,
         moments=moments_of(library),
     )
 
@@ -182,13 +184,13 @@ def _turns(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
     return support_turn_rows(measures, window=min(window, 0.9), softness=TURN_SOFTNESS)
 
 
-def _warp_curves(library: StepLibrary, window: float) -> tuple[Float64, Float64, Float64]:
-    """Return when each node's correction is applied, (N, KNOTS, 2), its reach per direction [m], (N, DIRECTIONS), and
-    the share applied before each foot is first lifted, (N, 2)."""
+def _plans(library: StepLibrary, window: float) -> MeasurePlans:
+    """Return the footstep plan of every node."""
     legs = _legs(library)
     hip, ankle = legs[:, (1, 5)], legs[:, (3, 7)]
     measures = list(zip(library.node_first.tolist(), library.node_last.tolist(), strict=True))
-    return measure_warps(hip, ankle, library.clip_contact, measures, last=1.0 - min(window, 0.9))
+    beats, last = library.beats_per_measure, 1.0 - min(window, 0.9)
+    return plan_measures(hip, ankle, library.clip_contact, measures, beats=beats, last=last)
 
 
 def _legs(library: StepLibrary) -> Float64:

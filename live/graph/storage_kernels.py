@@ -77,14 +77,16 @@ def mean_turns(rotation: Float32, first: Int64, last: Int64, centre: Float64, ou
             out[n, j, 0], out[n, j, 1], out[n, j, 2] = tx / count, ty / count, tz / count
 
 
-@kernel("void(i8[::1],i8[::1],b1[:,:,::1],f4[:,:,:,::1],i8,f4,b1[:,::1])")
+@kernel("void(i8[::1],i8[::1],b1[:,:,::1],f4[:,:,:,::1],i8,f4,f4,b1[:,::1])")
 def alike_measures(
-    rows: Int64, others: Int64, contact: Bool, rotation: Float32, differing: int, least: float, alike: Bool
-) -> None:
+    rows: Int64, others: Int64, contact: Bool, rotation: Float32, differing: int, least: float, least_root: float,
+    alike: Bool,
+) -> None:  # fmt: skip
     """Keep in `alike` (n, m) only pairs of the measures `rows` (n,) and `others` (m,) that may be mixed.
 
-    `contact` (N, P, 2) and local `rotation` (N, P, J, 4) at P moments of each of the N measures. At most `differing`
-    contacts may differ, and no joint but the root may be turned so far that the dot product is below `least`.
+    `contact` (N, P, 2) and local `rotation` (N, P, J, 4) at P moments of each of the N measures; the root's is relative
+    to the first moment. At most `differing` contacts may differ, and no joint may be turned so far that the dot product
+    is below `least`, the root below `least_root`.
     """
     for i in range(rows.shape[0]):
         for k in range(others.shape[0]):
@@ -97,11 +99,11 @@ def alike_measures(
                 alike[i, k] = False
                 continue
             for p in range(rotation.shape[1]):
-                for j in range(1, rotation.shape[2]):
+                for j in range(rotation.shape[2]):
                     dot = np.float32(0.0)
                     for c in range(4):
                         dot += rotation[u, p, j, c] * rotation[v, p, j, c]
-                    if abs(dot) < least:
+                    if abs(dot) < (least if j > 0 else least_root):
                         alike[i, k] = False
                         break
                 if not alike[i, k]:

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from live.base.arrays import Bool, Float64, Int32, Int64
 from live.graph.storage_kernels import alike_measures
+from live.motion import quaternion
 from live.motion.step_clip import StepClip
 
 if TYPE_CHECKING:
@@ -22,6 +23,9 @@ MAX_CONTACTS_DIFFERING: Final = 0.15
 MAX_JOINT_ANGLE: Final = np.radians(95.0)
 """Farthest that a joint may be turned from one take to the other [rad]. A mixture of poses farther apart resembles
 neither, and near 180 degrees it flips from one side to the other."""
+MAX_ROOT_ANGLE: Final = np.radians(45.0)
+"""The same for how far the hips have turned since the beginning of the measure [rad]: feet that stand in both takes
+would go round in their mixture."""
 BLOCK: Final = 256
 """Measures compared at a time with all others."""
 
@@ -81,7 +85,8 @@ def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = N
             same &= own[some, None] != own[None]
             alike_measures(
                 group[some], group, contact, rotation,
-                int(MAX_CONTACTS_DIFFERING * 2 * MOMENTS), np.float32(np.cos(0.5 * MAX_JOINT_ANGLE)), same,
+                int(MAX_CONTACTS_DIFFERING * 2 * MOMENTS), np.float32(np.cos(0.5 * MAX_JOINT_ANGLE)),
+                np.float32(np.cos(0.5 * MAX_ROOT_ANGLE)), same,
             )  # fmt: skip
             one, other = np.nonzero(same)
             pairs.append(np.stack([group[first + one], group[other]]))
@@ -91,12 +96,18 @@ def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = N
 
 
 def _moments(library: "StepLibrary") -> tuple[Bool, npt.NDArray[np.float32]]:
-    """Return contacts (N, MOMENTS, 2) and local rotations (N, MOMENTS, J, 4) of every measure at even moments."""
+    """Return contacts (N, MOMENTS, 2) and local rotations (N, MOMENTS, J, 4) of every measure at even moments.
+
+    The root's rotation is relative to the first moment.
+    """
     share = (np.arange(MOMENTS) + 0.5) / MOMENTS
     at: Int64 = np.round(library.node_first[:, None] + share * (library.node_last - library.node_first)[:, None]).astype(
         np.int64
     )
-    return library.clip_contact[at], library.clip_rotation[at]
+    rotation = library.clip_rotation[at]
+    root = rotation[:, :, 0].astype(np.float64)
+    rotation[:, :, 0] = quaternion.mul(quaternion.inverse(root[:, :1]), root)
+    return library.clip_contact[at], rotation
 
 
 def _kind(clip: StepClip) -> tuple[object, ...]:

@@ -80,6 +80,32 @@ class ReachTable:
         return np.asarray(travel * np.minimum(1.0, far / np.maximum(length, 1e-9))[:, None])
 
 
+PACE: Final = 1.4
+"""Largest progress of a measure in mean travels of its step."""
+
+
+def mean_progress(graph: "MotionGraph") -> Float64:
+    """Return how far a measure of each step gets a dancer on average towards a place in any direction [m], (C + 1,).
+
+    The mean over all measures that may come before and over all directions of the farthest that one of the following
+    measures goes that way, at least 0, but no more than PACE times the mean travel of the step's measures: a single run
+    in a library does not make a group that runs. The last entry is for any step.
+    """
+    library = graph.library
+    ways = turn_vectors(library.node_travel, -graph.node_facing_start)
+    angle = np.arange(TABLED_DIRECTIONS) * (2.0 * np.pi / TABLED_DIRECTIONS)
+    progress = np.maximum(ways @ np.array([np.sin(angle), np.cos(angle)]), 0.0)
+    source = np.repeat(np.arange(library.node_count), np.diff(graph.edge_start))
+    step, found = library.node_step[graph.edge_target], []
+    for s in range(len(library.steps) + 1):
+        own = np.flatnonzero(step == s) if s < len(library.steps) else np.arange(graph.edge_count)
+        first = np.flatnonzero(np.diff(source[own], prepend=-1))
+        best = np.maximum.reduceat(progress[graph.edge_target[own]], first) if len(own) else np.zeros((1, 1))
+        usual = np.hypot(*ways[(library.node_step == s) | (s == len(library.steps))].T)
+        found.append(min(float(best.mean()), PACE * float(usual.mean())))
+    return np.array(found)
+
+
 def _hull_extent(way: Float64, towards: Float64) -> Float64:
     """Return the extent of the convex hull of the origin and the ends `way` (n, 2) along `towards` (2, d), (d,) [m].
 

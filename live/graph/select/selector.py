@@ -19,7 +19,7 @@ ANGLES: Final = 65
 """Angles at which a turn's displacement is tabulated, from -π to π; interpolation errs by 1.5 mm a metre at most."""
 TERMS: Final = ("place", "heading", "pose", "wrong step", "other")
 """The terms of a candidate's cost."""
-PLACE_COST: Final = 3.0
+PLACE_COST: Final = 10.0
 """Cost of a square metre of place error beyond correction ..."""
 CORRECTION_COST: Final = 1.0
 """... of a square metre that is corrected, because the legs must compensate it, ..."""

@@ -58,7 +58,7 @@ class FootLock:
         return slid, stood
 
     def write_feet(self, feet: Float32, age: float) -> None:
-        """Write the columns for the pose kernels, (A, 2, 9), `age` [s] after the last tick; free feet are
+        """Write the columns for the pose kernels, (A, 2, 11), `age` [s] after the last tick; free feet are
         extrapolated."""
         extrapolate_feet(feet, self.state, age)
 
@@ -127,7 +127,7 @@ class CutFootLift:
         return np.asarray(distance < np.where(self.lift > 0.0, ARRIVAL_DISTANCE, STAY_DISTANCE))
 
     def apply(self, feet: Float32, age: Float32) -> None:
-        """Lift the feet in the columns CLEAR and ROUND of `feet` (A, 2, 9), `age` (A,) [s] after the cut."""
+        """Lift the feet in the columns CLEAR and ROUND of `feet` (A, 2, 11), `age` (A,) [s] after the cut."""
         up = (
             smoothstep(age / LIFT_TIME)
             * smoothstep((DESCENT_TIMES[1] - age) / (DESCENT_TIMES[1] - DESCENT_TIMES[0]))

@@ -23,9 +23,9 @@ LENGTH_BUFFER: Any = np.float32(0.015)
 """A leg is not stretched beyond its length minus this [m], unless the clip itself stretches it farther."""
 STRAIGHTENING_RANGE: Any = np.float32(0.03)
 """Over the last of this [m] a leg's extension is compressed, so that the knee does not snap straight."""
-PELVIS_DROP: Any = np.float32(0.02)
+PELVIS_DROP: Any = np.float32(0.06)
 """Maximum drop of the hips [m] so that both feet reach."""
-MAX_SHIFT: Any = np.float32(0.25)
+MAX_SHIFT: Any = np.float32(0.45)
 """Maximum distance [m] of a locked foot from its position in the clip."""
 KNEE_BIAS: Any = np.float32(0.04)
 """Forward bias of the knee direction [m], which decides for a straight knee and matters less for a bent one."""
@@ -35,11 +35,12 @@ toes in the contact point (the rest is the ankle), 1 while held and 0 while free
 floor when it was held; and, internal to the lock, speeds of shift and lift [m/s], slide [m] during clip contact, and
 its duration [s]."""
 FOLLOWED_COLUMNS, LOCK_COLUMNS = 7, 12
-CLEARANCE, CLEARANCE_SOFTNESS, FEET_COLUMNS = 7, 8, 9
-"""The first seven columns give the foot's target. Two more are for drawing: minimum height [m], because one of the
-blended clips has the foot in the air, and the distance [m] over which that minimum sets in smoothly."""
-UNLOCK_DISTANCE: Any = np.float32(0.2)
-LOCK_DISTANCE: Any = np.float32(0.08)
+CLEARANCE, CLEARANCE_SOFTNESS, OFFSET_X, OFFSET_Z, FEET_COLUMNS = 7, 8, 9, 10, 11
+"""The first seven columns give the foot's target. Four more are for drawing: minimum height [m], because one of the
+blended clips has the foot in the air, the distance [m] over which that minimum sets in smoothly, and how far the
+footstep plan has the foot from its place in the clip [m]."""
+UNLOCK_DISTANCE: Any = np.float32(0.4)
+LOCK_DISTANCE: Any = np.float32(0.2)
 JUMP_DISTANCE: Any = np.float32(0.5)
 """A foot is released when its shift exceeds UNLOCK_DISTANCE [m], held again only below LOCK_DISTANCE [m], and never
 held through a jump of its clip by more than JUMP_DISTANCE [m] in a tick."""
@@ -100,17 +101,17 @@ def _ankle_goal(
             asked[c, i] = row[c]
     for i in range(BLOCK):
         ax, ay, az = leg[_ANKLE + 4, i], leg[_ANKLE + 5, i], leg[_ANKLE + 6, i]
-        px = ax + asked[TOES, i] * (leg[_TOES + 4, i] - ax)
-        pz = az + asked[TOES, i] * (leg[_TOES + 6, i] - az)
+        px = ax + asked[TOES, i] * (leg[_TOES + 4, i] - ax) + asked[OFFSET_X, i]
+        pz = az + asked[TOES, i] * (leg[_TOES + 6, i] - az) + asked[OFFSET_Z, i]
         dx = asked[SHIFT_X, i] - asked[HELD, i] * (px - asked[CONTACT_X, i])
         dz = asked[SHIFT_Z, i] - asked[HELD, i] * (pz - asked[CONTACT_Z, i])
         scale = MAX_SHIFT / math.sqrt(max(dx * dx + dz * dz, MAX_SHIFT * MAX_SHIFT))
         low = min(ay - sole, leg[_TOES + 5, i] - toes_over_sole)
-        leg[_GOAL, i] = ax + dx * scale
+        leg[_GOAL, i] = ax + asked[OFFSET_X, i] + dx * scale
         clear = asked[CLEARANCE, i] - low
         clear = _HALF * (clear + math.sqrt(clear * clear + asked[CLEARANCE_SOFTNESS, i] * asked[CLEARANCE_SOFTNESS, i]))
         leg[_GOAL + 1, i] = ay + max(clear, (_ONE - asked[HELD, i]) * asked[LIFT, i])
-        leg[_GOAL + 2, i] = az + dz * scale
+        leg[_GOAL + 2, i] = az + asked[OFFSET_Z, i] + dz * scale
 
 
 @inline_kernel
@@ -190,7 +191,7 @@ def lock_legs(
 ) -> None:
     """Apply the foot lock to a block: feet to their targets, hips slightly lowered if a leg is too short.
 
-    `feet` (A, 2, 9): targets; `legs` (8,): hip, knee, ankle and toes of the left and the right leg; `sole` and
+    `feet` (A, 2, 11): targets; `legs` (8,): hip, knee, ankle and toes of the left and the right leg; `sole` and
     `toes_over_sole` [m]: heights of ankle and toe joint of a standing foot. Unlock radius, length buffer and two-bone
     legs as in Holden's Motion-Matching; without branches and trigonometry, so that blocks are vectorized.
     """
@@ -279,7 +280,7 @@ Float64 = npt.NDArray[np.float64]
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], f4)")
 def extrapolate_feet(feet: Float32, lock: Float32, age: float) -> None:
-    """Write `feet` (A, 2, 9) from the lock state `lock` (A, 2, 12), `age` [s] after its tick; free feet are
+    """Write `feet` (A, 2, 11) from the lock state `lock` (A, 2, 12), `age` [s] after its tick; free feet are
     extrapolated."""
     for n in range(lock.shape[0]):
         for side in range(2):

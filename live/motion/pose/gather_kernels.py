@@ -7,7 +7,8 @@ import numpy.typing as npt
 
 from live.base.jit import kernel
 from live.base.scalar_kernels import ease
-from live.motion.pose.foot_lock_kernels import CLEARANCE, CLEARANCE_SOFTNESS
+from live.motion.pose.foot_lock_kernels import CLEARANCE, CLEARANCE_SOFTNESS, OFFSET_X, OFFSET_Z
+from live.motion.pose.root_warp_kernels import foot_shift, warp_share, warped_shift
 from live.motion.pose.turn_kernels import place_clip
 from live.motion.yaw_kernels import yaw_rotate
 
@@ -26,6 +27,12 @@ MINOR_SHARE = 0.25
 """A clip with a smaller share than this in a pose counts less for foot clearance."""
 CLEARANCE_SOFTNESS_SHARE = 0.3
 """Part of the height over which the clearance sets in."""
+STEP_HEIGHT = 0.07
+"""Height that a foot which a footstep plan moves approaches with its speed [m] ..."""
+STEP_SPEED = 0.5
+"""... and has half of at this speed [m per measure]."""
+STEPPING = 0.004
+"""A foot that its plan lifts higher than this [m] does not stand."""
 
 
 @kernel("b1(i4[::1], i4[::1], i4[::1], i4[::1], f4[::1], f4[::1])")
@@ -116,11 +123,30 @@ def gather_take(
 
 
 @kernel(
+    "void(i8, f8, i8, f8, f8[:,::1], f8[:,::1], f8[:,:,::1], f8[:,:,:,::1], f8[:,:,::1], f4[:,:,::1])"
+)
+def plan_feet(
+    n: int, at: float, own: int, weight: float, correction: Float64, aimed: Float64, warp_curve: Float64,
+    foot_curve: Float64, foot_aim: Float64, foot_offset: Float32,
+) -> None:  # fmt: skip
+    """Write how far dancer n's footstep plan has the feet from their places in the clip as placed, by `weight`."""
+    x, z = correction[n, 0], correction[n, 1]
+    share = warp_share(warp_curve[own], at)
+    root_x = warped_shift(share, aimed[n, 2], aimed[n, 0], x)
+    root_z = warped_shift(share, aimed[n, 2], aimed[n, 1], z)
+    for foot in range(2):
+        foot_x, foot_z, speed = foot_shift(foot_curve[own, foot], at, foot_aim[n, foot], x, z)
+        foot_offset[n, foot, 0], foot_offset[n, foot, 1] = weight * (foot_x - root_x), weight * (foot_z - root_z)
+        foot_offset[n, foot, 2] = weight * STEP_HEIGHT * speed / (STEP_SPEED + speed)
+
+
+@kernel(
     "void(i8[::1], f8[::1], f8, f8, b1,"
     " i4[::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f4[:,::1], f8[:,::1],"
     " i4[::1], f8[:,::1], i4[::1], f4[:,::1], f8[:,::1],"
     " f8[::1], f8[::1], f8[::1], f8[:,::1], f8[::1], f8[:,:,::1], f8[:,:,::1],"
-    " f8[:,::1], f8[:,:,::1], f4[:,::1], i4[:,::1], f4[::1])"
+    " f8[:,:,:,::1], f8[:,:,::1], f8[::1],"
+    " f8[:,::1], f8[:,:,::1], f4[:,::1], i4[:,::1], f4[::1], f4[:,:,::1])"
 )
 def gather_dancers(
     rows: Int64,
@@ -148,20 +174,26 @@ def gather_dancers(
     facing: Float64,
     turns: Float64,
     warp_curve: Float64,
+    foot_curve: Float64,
+    foot_aim: Float64,
+    locks: Float64,
     sample: Float64,
     placement: Float64,
     share: Float32,
     mean: Int32,
     scaled_amplitude: Float32,
+    foot_offset: Float32,
 ) -> None:
     """Fill the pipeline's arrays for the dancers `rows` (n,) at `phase` (n,) of their measures, clamped to 0 to 1.
 
     Their measures: `node`, `clip_placement` (A, 3) placement of the clips, `correction` and `aimed` (A, 3),
     `on_support`, `take`, `take_share` (2, A) and `amplitude` (2, A), eased by `fraction`. For the following measures,
     if the dance `continues`, the same for the next clips, blended in over the last `window` of the measure (K004). Of N
-    nodes: `first`, `last`, `lead` samples, `start` (N, 2) and `facing` (N,) of the hips at their beginning, `turns` and
-    `warp_curve`. Outputs as in `PosePipeline`: `sample` (4, A), `placement` (4, A, 4), `share` (5, A), `mean` (2, A),
-    amplitude `scaled_amplitude` (A,).
+    nodes: `first`, `last`, `lead` samples, `start` (N, 2) and `facing` (N,) of the hips at their beginning, `turns`,
+    `warp_curve` and `foot_curve`; `foot_aim` (A, 2, 6) of the measures, `locks` (A,): 0 for dancers whose feet are not
+    locked. Outputs as in `PosePipeline`: `sample` (4, A), `placement` (4, A, 4), `share` (5, A), `mean` (2, A),
+    amplitude `scaled_amplitude` (A,), and `foot_offset` (A, 2, 3): x, z [m] of the feet from their places in the clip
+    as placed, and the height [m] to which their plan lifts them.
     """
     for i in range(rows.shape[0]):
         n, at = rows[i], min(max(phase[i], 0.0), 1.0)  # never read a clip beyond its measure
@@ -180,6 +212,7 @@ def gather_dancers(
         loud = amplitude[0, n] + ease(fraction) * (amplitude[1, n] - amplitude[0, n])
         into = ease((at - (1.0 - window)) / window) if continues and next_node[n] >= 0 else 0.0
         share[INTO_NEXT, n] = into
+        plan_feet(n, at, own, locks[n] * (1.0 - into), correction, aimed, warp_curve, foot_curve, foot_aim, foot_offset)
         if into == 0.0:
             sample[NEXT, n], scaled_amplitude[n] = sample[PRESENT, n], loud
             share[NEXT_LOWER, n] = share[NEXT_UPPER, n] = 0.0  # clear the previous request
@@ -217,12 +250,35 @@ def clip_hips(out: Float64, rows: Int64, sample: Float64, placement: Float64, sh
         out[i, 0], out[i, 1] = x, z
 
 
-@kernel("void(b1[:,::1], f8[:,::1], f4[:,::1], b1[:,::1])")
-def standing_feet(out: Bool, sample: Float64, share: Float32, contact: Bool) -> None:
+@kernel("void(f4[:,:,::1], f4[:,:,::1])")
+def shift_feet(leg_position: Float32, foot_offset: Float32) -> None:
+    """Move ankles and toes of the legs (A, 9, 3) [m] by the `foot_offset` (A, 2, 3) of the footstep plans."""
+    for n in range(leg_position.shape[0]):
+        for foot in range(2):
+            for joint in (3 + 4 * foot, 4 + 4 * foot):
+                leg_position[n, joint, 0] += foot_offset[n, foot, 0]
+                leg_position[n, joint, 2] += foot_offset[n, foot, 1]
+
+
+@kernel("void(f4[:,:,::1], f4[:,:,::1])")
+def set_steps(feet: Float32, foot_offset: Float32) -> None:
+    """Write the `foot_offset` (A, 2, 3) of the footstep plans to the columns of `feet` (A, 2, 11), clearance included."""
+    for n in range(feet.shape[0]):
+        for foot in range(2):
+            feet[n, foot, OFFSET_X], feet[n, foot, OFFSET_Z] = foot_offset[n, foot, 0], foot_offset[n, foot, 1]
+            lift = foot_offset[n, foot, 2]
+            if lift > feet[n, foot, CLEARANCE]:
+                feet[n, foot, CLEARANCE] = lift
+                feet[n, foot, CLEARANCE_SOFTNESS] = CLEARANCE_SOFTNESS_SHARE * lift
+
+
+@kernel("void(b1[:,::1], f8[:,::1], f4[:,::1], b1[:,::1], f4[:,:,::1])")
+def standing_feet(out: Bool, sample: Float64, share: Float32, contact: Bool, foot_offset: Float32) -> None:
     """Compute which feet (A, 2) are in contact in the sampled clips, from the annotation `contact` (S, 2) of all
     samples.
 
-    While clips are mixed or blended a foot counts only if all of them have it on the floor.
+    While clips are mixed or blended a foot counts only if all of them have it on the floor. A foot that its footstep
+    plan lifts, by `foot_offset` (A, 2, 3), does not stand.
     """
     for n in range(out.shape[0]):
         into = share[INTO_NEXT, n]
@@ -232,12 +288,13 @@ def standing_feet(out: Bool, sample: Float64, share: Float32, contact: Bool) -> 
             stands = contact[own, foot]
             if share[LOWER, n] > 0.0:
                 stands = stands and contact[other, foot]
-            out[n, foot] = (stands or into >= 1.0) and (contact[coming, foot] or into <= 0.0)
+            stands = (stands or into >= 1.0) and (contact[coming, foot] or into <= 0.0)
+            out[n, foot] = stands and foot_offset[n, foot, 2] < STEPPING
 
 
 @kernel("void(f4[:,:,::1], f8[:,::1], f4[:,::1], f4[:,::1])")
 def set_clearance(feet: Float32, sample: Float64, share: Float32, height: Float32) -> None:
-    """Set the minimum foot heights where clips are mixed or blended: columns CLEAR and ROUND of `feet` (A, 2, 9).
+    """Set the minimum foot heights where clips are mixed or blended: columns CLEAR and ROUND of `feet` (A, 2, 11).
 
     The blend of a standing and a swinging foot would drag over the floor at a fraction of the swing's height. A foot is
     therefore as high as the highest of its clips, up to MAX_CLEARANCE, by the sole `height` (S, 2) [m] of all samples.

@@ -38,6 +38,35 @@ def warp_share(warp_curve: Float64, fraction: float) -> float:
     return share
 
 
+@kernel("f8(f8[:,::1], f8)")
+def warp_rate(warp_curve: Float64, fraction: float) -> float:
+    """Return the slope of `warp_share` at `fraction` of the measure [1 per measure]."""
+    place = min(max(fraction, 0.0), 1.0) * (warp_curve.shape[0] - 1)
+    k = min(math.floor(place), warp_curve.shape[0] - 2)
+    rate: float = warp_curve[k, WARP_RATE] + (place - k) * (warp_curve[k + 1, WARP_RATE] - warp_curve[k, WARP_RATE])
+    return rate
+
+
+AIM_X, AIM_Z, AIM_SHARE, SETTLED, SETTLED_X, SETTLED_Z = range(6)
+"""Columns of the aim of a foot: its shift [m] and share when the measure's correction last changed; 1 if that came too
+late for the foot, which then keeps its goal [m]."""
+
+
+@kernel("UniTuple(f8,3)(f8[:,::1], f8, f8[::1], f8, f8)")
+def foot_shift(curve: Float64, fraction: float, aim: Float64, goal_x: float, goal_z: float) -> tuple[float, float, float]:
+    """Return how far the footstep plan has moved a foot at `fraction` of the measure, x, z [m], and how fast it moves
+    it [m per measure]. `curve` (KNOTS, 2) of the foot, `aim` (6,), `goal_x` and `goal_z`: the measure's correction."""
+    left = 1.0 - aim[AIM_SHARE]
+    if left < 1e-6:
+        return aim[AIM_X], aim[AIM_Z], 0.0
+    if aim[SETTLED] > 0.0:
+        goal_x, goal_z = aim[SETTLED_X], aim[SETTLED_Z]
+    way_x, way_z = (goal_x - aim[AIM_X]) / left, (goal_z - aim[AIM_Z]) / left
+    passed = max(warp_share(curve, fraction) - aim[AIM_SHARE], 0.0)
+    speed = math.sqrt(way_x * way_x + way_z * way_z) * warp_rate(curve, fraction)
+    return aim[AIM_X] + passed * way_x, aim[AIM_Z] + passed * way_z, speed
+
+
 @kernel("f8(f8, f8, f8, f8)")
 def warped_shift(share_now: float, share_then: float, shift: float, goal: float) -> float:
     """Return a dancer's shift [m] on the way from `shift` at `share_then` to `goal` at the end of the measure."""
@@ -76,20 +105,23 @@ def limit_goals(
         goal[n, 0], goal[n, 1] = x + scale * (goal[n, 0] - x), z + scale * (goal[n, 1] - z)
 
 
-@kernel("void(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8)")
+@kernel("void(f8[:,::1], f8[:,::1], f8[:,:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[:,:,:,::1], f8)")
 def redirect_dancers(
     correction: Float64,
     aimed: Float64,
+    foot_aim: Float64,
     goal: Float64,
     phase: Float64,
     node: Int32,
     warp_curve: Float64,
+    foot_curve: Float64,
     least_left: float,
 ) -> None:
-    """Redirect A dancers to `goal` (A, 2) [m] from `phase` (A,) on: `correction` (A, 3) and `aimed` (A, 3) are updated.
+    """Redirect A dancers to `goal` (A, 2) [m] from `phase` (A,) on: `correction` (A, 3), `aimed` (A, 3) and `foot_aim`
+    (A, 2, 6) are updated.
 
-    `node` (A,) selects the row of `warp_curve` (N, KNOTS, 2); below 0 the dancer is skipped. With no more than
-    `least_left` of the curve left, nothing changes.
+    `node` (A,) selects the row of `warp_curve` (N, KNOTS, 2) and `foot_curve` (N, 2, KNOTS, 2); below 0 the dancer is
+    skipped. With no more than `least_left` of a curve left, nothing changes: a foot keeps its goal.
     """
     for n in range(correction.shape[0]):
         if node[n] < 0:
@@ -97,6 +129,16 @@ def redirect_dancers(
         share = warp_share(warp_curve[node[n]], phase[n])
         if 1.0 - share <= least_left or share < aimed[n, 2]:
             continue
+        for foot in range(2):
+            own, aim = foot_curve[node[n], foot], foot_aim[n, foot]
+            passed = warp_share(own, phase[n])
+            if aim[SETTLED] > 0.0 or passed < aim[AIM_SHARE]:
+                continue
+            if 1.0 - passed <= least_left:
+                aim[SETTLED], aim[SETTLED_X], aim[SETTLED_Z] = 1.0, correction[n, 0], correction[n, 1]
+                continue
+            x, z, _ = foot_shift(own, phase[n], aim, correction[n, 0], correction[n, 1])
+            aim[AIM_X], aim[AIM_Z], aim[AIM_SHARE] = x, z, passed
         for c in range(2):
             aimed[n, c] = warped_shift(share, aimed[n, 2], aimed[n, c], correction[n, c])
             correction[n, c] = goal[n, c]
@@ -152,36 +194,6 @@ def limit_corrections(
             scale = min(scale, max((b + math.sqrt(b * b + a * (limit - c))) / a, 0.0))
         shift[n, 0] *= scale
         shift[n, 1] *= scale
-
-
-@kernel("void(f8[:,::1], f8[::1], i8)")
-def minimax_weights(costs: Float64, weights: Float64, rounds: int) -> None:
-    """Change `weights` (K,), which sum to 1, so that the maximum of `costs` (M, K) @ weights is nearly minimal.
-
-    In each round every weight is multiplied by a factor that falls with its part of the currently largest cost; the
-    mean over all rounds approximates the value of the game (Freund & Schapire 1999).
-    """
-    total, dearest = np.zeros(weights.shape[0]), 0.0
-    for m in range(costs.shape[0]):
-        for k in range(weights.shape[0]):
-            dearest = max(dearest, costs[m, k])
-    for n in range(rounds):
-        worst, highest = 0, -1.0
-        for m in range(costs.shape[0]):
-            cost = 0.0
-            for k in range(weights.shape[0]):
-                cost += costs[m, k] * weights[k]
-            if cost > highest:
-                worst, highest = m, cost
-        whole = 0.0
-        for k in range(weights.shape[0]):
-            total[k] += weights[k]
-            weights[k] *= math.exp(-costs[worst, k] / (dearest * math.sqrt(1.0 + 0.1 * n)))
-            whole += weights[k]
-        for k in range(weights.shape[0]):
-            weights[k] /= whole
-    for k in range(weights.shape[0]):
-        weights[k] = total[k] / rounds
 
 
 Int8 = npt.NDArray[np.int8]
@@ -377,14 +389,18 @@ def apply_goals(
         rows[SEPARATION, n, 1] = rows[GOAL, n, 1] - rows[DESIRED, n, 1]
 
 
-@kernel("void(f8[:,:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8, f8, f8)")
+@kernel(
+    "void(f8[:,:,::1], f8[:,::1], f8[:,::1], f8[:,:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[:,:,:,::1], f8, f8, f8)"
+)
 def follow_goals(
     rows: Float64,
     correction: Float64,
     aimed: Float64,
+    foot_aim: Float64,
     phase: Float64,
     node: Int32,
     warp_curve: Float64,
+    foot_curve: Float64,
     rate: float,
     dt: float,
     least_left: float,
@@ -400,7 +416,7 @@ def follow_goals(
             bend = rows[AIM_SPEED, n, c] + rate * away
             rows[AIM, n, c] = rows[GOAL, n, c] + fall * (away + bend * dt)
             rows[AIM_SPEED, n, c] = fall * (rows[AIM_SPEED, n, c] - slow * bend)
-    redirect_dancers(correction, aimed, rows[AIM], phase, node, warp_curve, least_left)
+    redirect_dancers(correction, aimed, foot_aim, rows[AIM], phase, node, warp_curve, foot_curve, least_left)
 
 
 @kernel("void(f4[:,::1], f4[:,::1], f8[:,:,::1], f8[:,::1], f8, f8, f8[::1], f4[:,::1])")

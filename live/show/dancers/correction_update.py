@@ -10,7 +10,7 @@ from live.agents.separation.path_separation import Paths, PathSeparation
 from live.base.arrays import Float64, Int64
 from live.base.motion_parameters import OBEDIENCE
 from live.clock.ticks import TICK
-from live.motion.pose.root_warp import MAX_HELD_SHIFT
+from live.motion.pose.footstep_plan import MAX_HELD_SHIFT
 from live.motion.pose.root_warp_kernels import (
     DESIRED,
     PLAN,
@@ -136,8 +136,8 @@ class CorrectionUpdate:
         if aim:
             self._recompute_goals(fraction)
         follow_goals(
-            carried.rows, present.correction, present.aim_origin, self._phase, present.node,
-            dancers.graph.node_warp_curve, AIM_RATE, TICK, MIN_REMAINING_WARP,
+            carried.rows, present.correction, present.aim_origin, present.foot_aim, self._phase, present.node,
+            dancers.graph.node_warp_curve, dancers.graph.node_foot_curve, AIM_RATE, TICK, MIN_REMAINING_WARP,
         )  # fmt: skip
 
     def _recompute_goals(self, fraction: float) -> None:

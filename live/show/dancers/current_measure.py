@@ -3,7 +3,8 @@
 import numpy as np
 import numpy.typing as npt
 
-from live.base.arrays import Bool, Float64, Int32
+from live.base.arrays import Bool, Float32, Float64, Int32
+from live.base.motion_parameters import FOOT_LOCK
 from live.graph.motion_graph import MotionGraph
 from live.motion.pose.gather_kernels import clip_hips, gather_dancers, standing_feet
 from live.motion.pose.pose_pipeline import PosePipeline
@@ -23,6 +24,9 @@ class CurrentMeasures:
         self._pipeline = PosePipeline(dancer_count)
         self._everybody = np.arange(dancer_count)
         self._phase = np.zeros(dancer_count)
+        self._foot_offset: Float32 = np.zeros((dancer_count, 2, 3), np.float32)
+        """How far the footstep plans have the feet from their places in the clips as placed (x, z), and their lift [m],
+        shape (A, 2, 3)."""
 
     def set_graph(self, graph: MotionGraph) -> None:
         """Switch to a graph in which all nodes of the old one keep their indices."""
@@ -71,7 +75,8 @@ class CurrentMeasures:
         """
         self._request_samples(fraction)
         out = np.empty((len(self._everybody), 2), np.bool_)
-        standing_feet(out, self._pipeline.sample, self._pipeline.share, self.graph.library.clip_contact)
+        pipeline, library = self._pipeline, self.graph.library
+        standing_feet(out, pipeline.sample, pipeline.share, library.clip_contact, self._foot_offset)
         return out
 
     # -- sample requests to the pose pipeline ------------------------------------------------------------------
@@ -111,6 +116,6 @@ class CurrentMeasures:
             own.take_share, own.amplitude,
             after.node, after.placement, after.take, after.take_share, after.amplitude,
             library.node_first, library.node_last, library.node_lead, graph.node_start, graph.node_facing_start,
-            graph.node_turns, graph.node_warp_curve,
-            pipeline.sample, pipeline.placement, pipeline.share, pipeline.mean, pipeline.amplitude,
+            graph.node_turns, graph.node_warp_curve, graph.node_foot_curve, own.foot_aim, self.variation[FOOT_LOCK],
+            pipeline.sample, pipeline.placement, pipeline.share, pipeline.mean, pipeline.amplitude, self._foot_offset,
         )  # fmt: skip

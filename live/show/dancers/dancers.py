@@ -11,7 +11,8 @@ from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import starting_placement
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.pose.foot_lock import LEG_JOINTS, CutFootLift, FootLock
-from live.motion.pose.gather_kernels import set_clearance
+from live.motion.pose.foot_lock_kernels import HELD, SHIFT_X, SHIFT_Z
+from live.motion.pose.gather_kernels import set_clearance, set_steps, shift_feet
 from live.motion.pose.hand_hold import HandHolds
 from live.motion.pose.inertialization import Inertialization
 from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
@@ -71,7 +72,7 @@ class Dancers(CurrentMeasures):
         danced = self.present
         danced.node[:] = node
         danced.placement[:] = starting_placement(self.graph, node, position, heading)
-        danced.correction[:] = danced.aim_origin[:] = 0.0
+        danced.clear_correction()
         danced.decided = True
         self.past.undecide()
         self.coming.undecide()
@@ -82,11 +83,17 @@ class Dancers(CurrentMeasures):
         measure begins."""
         danced = self.present
         danced.placement[rows] = starting_placement(self.graph, danced.node[rows], position, heading)
-        danced.correction[rows] = danced.aim_origin[rows] = 0.0
+        danced.clear_correction(rows)
         self.past.node[rows] = UNDECIDED
         self.lock.state[rows] = 0.0
         self.inertia.clear(rows)
         self.drawn_hips[rows] = position
+
+    def release_planned_feet(self, rows: Int32) -> None:
+        """Let the feet of the dancers `rows` (n,) return from their planned places to those in the clips, before their
+        corrections are removed by a cut. Standing feet stay: the lock notices itself."""
+        free = self.lock.state[rows, :, HELD, None] == 0.0
+        self.lock.state[rows, :, SHIFT_X : SHIFT_Z + 1] += np.where(free, self._foot_offset[rows, :, :2], np.float32(0.0))
 
     def captured_dancers(self) -> Rows:
         """Dancers who mostly show captured poses, (n,)."""
@@ -110,6 +117,7 @@ class Dancers(CurrentMeasures):
         if self.inertia.any_fading:
             contact &= self._landed(position) | ~self.inertia.fading[:, None]
         self.drawn_hips[:] = position[:, 0, ::2]
+        shift_feet(position, self._foot_offset)
         self.lock.tick(position, contact, dt)
         self._locked_at = time
 
@@ -126,6 +134,7 @@ class Dancers(CurrentMeasures):
         if pipeline.lock:
             self.lock.write_feet(pipeline.feet, max(time - self._locked_at, 0.0))
             set_clearance(pipeline.feet, pipeline.sample, pipeline.share, self.graph.library.clip_height)
+            set_steps(pipeline.feet, self._foot_offset)
             if self.inertia.any_fading:
                 self.landing.apply(pipeline.feet, self.inertia.age)
         position, rotation = pipeline.run(self.graph.library.store, out)

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from live.base.arrays import Float32, Float64, Int32
 from live.graph.select.candidates import own_end
@@ -42,7 +43,10 @@ class _CachedEnds:
 class MeasureState:
     """One measure of A dancers, as plain arrays. `copy_from` replaces all of them at a measure line."""
 
-    ARRAYS = ("node", "placement", "correction", "aim_origin", "on_support", "take", "take_share", "amplitude", "warp")
+    ARRAYS = (
+        "node", "placement", "correction", "aim_origin", "foot_aim", "on_support", "take", "take_share", "amplitude",
+        "warp",
+    )  # fmt: skip
 
     def __init__(self, graph: "MotionGraph", count: int) -> None:
         self.graph = graph
@@ -57,6 +61,8 @@ class MeasureState:
         """Offset added over the measure so that it ends at its target: x, z [m], yaw [rad], shape (A, 3)."""
         self.aim_origin: Float64 = np.zeros((count, 3))
         """The part x, z [m] of it already applied at the last re-aim, and the warp curve's value then, (A, 3)."""
+        self.foot_aim: Float64 = np.zeros((count, 2, 6))
+        """The same of both feet, columns as in `root_warp_kernels`, (A, 2, 6)."""
         self.on_support: Float64 = np.zeros(count)
         """1 where the turn happens on the support foot (T048-T050), 0 where it is spread over the measure, (A,)."""
         self.take: Int32 = np.full(count, NO_TAKE, np.int32)
@@ -85,10 +91,15 @@ class MeasureState:
         Their correction and their other take are removed. Time warp and amplitude stay.
         """
         self.node[rows], self.placement[rows] = node, placement
-        self.correction[rows] = self.aim_origin[rows] = 0.0
+        self.clear_correction(rows)
         self.take[rows], self.take_share[:, rows] = NO_TAKE, 0.0
         if self._ends is not None:
             self._ends.replace_node(rows, node)
+
+    def clear_correction(self, rows: npt.NDArray[np.integer] | slice = slice(None)) -> None:
+        """Remove the correction of the dancers `rows` (n,)."""
+        self.correction[rows] = self.aim_origin[rows] = 0.0
+        self.foot_aim[rows] = 0.0
 
     def own_end(self) -> tuple[Float64, Float64]:
         """Hips (A, 2) [m] and heading (A,) [rad] at the measure's end in the clips' own axes, other takes included."""

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from live.show.group.group_motion import GroupMotion
 
 
-MIN_CORRECTION_SHARE: Final = 0.4
+MIN_CORRECTION_SHARE: Final = 0.7
 """Largest correction at obedience 0, as a share of the legs' reach margin."""
 MIN_SEPARATION_CORRECTION: Final = 0.1
 """Least correction allowed for path separation [m], whatever the legs' reach margin."""

@@ -16,7 +16,7 @@ from live.agents.separation.path_separation import PathSeparation
 from live.base.arrays import Float32, Float64
 from live.base.motion_parameters import OBEDIENCE
 from live.motion.capture.capture_blend_kernels import translate_plans
-from live.motion.pose.root_warp import MAX_HELD_SHIFT
+from live.motion.pose.footstep_plan import MAX_HELD_SHIFT
 from live.motion.pose.root_warp_kernels import compute_corrections, compute_references, end_distances
 from live.show.dancers.collision_avoidance import ContactResolver
 from live.show.dancers.correction_update import CorrectionUpdate, NextCorrection

@@ -93,6 +93,7 @@ class ClipCutter:
         (None) with the step that was decided."""
         dancers, rows = self._dancers, moment.rows
         placement = self._aligned_placement(moment, node)
+        dancers.release_planned_feet(rows)
         for which, danced in enumerate(dancers.measures()):
             own = moment.which == which
             danced.replace_node(rows[own], node[own], placement[own])

@@ -72,7 +72,7 @@ class MeasureDraft:
         """Set each dancer's turn beyond the measure's own; headings stay as they are until the decision."""
         draft, graph = self.draft, self._dancers.graph
         yaw = axes[:, 2] + graph.edge_transform[np.maximum(self._choices.edge[:, 0], 0), 2]
-        draft.correction[:] = draft.aim_origin[:] = 0.0
+        draft.clear_correction()
         most = self._choosing.max_turns[draft.node, 0]
         draft.correction[:, 2] = np.clip(wrap_angle(self._aims.heading - yaw - self._local_heading(draft)), -most, most)
 

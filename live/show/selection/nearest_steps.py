@@ -74,7 +74,7 @@ def nearest_edges(
 
 def _set_plain(coming: MeasureState) -> None:
     """Set a measure to its plain clip: no correction, mixed take, variation or turn."""
-    coming.correction[:] = coming.aim_origin[:] = 0.0
+    coming.clear_correction()
     coming.on_support[:] = 0.0
     coming.take[:], coming.take_share[:] = NO_TAKE, 0.0
     coming.amplitude[:], coming.warp[:] = 1.0, 0.0

@@ -11,6 +11,7 @@ from live.clock.timeline import Timeline
 from live.control.events.event import ControlEvent
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import wrap_angle
+from live.graph.select.reachability import mean_progress
 from live.graph.select.selector import StepSelector
 from live.show.group.group_values import GroupValues
 from live.show.patch.patch import Patch
@@ -146,7 +147,7 @@ def _towards(way: Float64, least: float, last: Float64) -> Float64:
 
 STANDING_DISTANCE: float = 0.15
 """A group stands if the median of its dancers' ways in the next measure is shorter than this [m]."""
-TARGET_CORRECTION_SHARE: float = 0.2
+TARGET_CORRECTION_SHARE: float = 0.8
 """Share of the possible correction that targets may use beyond a step's reach. The rest is kept for path separation.
 Steps in place may use all of it."""
 
@@ -197,6 +198,9 @@ class StepTargets:
         reach = [library.max_travel(step) for step in range(len(library.steps))]
         # reach of one measure of each step [m]; last, for ANY_STEP, the largest
         self._reach = np.array([*reach, max(reach)])
+        # how far a measure of each step gets, on average, towards a place in any direction [m]
+        self._progress = mean_progress(graph)
+        self._give = float(np.median(graph.node_reach_margin))
         for programme in self._programmes:
             programme.set_graph(graph)
         self._subgroups.set_graph(graph)
@@ -238,8 +242,9 @@ class StepTargets:
             if asked_for != measure:
                 step = programme.step_for(measure, self._dancers.node[members])
             steps = [step] if programme.travel_step is None else [step, programme.travel_step]
-            reach = max(float(self._reach[s]) for s in steps)
-            self.speed[members] = (reach + 0.2 * self._patch.locomotion.correction_m) / seconds
+            progress = max(float(self._progress[s]) for s in steps)
+            give = min(self._give, self._patch.locomotion.correction_m)
+            self.speed[members] = (progress + 0.5 * give) / seconds
 
     def set_wishes(self, choices: StepChoices) -> None:
         """Set the wished positions and headings for the end of the next measure. The look-ahead must be finished."""

@@ -52,7 +52,7 @@ KINDS: Final = [
         _subgroups:subgroups _group:i4(group) order:list[int] headings:headings speed:f4 _row_count:int
         _wanted_steps:list[tuple[int|none,int]]
         step:i4(step) row:i4(aim) heading:f8 _choosing:constant-choosing step_costs:constant-foresight ahead:f8
-        _reach:f8
+        _reach:f8 _progress:f8 _give:float
     """),
     Kind("anchor", DriftCorrection, "offset:tuple[float,float] difference:tuple[float,float] _mean:tuple[float,float]"),
     Kind("answer-leaders", LeaderReaders, """
@@ -108,14 +108,14 @@ KINDS: Final = [
     """),
     Kind("danced", MeasureState, """
         graph:constant-motion-graph _ends:danced.ends|none decided:bool node:i4(node) placement:f8 correction:f8
-        aim_origin:f8 on_support:f8 take:i4(node) take_share:f4 amplitude:f8 warp:f8
+        aim_origin:f8 foot_aim:f8 on_support:f8 take:i4(node) take_share:f4 amplitude:f8 warp:f8
     """),
     Kind("danced.ends", _CachedEnds, """
         _node:i4(node) _take:i4(node) _share:f4 _graph:constant-motion-graph hips:f8 heading:f8
     """),
     Kind("dancers", Dancers, """
         graph:constant-motion-graph variation:variation past:danced present:danced coming:danced
-        _pipeline:pose-pipeline _everybody:i8(dancer) _phase:f8 lock:foot-lock hands:hands _locked_at:float
+        _pipeline:pose-pipeline _everybody:i8(dancer) _phase:f8 _foot_offset:f4 lock:foot-lock hands:hands _locked_at:float
         _aside:pose-pipeline _legs:pose-pipeline inertia:inertia landing:landing texture:texturing
         captured:dict[str,captured] beats:int partner_response:answering|none _settled:f4 _bare_legs:tuple[f4,f4]
         drawn_hips:f4

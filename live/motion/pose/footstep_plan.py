@@ -1,0 +1,215 @@
+"""Footstep plans: how a measure's root correction is danced, with planned steps instead of a body pulled over its feet.
+
+A correction moves the end of a measure. Every foot takes its part of it while it swings, in the order in which the feet
+land, and the hips stay between the feet. So a foot that stands stays (T048, for translations), strides become longer,
+shorter or go elsewhere, and no leg has to stretch more than half of what the feet are apart. A foot that stands all the
+time takes a small step of its own on a beat, if the correction is large enough to need it.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from live.base.arrays import Bool, Float64
+from live.motion.editing.foot_correction import LEG_LENGTH
+from live.motion.pose.root_warp_kernels import DIRECTIONS, KNOTS, WARP_RATE, WARP_SHARE
+
+SAMPLES_PER_KNOT: Final = 4
+SAMPLES: Final = SAMPLES_PER_KNOT * (KNOTS - 1) + 1
+"""Samples of a measure at which its contacts are read."""
+MIN_SWING: Final = 5
+"""A swing of fewer knots is too quick to lead a foot elsewhere."""
+INSERTED_SWING: Final = 0.8
+"""Length of an inserted step in beats; it lands on the beat."""
+MAX_WARP_RATE: Final = 2.6
+"""Maximum speed of a correction of the hips [m per measure]."""
+MAX_FOOT_RATE: Final = 6.0
+"""Maximum speed of a correction of a foot [m per measure]."""
+MAX_HELD_SHIFT: Final = 0.4
+"""Maximum shift of a standing foot from its place in the clip [m]; the lock releases it a little later."""
+STANDING_MARGIN: Final = 0.08
+"""Maximum correction [m] if no foot can be lifted: both are held against it."""
+LENGTH_BUFFER: Final = 0.015
+"""A leg is never stretched beyond its length minus this [m] (as in the pose kernels)."""
+PELVIS_DROP: Final = 0.03
+"""Allowed drop of the hips [m]: half of what the pose kernels allow."""
+SLIDE_DISTANCE: Final = 0.2
+"""A foot that moves this far [m] during annotated contact is not planted in the clip itself."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FootstepPlan:
+    """When hips and feet of one measure take their part of a correction: share and rate at the knots."""
+
+    root: Float64
+    """Shape (KNOTS, 2), from 0 to 1."""
+    feet: Float64
+    """Left and right foot, from 0 to 1, or 0 for a foot that is never lifted, shape (2, KNOTS, 2)."""
+    steps: bool
+    """Whether a foot is lifted at all."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MeasurePlans:
+    """Footstep plans of N measures, and how far each allows to correct."""
+
+    root: Float64
+    """Shape (N, KNOTS, 2)."""
+    feet: Float64
+    """Shape (N, 2, KNOTS, 2)."""
+    margin: Float64
+    """Farthest correction [m] in DIRECTIONS directions about the clip's axes, shape (N, DIRECTIONS)."""
+    hold: Float64
+    """Share applied before each foot that stands at the beginning is lifted, shape (N, 2)."""
+
+
+def plan_measures(
+    hip: Float64, ankle: Float64, contact: Bool, measures: Sequence[tuple[float, float]], *, beats: int, last: float
+) -> MeasurePlans:
+    """Plan the footsteps of N measures.
+
+    `hip` and `ankle` (S, 2, 3) [m] of both legs and `contact` (S, 2) are those of all samples; each of `measures` is a
+    first and a last sample. `beats` of a measure; `last`: see `plan_footsteps`.
+    """
+    roots, feet, margins, holds = [], [], [], []
+    for begin, end in measures:
+        at = np.linspace(begin, end, SAMPLES).round().astype(np.int64)
+        plan = plan_footsteps(contact[at], beats=beats, last=last)
+        roots.append(plan.root)
+        feet.append(plan.feet)
+        margins.append(compute_reach_margin(hip[at], ankle[at], contact[at], plan))
+        holds.append(initial_hold_shares(ankle[at], contact[at], plan))
+    return MeasurePlans(np.stack(roots), np.stack(feet), np.stack(margins), np.stack(holds))
+
+
+def plan_footsteps(contact: Bool, *, beats: int, last: float) -> FootstepPlan:
+    """Return the plan of a measure with `contact` (SAMPLES, 2), evenly spaced from its beginning to its end.
+
+    Nothing moves after `last` (share of the measure), where the blend lies (T050). A foot whose last swing has passed
+    has its whole part; the swings before it share the way evenly in the order of their landings.
+    """
+    end = int(last * (KNOTS - 1) + 1e-9)
+    swings = [swing for foot in range(2) for swing in _swings(contact[:, foot], foot, end)]
+    for foot in range(2):
+        if all(own != foot for own, _, _ in swings):
+            swings += _inserted_swing(contact, swings, foot, beats, end)
+    swings.sort(key=lambda swing: (swing[2], swing[0]))
+    feet = np.zeros((2, KNOTS, 2))
+    reached = np.zeros(2)
+    final = {foot: index for index, (foot, _, _) in enumerate(swings)}
+    for index, (foot, begin, stop) in enumerate(swings):
+        goal = 1.0 if final[foot] == index else min(1.0, (index + 1) / max(len(swings) - 1, 1))
+        feet[foot, :, WARP_RATE] += (goal - reached[foot]) * _hump(begin, stop)
+        reached[foot] = goal
+    if not swings:
+        rate = _hump(0, end)
+        return FootstepPlan(_curve(rate), feet, steps=False)
+    for foot in range(2):
+        feet[foot] = _curve(feet[foot, :, WARP_RATE])
+    return FootstepPlan(_curve(feet[..., WARP_RATE].sum(axis=0) / reached.sum()), feet, steps=True)
+
+
+def _swings(stands: Bool, foot: int, end: int) -> list[tuple[int, int, int]]:
+    """Return foot, first and last knot of the swings of one foot that are long enough and begin early enough."""
+    found = []
+    edges = np.flatnonzero(np.diff((~stands).astype(np.int8), prepend=0, append=0)).reshape(-1, 2)
+    for begin, stop in edges.tolist():
+        first, final = -(-begin // SAMPLES_PER_KNOT), min(stop, SAMPLES - 1) // SAMPLES_PER_KNOT
+        cut = min(final, end)
+        if cut - first >= max(MIN_SWING, (final - first) // 2):
+            found.append((foot, first, cut))
+    return found
+
+
+def _inserted_swing(
+    contact: Bool, swings: list[tuple[int, int, int]], foot: int, beats: int, end: int
+) -> list[tuple[int, int, int]]:
+    """Return a swing of `foot` that lands on a beat while the other foot stands, if the measure has room for one."""
+    for beat in range(1, beats + 1):
+        stop = int(beat / beats * (KNOTS - 1) + 1e-9)
+        first = round(stop - INSERTED_SWING / beats * (KNOTS - 1))
+        if stop > end or stop - first < MIN_SWING:
+            continue
+        part = slice(SAMPLES_PER_KNOT * first, SAMPLES_PER_KNOT * stop + 1)
+        if contact[part].all() and all(begin >= stop or final <= first for _, begin, final in swings):
+            return [(foot, first, stop)]
+    return []
+
+
+def _hump(begin: int, stop: int) -> Float64:
+    """Return a rate at the knots that is 0 outside `begin` to `stop` and integrates to 1, (KNOTS,)."""
+    u = np.clip((np.arange(KNOTS) - begin) / max(stop - begin, 1), 0.0, 1.0)
+    rate = u * (1.0 - u)
+    return np.asarray(rate * ((KNOTS - 1) / rate.sum()))
+
+
+def _curve(rate: Float64) -> Float64:
+    """Return share and rate at the knots, (KNOTS, 2)."""
+    share = np.concatenate(([0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1])) / (KNOTS - 1)))
+    return np.ascontiguousarray(np.stack((share, rate), axis=1))
+
+
+def _at_samples(curve: Float64) -> Float64:
+    """Return the shares of a curve (KNOTS, 2) at the samples of the measure, (SAMPLES,)."""
+    return np.interp(np.linspace(0.0, 1.0, SAMPLES), np.linspace(0.0, 1.0, KNOTS), curve[:, WARP_SHARE])
+
+
+def stances(contact: Bool) -> list[tuple[int, int, int]]:
+    """Return foot, first sample and end (exclusive) of all contact intervals from `contact` (T, 2)."""
+    found = []
+    for foot in range(2):
+        edges = np.flatnonzero(np.diff(contact[:, foot].astype(np.int8), prepend=0, append=0))
+        found += [(foot, int(begin), int(end)) for begin, end in zip(edges[::2], edges[1::2], strict=True)]
+    return found
+
+
+def compute_reach_margin(hip: Float64, ankle: Float64, contact: Bool, plan: FootstepPlan) -> Float64:
+    """Return how far a measure may be corrected [m] in DIRECTIONS directions about the clip's heading, (DIRECTIONS,).
+
+    `hip` and `ankle` (SAMPLES, 2, 3) [m] of both legs and `contact` (SAMPLES, 2). While a foot stands its leg must
+    reach, wherever the plan has hips and foot, and it is held against no more than MAX_HELD_SHIFT. A foot that slides
+    in the clip itself is no constraint. Direction k has yaw 2 pi k / DIRECTIONS.
+    """
+    angle = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+    ways = np.stack((np.sin(angle), np.cos(angle)), axis=1)
+    fastest = plan.feet[..., WARP_RATE].max()
+    give = np.full(DIRECTIONS, min(MAX_WARP_RATE / plan.root[:, WARP_RATE].max(), MAX_FOOT_RATE / max(fastest, 1e-9)))
+    root = _at_samples(plan.root)
+    if not plan.steps and all(not _slides(ankle, *stance) for stance in stances(contact)):
+        return np.minimum(give, STANDING_MARGIN)
+    for foot, begin, end in stances(contact):
+        if _slides(ankle, foot, begin, end):
+            continue
+        part = slice(begin, end)
+        ahead = (_at_samples(plan.feet[foot]) - root)[part]  # of the foot over the hips, in shares of the correction
+        leg = ankle[part, foot] - hip[part, foot]
+        longest = np.maximum(LEG_LENGTH - LENGTH_BUFFER, np.linalg.norm(leg, axis=1))
+        level = longest**2 - np.minimum(leg[:, 1] + PELVIS_DROP, 0.0) ** 2  # squared reach on the floor
+        flat = leg[:, (0, 2)]
+        along = (flat @ ways.T) * np.sign(ahead)[:, None]
+        spare = np.maximum(level - np.sum(flat * flat, axis=1), 0.0)[:, None]
+        far = np.sqrt(along * along + spare) - along
+        moves = np.abs(ahead) > 1e-3
+        if moves.any():
+            give = np.minimum(give, np.min(far[moves] / np.abs(ahead[moves, None]), axis=0))
+            give = np.minimum(give, MAX_HELD_SHIFT / np.abs(ahead).max())
+    return np.asarray(np.maximum(give, 0.0))
+
+
+def initial_hold_shares(ankle: Float64, contact: Bool, plan: FootstepPlan) -> Float64:
+    """Return the share of the correction applied before each foot standing at the beginning is lifted, shape (2,)."""
+    root = _at_samples(plan.root)
+    holds = np.zeros(2)
+    for foot, begin, end in stances(contact):
+        if begin == 0 and not _slides(ankle, foot, begin, end):
+            own = _at_samples(plan.feet[foot])
+            holds[foot] = np.max((root - own)[begin:end][own[begin:end] < 1e-6])
+    return holds
+
+
+def _slides(ankle: Float64, foot: int, begin: int, end: int) -> bool:
+    """Whether the clip itself moves that foot, from `ankle` (T, 2, 3), farther than one that is planted."""
+    way = ankle[begin:end, foot][:, (0, 2)]
+    return bool(np.ptp(way, axis=0).max() > SLIDE_DISTANCE)
