@@ -58,7 +58,8 @@ class StepSelector:
     max_turns: Float64
     """Each node's largest turn [rad], cosine and sine, shape (N, 3)."""
     facts: Float64
-    """Maximum correction of each node [m], maximum distance of its mixtures' ends, its own cost, shape (N, 3)."""
+    """Maximum correction of each node in any direction [m], maximum distance of its mixtures' ends, its own cost,
+    largest correction at all [m], shape (N, 4)."""
     weights: Float64
     """Shape (8,)."""
     scratch: Float64
@@ -76,7 +77,7 @@ class StepSelector:
         moved = np.empty((graph.library.node_count, ANGLES, 2))
         for n, angle in enumerate(angles):
             moved[:, n] = candidates.turns.displacement(1.0, np.full(len(moved), angle))
-        facts = np.zeros((len(moved), 3))
+        facts = np.zeros((len(moved), 4))
         facts[:, 1] = _mixture_spread(candidates, moved, angles)
         facts[:, 2] = DETOUR_COST * _detours(graph) ** 2
         return StepSelector(
@@ -96,12 +97,13 @@ class StepSelector:
             scratch=np.zeros((int(np.diff(graph.edge_start).max(initial=0)) + 1, 2)),
         )  # fmt: skip
 
-    def set_limits(self, *, seconds: float, turn: float, reach_margin: npt.ArrayLike) -> None:
-        """Set the measure's `seconds`, the largest `turn` [rad], and the correction `reach_margin` (N,) or () [m]."""
+    def set_limits(self, *, seconds: float, turn: float, correction: float) -> None:
+        """Set the measure's `seconds`, the largest `turn` [rad], and the largest `correction` [m]."""
         angle = np.minimum(min(turn, np.pi), MAX_TURN_RATE * seconds / self.graph.node_peak_turn_rate)
         self.max_turns[:, 0] = angle
         self.max_turns[:, 1], self.max_turns[:, 2] = np.cos(angle), np.sin(angle)
-        self.facts[:, 0] = reach_margin
+        self.facts[:, 0] = np.minimum(self.graph.node_reach_margins.max(axis=1), correction)
+        self.facts[:, 3] = correction
 
     def choose(
         self,
@@ -121,7 +123,7 @@ class StepSelector:
         choose_measures(
             rows.start, rows.stop, node, placement, target, row, ahead, side, options,
             graph.edge_start, graph.edge_target, self.edge, self.candidates.first, self.clip, self.turn_offsets,
-            self.max_turns, self.facts, graph.library.node_side, self.weights, self.scratch,
+            self.max_turns, self.facts, graph.node_reach_margins, graph.library.node_side, self.weights, self.scratch,
             edge, candidate, terms, end,
         )  # fmt: skip
 

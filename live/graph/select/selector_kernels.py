@@ -89,6 +89,19 @@ def place_error(end: tuple[float, float, float, float], target: Float64, n: int)
 
 
 @inline_kernel
+def correctable(
+    end: tuple[float, float, float, float], yaw: float, target: Float64, n: int, margins: Float64, v: int, most: float
+) -> float:
+    """Return how far the end of dancer n with node v placed at `yaw` [rad] can be corrected towards the target [m]."""
+    count = margins.shape[1]
+    way = math.atan2(target[n, 0] - end[0], target[n, 1] - end[1]) - yaw - 0.5 * end[2]
+    place = (way * (1.0 / (2.0 * math.pi)) + 4.0) * count
+    low = int(place)
+    share = place - low
+    return min(most, (1.0 - share) * margins[v, low % count] + share * margins[v, (low + 1) % count])
+
+
+@inline_kernel
 def turn_cost(end: tuple[float, float, float, float], weights: Float64) -> float:
     """Return the cost of the remaining heading error and of the turn."""
     cost: float = weights[HEADING] * end[3] * end[3] + weights[TURN] * end[2] * end[2]
@@ -133,7 +146,7 @@ def edge_costs(
 
 @kernel(
     "void(i8,i8,i4[::1],f8[:,::1],f8[:,::1],i4[::1],f8[:,::1],i4[::1],f8[:,::1],"
-    "i4[::1],i4[::1],f8[:,::1],i4[::1],f8[:,::1],f8[:,:,::1],f8[:,::1],f8[:,::1],i4[::1],"
+    "i4[::1],i4[::1],f8[:,::1],i4[::1],f8[:,::1],f8[:,:,::1],f8[:,::1],f8[:,::1],f8[:,::1],i4[::1],"
     "f8[::1],f8[:,::1],i4[:,::1],i4[:,::1],f8[:,:,::1],f8[:,::1])"
 )
 def choose_measures(
@@ -154,6 +167,7 @@ def choose_measures(
     turn_offsets: Float64,
     max_turns: Float64,
     facts: Float64,
+    margins: Float64,
     node_side: Int32,
     weights: Float64,
     scratch: Float64,
@@ -172,8 +186,9 @@ def choose_measures(
     candidates of node v from first[v] to first[v + 1], its own clip first, with clip (K, 6): hips at its end in its own
     axes x, z, heading there, its cosine and sine, difference of the mean heading to that; moved (N, T, 2): displacement
     [m] added by a turn on the supporting foot, at T angles from -π to π; most (N, 3): the largest turn, its cosine and
-    sine; facts (N, 3): maximum correction of a measure [m], largest distance of its mixtures' ends from its own [m],
-    its own cost. room (R', 2) is scratch for the edges of one node, its last row for two costs.
+    sine; facts (N, 4): maximum correction of a measure in any direction [m], largest distance of its mixtures' ends
+    from its own [m], its own cost, the largest correction at all [m]; margins (N, DIRECTIONS): how far it can be
+    corrected in each direction about its clip's axes [m]. room (R', 2) is scratch for the edges of one node, its last row for two costs.
 
     Results: out_edge and out_candidate (A, 2), best and runner-up, -1 for none; out_terms (A, 2, 5), cost of place,
     heading, pose, wrong step and all else; out_end (A, 4): hips x, z, turn, and remaining heading error.
@@ -195,12 +210,15 @@ def choose_measures(
                     continue
                 v = edge_target[e]
                 k = first[v]
-                end = candidate_end(
-                    clip_placement(placement, n, edge, e), n, v, k, target, options, clip, turn_offsets, max_turns
-                )
+                laid = clip_placement(placement, n, edge, e)
+                end = candidate_end(laid, n, v, k, target, options, clip, turn_offsets, max_turns)
                 off = place_error(end, target, n)
                 scratch[e - low, 1] = off
                 cost = base + place_cost(off, options[n, 2] * facts[v, 0], weights) + turn_cost(end, weights)
+                if cost >= scratch[last, 1]:
+                    continue
+                give = options[n, 2] * correctable(end, laid[2], target, n, margins, v, facts[v, 3])
+                cost = base + place_cost(off, give, weights) + turn_cost(end, weights)
                 insert_best(cost, e, k, n, out_edge, out_candidate, scratch)
         for e in range(low, high):
             v = edge_target[e]
@@ -210,18 +228,23 @@ def choose_measures(
             laid = clip_placement(placement, n, edge, e)
             for k in range(first[v] + 1, first[v + 1]):
                 end = candidate_end(laid, n, v, k, target, options, clip, turn_offsets, max_turns)
-                cost = base + place_cost(place_error(end, target, n), give, weights) + turn_cost(end, weights)
+                off = place_error(end, target, n)
+                cost = base + place_cost(off, give, weights) + turn_cost(end, weights)
+                if cost >= scratch[last, 1]:
+                    continue
+                gives = options[n, 2] * correctable(end, laid[2], target, n, margins, v, facts[v, 3])
+                cost = base + place_cost(off, gives, weights) + turn_cost(end, weights)
                 insert_best(cost, e, k, n, out_edge, out_candidate, scratch)
         for rank in range(1, -1, -1):  # the best comes last, so its end is kept
             e, k = out_edge[n, rank], out_candidate[n, rank]
             out_terms[n, rank] = 0.0
             if e >= 0:
                 v = edge_target[e]
-                end = candidate_end(
-                    clip_placement(placement, n, edge, e), n, v, k, target, options, clip, turn_offsets, max_turns
-                )
+                laid = clip_placement(placement, n, edge, e)
+                end = candidate_end(laid, n, v, k, target, options, clip, turn_offsets, max_turns)
+                give = options[n, 2] * correctable(end, laid[2], target, n, margins, v, facts[v, 3])
                 pose, wrong = weights[POSE] * edge[e, 5], weights[WRONG] * ahead[row[n], v]
-                out_terms[n, rank, 0] = place_cost(place_error(end, target, n), options[n, 2] * facts[v, 0], weights)
+                out_terms[n, rank, 0] = place_cost(place_error(end, target, n), give, weights)
                 out_terms[n, rank, 1] = turn_cost(end, weights)
                 out_terms[n, rank, 2], out_terms[n, rank, 3] = pose, wrong
                 out_terms[n, rank, 4] = scratch[e - low, 0] - pose - wrong + weights[MIXED] * (k > first[v])

@@ -23,10 +23,10 @@ MIN_SWING: Final = 5
 """A swing of fewer knots is too quick to lead a foot elsewhere."""
 INSERTED_SWING: Final = 0.8
 """Length of an inserted step in beats; it lands on the beat."""
-MAX_WARP_RATE: Final = 2.6
-"""Maximum speed of a correction of the hips [m per measure]."""
-MAX_FOOT_RATE: Final = 6.0
-"""Maximum speed of a correction of a foot [m per measure]."""
+MAX_HIP_SPEED: Final = 2.6
+"""Hips get faster than in the clip by no more than this [m per measure]."""
+MAX_FOOT_SPEED: Final = 6.0
+"""The same for a foot [m per measure]."""
 MAX_HELD_SHIFT: Final = 0.4
 """Maximum shift of a standing foot from its place in the clip [m]; the lock releases it a little later."""
 STANDING_MARGIN: Final = 0.08
@@ -174,8 +174,9 @@ def compute_reach_margin(hip: Float64, ankle: Float64, contact: Bool, plan: Foot
     """
     angle = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
     ways = np.stack((np.sin(angle), np.cos(angle)), axis=1)
-    fastest = plan.feet[..., WARP_RATE].max()
-    give = np.full(DIRECTIONS, min(MAX_WARP_RATE / plan.root[:, WARP_RATE].max(), MAX_FOOT_RATE / max(fastest, 1e-9)))
+    give = _speed_margin(hip.mean(axis=1), plan.root, ways, MAX_HIP_SPEED)
+    for foot in range(2):
+        give = np.minimum(give, _speed_margin(ankle[:, foot], plan.feet[foot], ways, MAX_FOOT_SPEED))
     root = _at_samples(plan.root)
     if not plan.steps and all(not _slides(ankle, *stance) for stance in stances(contact)):
         return np.minimum(give, STANDING_MARGIN)
@@ -196,6 +197,20 @@ def compute_reach_margin(hip: Float64, ankle: Float64, contact: Bool, plan: Foot
             give = np.minimum(give, np.min(far[moves] / np.abs(ahead[moves, None]), axis=0))
             give = np.minimum(give, MAX_HELD_SHIFT / np.abs(ahead).max())
     return np.asarray(np.maximum(give, 0.0))
+
+
+def _speed_margin(place: Float64, curve: Float64, ways: Float64, most: float) -> Float64:
+    """Return how far a joint at `place` (SAMPLES, 3) [m] may be led by `curve` along `ways` (D, 2) so that it gets
+    faster than in the clip by no more than `most` [m per measure], (D,) [m]."""
+    at = np.arange(KNOTS) * SAMPLES_PER_KNOT
+    speed = np.gradient(place[:, (0, 2)], axis=0)[at] * (SAMPLES - 1)
+    rate, own = curve[:, WARP_RATE], np.hypot(*speed.T)
+    moves = rate > 1e-3
+    if not moves.any():
+        return np.full(len(ways), np.inf)
+    along = speed[moves] @ ways.T
+    room = ((own + most) ** 2 - own**2)[moves, None]
+    return np.asarray(np.min((np.sqrt(along * along + room) - along) / rate[moves, None], axis=0))
 
 
 def initial_hold_shares(ankle: Float64, contact: Bool, plan: FootstepPlan) -> Float64:

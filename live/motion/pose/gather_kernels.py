@@ -137,7 +137,8 @@ def plan_feet(
     for foot in range(2):
         foot_x, foot_z, speed = foot_shift(foot_curve[own, foot], at, foot_aim[n, foot], x, z)
         foot_offset[n, foot, 0], foot_offset[n, foot, 1] = weight * (foot_x - root_x), weight * (foot_z - root_z)
-        foot_offset[n, foot, 2] = weight * STEP_HEIGHT * speed / (STEP_SPEED + speed)
+        quick = (speed / STEP_SPEED) ** 2  # squared: a straight leg would bend with a jerk
+        foot_offset[n, foot, 2] = weight * STEP_HEIGHT * quick / (1.0 + quick)
 
 
 @kernel(

@@ -76,7 +76,9 @@ class StepSearch:
         """Limit the targets to the dancers' reach, and set the arguments of the search."""
         variation, limits = self._dancers.variation, self._patch.locomotion
         share = MIN_CORRECTION_SHARE + (1.0 - MIN_CORRECTION_SHARE) * variation[OBEDIENCE]
-        self._choosing.set_limits(seconds=self.seconds, turn=math.radians(limits.turn_deg), reach_margin=self._give)
+        self._choosing.set_limits(
+            seconds=self.seconds, turn=math.radians(limits.turn_deg), correction=limits.correction_m
+        )
         self._targets.limit_targets(self._choices, share * self._usual_give)
         self._search_nodes[:] = self._dancers.node
         self._arguments = (
@@ -147,7 +149,7 @@ def set_follower_targets(
     end, edge = choices.end[lead], choices.edge[lead, 0]
     chosen = np.where(edge < 0, node[lead], choosing.graph.edge_target[np.maximum(edge, 0)])
     way = choices.target[lead] - end[:, :2]
-    most = manner[lead, 2] * choosing.facts[chosen, 0]
+    most = manner[lead, 2] * np.minimum(choosing.graph.node_reach_margin[chosen], choosing.facts[chosen, 3])
     reached = end[:, :2] + way * np.minimum(1.0, most / np.maximum(np.hypot(*way.T), 1e-9))[:, None]
     facing = heading[lead] - end[:, 3]
     lost = edge < 0  # cannot happen in a pruned graph

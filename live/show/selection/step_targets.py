@@ -152,6 +152,10 @@ TARGET_CORRECTION_SHARE: float = 0.8
 Steps in place may use all of it."""
 
 
+MIN_TURN_GAIN: float = 0.3
+"""Dancers turn where they go if that gets them farther by this [m]."""
+
+
 class StepTargets:
     """Targets of A dancers for one measure, computed piece by piece."""
 
@@ -183,6 +187,8 @@ class StepTargets:
         """Row of `ahead` that applies to each dancer, shape (A,)."""
         self.heading = np.zeros(count)
         """Target heading of each dancer at the end [rad], shape (A,)."""
+        self._free_heading = np.zeros(count, np.bool_)
+        """Dancers who may turn where they go, shape (A,)."""
 
     def reorder(self) -> None:
         """Update the order after a change of the groups that echo others."""
@@ -253,6 +259,8 @@ class StepTargets:
         choices.begin(*present.ends(), self._motion.present)
         choices.wish[:] = wish
         self.heading[:] = self.headings.advance(choices.start_position, wish, planned, known)
+        self._free_heading[:] = ~known
+        self._free_heading[self._motion.partners.leader] = self._free_heading[self._motion.partners.follower] = False
         if len(self._motion.partners.leader):
             self._motion.partners.adjust_targets(
                 choices.wish, self.heading, choices.start_position, choices.heading, known
@@ -276,14 +284,26 @@ class StepTargets:
             self.row[far] = 2 * row + 1
             self.ahead[2 * row + 1] = self.step_costs.step_distance(programme.travel_step)
 
-    def limit_targets(self, choices: StepChoices, bound: Float64) -> None:
-        """Limit the targets (predicted agents) to the reach of the steps with `bound` (A,) [m] of correction."""
-        change = wrap_angle(self.heading - choices.heading)
-        way = choices.wish - choices.start_position
-        reached = self._choosing.reach_table.limit_travel(
+    def _reached(self, choices: StepChoices, way: Float64, heading: Float64, bound: Float64) -> Float64:
+        """Return the part of each `way` (A, 2) [m] that the wanted step reaches if it ends with `heading` (A,) [rad]."""
+        change = wrap_angle(heading - choices.heading)
+        return self._choosing.reach_table.limit_travel(
             self.step, choices.heading, change, way, TARGET_CORRECTION_SHARE * bound, bound
         )
-        choices.target[:] = choices.start_position + reached
+
+    def limit_targets(self, choices: StepChoices, bound: Float64) -> None:
+        """Limit the targets (predicted agents) to the reach of the steps with `bound` (A,) [m] of correction.
+
+        Dancers whose steps do not go that way with the wanted heading turn towards it: a library of walks goes forward
+        only.
+        """
+        way = choices.wish - choices.start_position
+        reached = self._reached(choices, way, self.heading, bound)
+        path = np.arctan2(way[:, 0], way[:, 1])
+        turned = self._reached(choices, way, path, bound)
+        turns = self._free_heading & (np.hypot(*turned.T) > np.hypot(*reached.T) + MIN_TURN_GAIN)
+        self.heading[turns] = path[turns]
+        choices.target[:] = choices.start_position + np.where(turns[:, None], turned, reached)
         if len(self._motion.partners.leader):
             self._motion.partners.gather(choices.target, self.heading)
         choices.step[:] = self.step
