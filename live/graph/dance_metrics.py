@@ -24,8 +24,10 @@ from live.motion.quality.metrics import (
     largest_at_samples,
     mean_speed,
     motion_beats,
+    random_changes,
     raw_p99,
     skating_frames,
+    velocity_changes,
 )
 from live.motion.step_clip import StepClip
 
@@ -55,6 +57,10 @@ class RawClips:
         return np.concatenate(
             [contact_slide_speeds(position, contact, self.rate) for position, contact in self.sampled_clips]
         )
+
+    def changes_by_joint(self, half: float) -> Float64:
+        """Return the largest velocity change [m/s] of each joint within `half` s of random samples, (M, J)."""
+        return random_changes([velocity_changes(position, self.rate) for position, _ in self.sampled_clips], half, self.rate)
 
     def p99(self, half: float) -> tuple[float, float]:
         """Return p99 of the largest velocity change [m/s] and acceleration [m/s²] within `half` s of random samples."""

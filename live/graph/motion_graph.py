@@ -50,7 +50,7 @@ class MotionGraph:
     node_warp_curve: Float64
     """When in each measure the hips take a correction: share and rate at its knots (footstep_plan), shape (N, 65, 2)."""
     node_foot_curve: Float64
-    """When the left and the right foot take their part of it, shape (N, 2, 65, 2)."""
+    """When the left and the right foot take their part of it, shape (N, 2, 65, 5)."""
     node_reach_margins: Float64
     """How far a dancer can be displaced beyond each measure's own path [m] with planted feet, in 16 directions about
         clip's axes, shape (N, 16)."""

@@ -16,7 +16,7 @@ MOMENTS: Final = np.linspace(0.2, 0.8, 7)
 them one of the two hardly counts."""
 MIN_ROOT_COSINE: Final = 0.3
 """Cosine of half the maximum angle between the bodies: 145 degrees apart."""
-MIN_CHORD: Final = 0.5
+MIN_CHORD: Final = 0.7
 """Minimum length of the mixture of two unit rotations; a shorter one swings round suddenly. It is 1 if they are equal,
 and 0 if they are opposite quaternions mixed half and half."""
 

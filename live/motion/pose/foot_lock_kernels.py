@@ -23,7 +23,7 @@ LENGTH_BUFFER: Any = np.float32(0.015)
 """A leg is not stretched beyond its length minus this [m], unless the clip itself stretches it farther."""
 STRAIGHTENING_RANGE: Any = np.float32(0.03)
 """Over the last of this [m] a leg's extension is compressed, so that the knee does not snap straight."""
-PELVIS_DROP: Any = np.float32(0.06)
+PELVIS_DROP: Any = np.float32(0.03)
 """Maximum drop of the hips [m] so that both feet reach."""
 MAX_SHIFT: Any = np.float32(0.45)
 """Maximum distance [m] of a locked foot from its position in the clip."""
@@ -51,7 +51,7 @@ TOE_LIFT: Any = np.float32(0.01)
 ROLL_HEIGHT: Any = np.float32(0.001)
 """Height range [m] over which the contact point changes from heel to toes. It is short because a point in between moves
 with both. Shifts are accumulated per tick from one point, so the change itself moves nothing."""
-_ONSET: Any = np.float32(0.005)
+_ONSET: Any = np.float32(0.015)
 _STRETCH: Any = np.float32(0.005)
 _LN2: Any = np.float32(math.log(2.0))
 _ZERO: Any = np.float32(0.0)

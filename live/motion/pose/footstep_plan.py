@@ -14,12 +14,18 @@ import numpy as np
 
 from live.base.arrays import Bool, Float64
 from live.motion.editing.foot_correction import LEG_LENGTH
-from live.motion.pose.root_warp_kernels import DIRECTIONS, KNOTS, WARP_RATE, WARP_SHARE
+from live.motion.pose.root_warp_kernels import (
+    DIRECTIONS,
+    KNOTS,
+    SWING_BEGIN,
+    WARP_RATE,
+    WARP_SHARE,
+)
 
 SAMPLES_PER_KNOT: Final = 4
 SAMPLES: Final = SAMPLES_PER_KNOT * (KNOTS - 1) + 1
 """Samples of a measure at which its contacts are read."""
-MIN_SWING: Final = 5
+MIN_SWING: Final = 6
 """A swing of fewer knots is too quick to lead a foot elsewhere."""
 INSERTED_SWING: Final = 0.8
 """Length of an inserted step in beats; it lands on the beat."""
@@ -33,7 +39,7 @@ STANDING_MARGIN: Final = 0.08
 """Maximum correction [m] if no foot can be lifted: both are held against it."""
 LENGTH_BUFFER: Final = 0.015
 """A leg is never stretched beyond its length minus this [m] (as in the pose kernels)."""
-PELVIS_DROP: Final = 0.03
+PELVIS_DROP: Final = 0.015
 """Allowed drop of the hips [m]: half of what the pose kernels allow."""
 SLIDE_DISTANCE: Final = 0.2
 """A foot that moves this far [m] during annotated contact is not planted in the clip itself."""
@@ -46,7 +52,7 @@ class FootstepPlan:
     root: Float64
     """Shape (KNOTS, 2), from 0 to 1."""
     feet: Float64
-    """Left and right foot, from 0 to 1, or 0 for a foot that is never lifted, shape (2, KNOTS, 2)."""
+    """Left and right foot, from 0 to 1, or 0 for a foot that is never lifted, and their swings, shape (2, KNOTS, 5)."""
     steps: bool
     """Whether a foot is lifted at all."""
 
@@ -58,7 +64,7 @@ class MeasurePlans:
     root: Float64
     """Shape (N, KNOTS, 2)."""
     feet: Float64
-    """Shape (N, 2, KNOTS, 2)."""
+    """Shape (N, 2, KNOTS, 5)."""
     margin: Float64
     """Farthest correction [m] in DIRECTIONS directions about the clip's axes, shape (N, DIRECTIONS)."""
     hold: Float64
@@ -96,18 +102,19 @@ def plan_footsteps(contact: Bool, *, beats: int, last: float) -> FootstepPlan:
         if all(own != foot for own, _, _ in swings):
             swings += _inserted_swing(contact, swings, foot, beats, end)
     swings.sort(key=lambda swing: (swing[2], swing[0]))
-    feet = np.zeros((2, KNOTS, 2))
+    feet = np.zeros((2, KNOTS, 5))
     reached = np.zeros(2)
     final = {foot: index for index, (foot, _, _) in enumerate(swings)}
     for index, (foot, begin, stop) in enumerate(swings):
         goal = 1.0 if final[foot] == index else min(1.0, (index + 1) / max(len(swings) - 1, 1))
         feet[foot, :, WARP_RATE] += (goal - reached[foot]) * _hump(begin, stop)
+        feet[foot, begin:stop, SWING_BEGIN:] = begin / (KNOTS - 1), stop / (KNOTS - 1), goal - reached[foot]
         reached[foot] = goal
     if not swings:
         rate = _hump(0, end)
         return FootstepPlan(_curve(rate), feet, steps=False)
     for foot in range(2):
-        feet[foot] = _curve(feet[foot, :, WARP_RATE])
+        feet[foot, :, : WARP_RATE + 1] = _curve(feet[foot, :, WARP_RATE])
     return FootstepPlan(_curve(feet[..., WARP_RATE].sum(axis=0) / reached.sum()), feet, steps=True)
 
 
@@ -141,7 +148,7 @@ def _inserted_swing(
 def _hump(begin: int, stop: int) -> Float64:
     """Return a rate at the knots that is 0 outside `begin` to `stop` and integrates to 1, (KNOTS,)."""
     u = np.clip((np.arange(KNOTS) - begin) / max(stop - begin, 1), 0.0, 1.0)
-    rate = u * (1.0 - u)
+    rate = (u * (1.0 - u)) ** 2  # slow where a foot is still low
     return np.asarray(rate * ((KNOTS - 1) / rate.sum()))
 
 
@@ -195,15 +202,13 @@ def compute_reach_margin(hip: Float64, ankle: Float64, contact: Bool, plan: Foot
         moves = np.abs(ahead) > 1e-3
         if moves.any():
             give = np.minimum(give, np.min(far[moves] / np.abs(ahead[moves, None]), axis=0))
-            give = np.minimum(give, MAX_HELD_SHIFT / np.abs(ahead).max())
     return np.asarray(np.maximum(give, 0.0))
 
 
 def _speed_margin(place: Float64, curve: Float64, ways: Float64, most: float) -> Float64:
     """Return how far a joint at `place` (SAMPLES, 3) [m] may be led by `curve` along `ways` (D, 2) so that it gets
     faster than in the clip by no more than `most` [m per measure], (D,) [m]."""
-    at = np.arange(KNOTS) * SAMPLES_PER_KNOT
-    speed = np.gradient(place[:, (0, 2)], axis=0)[at] * (SAMPLES - 1)
+    speed = np.gradient(place[::SAMPLES_PER_KNOT, (0, 2)], axis=0) * (KNOTS - 1)
     rate, own = curve[:, WARP_RATE], np.hypot(*speed.T)
     moves = rate > 1e-3
     if not moves.any():

@@ -27,10 +27,6 @@ MINOR_SHARE = 0.25
 """A clip with a smaller share than this in a pose counts less for foot clearance."""
 CLEARANCE_SOFTNESS_SHARE = 0.3
 """Part of the height over which the clearance sets in."""
-STEP_HEIGHT = 0.07
-"""Height that a foot which a footstep plan moves approaches with its speed [m] ..."""
-STEP_SPEED = 0.5
-"""... and has half of at this speed [m per measure]."""
 STEPPING = 0.004
 """A foot that its plan lifts higher than this [m] does not stand."""
 
@@ -135,10 +131,9 @@ def plan_feet(
     root_x = warped_shift(share, aimed[n, 2], aimed[n, 0], x)
     root_z = warped_shift(share, aimed[n, 2], aimed[n, 1], z)
     for foot in range(2):
-        foot_x, foot_z, speed = foot_shift(foot_curve[own, foot], at, foot_aim[n, foot], x, z)
+        foot_x, foot_z, lift = foot_shift(foot_curve[own, foot], at, foot_aim[n, foot], x, z)
         foot_offset[n, foot, 0], foot_offset[n, foot, 1] = weight * (foot_x - root_x), weight * (foot_z - root_z)
-        quick = (speed / STEP_SPEED) ** 2  # squared: a straight leg would bend with a jerk
-        foot_offset[n, foot, 2] = weight * STEP_HEIGHT * quick / (1.0 + quick)
+        foot_offset[n, foot, 2] = weight * lift
 
 
 @kernel(

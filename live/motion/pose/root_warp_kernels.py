@@ -18,8 +18,10 @@ Int32 = npt.NDArray[np.int32]
 
 KNOTS = 65
 """Knots of a warp curve over a measure, including both ends."""
-WARP_SHARE, WARP_RATE = 0, 1
-"""Columns of a warp curve: the share applied at a knot, and its slope there [1 per measure]."""
+WARP_SHARE, WARP_RATE, SWING_BEGIN, SWING_END, SWING_PART = range(5)
+"""Columns of a warp curve: the share applied at a knot, and its slope there [1 per measure]. Those of a foot have three
+more for the swing that begins at a knot or is going on there: where it begins and ends [share of the measure], and its
+part of the correction."""
 DIRECTIONS = 16
 """Directions about a clip's heading for which the reach margin is stored."""
 
@@ -38,15 +40,12 @@ def warp_share(warp_curve: Float64, fraction: float) -> float:
     return share
 
 
-@kernel("f8(f8[:,::1], f8)")
-def warp_rate(warp_curve: Float64, fraction: float) -> float:
-    """Return the slope of `warp_share` at `fraction` of the measure [1 per measure]."""
-    place = min(max(fraction, 0.0), 1.0) * (warp_curve.shape[0] - 1)
-    k = min(math.floor(place), warp_curve.shape[0] - 2)
-    rate: float = warp_curve[k, WARP_RATE] + (place - k) * (warp_curve[k + 1, WARP_RATE] - warp_curve[k, WARP_RATE])
-    return rate
-
-
+STEP_HEIGHT = 0.09
+"""Height of a step of a footstep plan [m] ..."""
+STEP_LENGTH = 0.08
+"""... which has half of it if it moves the foot so far [m] ..."""
+STEP_TIME = 0.2
+"""... and less if it is shorter than this share of the measure."""
 AIM_X, AIM_Z, AIM_SHARE, SETTLED, SETTLED_X, SETTLED_Z = range(6)
 """Columns of the aim of a foot: its shift [m] and share when the measure's correction last changed; 1 if that came too
 late for the foot, which then keeps its goal [m]."""
@@ -54,8 +53,8 @@ late for the foot, which then keeps its goal [m]."""
 
 @kernel("UniTuple(f8,3)(f8[:,::1], f8, f8[::1], f8, f8)")
 def foot_shift(curve: Float64, fraction: float, aim: Float64, goal_x: float, goal_z: float) -> tuple[float, float, float]:
-    """Return how far the footstep plan has moved a foot at `fraction` of the measure, x, z [m], and how fast it moves
-    it [m per measure]. `curve` (KNOTS, 2) of the foot, `aim` (6,), `goal_x` and `goal_z`: the measure's correction."""
+    """Return how far the footstep plan has moved a foot at `fraction` of the measure, x, z [m], and how high it lifts
+    the foot [m]. `curve` (KNOTS, 5) of the foot, `aim` (6,), `goal_x` and `goal_z`: the measure's correction."""
     left = 1.0 - aim[AIM_SHARE]
     if left < 1e-6:
         return aim[AIM_X], aim[AIM_Z], 0.0
@@ -63,8 +62,13 @@ def foot_shift(curve: Float64, fraction: float, aim: Float64, goal_x: float, goa
         goal_x, goal_z = aim[SETTLED_X], aim[SETTLED_Z]
     way_x, way_z = (goal_x - aim[AIM_X]) / left, (goal_z - aim[AIM_Z]) / left
     passed = max(warp_share(curve, fraction) - aim[AIM_SHARE], 0.0)
-    speed = math.sqrt(way_x * way_x + way_z * way_z) * warp_rate(curve, fraction)
-    return aim[AIM_X] + passed * way_x, aim[AIM_Z] + passed * way_z, speed
+    k = min(int(min(max(fraction, 0.0), 1.0) * (curve.shape[0] - 1)), curve.shape[0] - 2)
+    lift, begin, size = 0.0, curve[k, SWING_BEGIN], curve[k, SWING_END] - curve[k, SWING_BEGIN]
+    if size > 0.0:
+        u = min(max((fraction - begin) / size, 0.0), 1.0)
+        moved = math.sqrt(way_x * way_x + way_z * way_z) * curve[k, SWING_PART]
+        lift = STEP_HEIGHT * min(1.0, size / STEP_TIME) * moved / (moved + STEP_LENGTH) * 16.0 * (u * (1.0 - u)) ** 2
+    return aim[AIM_X] + passed * way_x, aim[AIM_Z] + passed * way_z, lift
 
 
 @kernel("f8(f8, f8, f8, f8)")
@@ -120,7 +124,7 @@ def redirect_dancers(
     """Redirect A dancers to `goal` (A, 2) [m] from `phase` (A,) on: `correction` (A, 3), `aimed` (A, 3) and `foot_aim`
     (A, 2, 6) are updated.
 
-    `node` (A,) selects the row of `warp_curve` (N, KNOTS, 2) and `foot_curve` (N, 2, KNOTS, 2); below 0 the dancer is
+    `node` (A,) selects the row of `warp_curve` (N, KNOTS, 2) and `foot_curve` (N, 2, KNOTS, 5); below 0 the dancer is
     skipped. With no more than `least_left` of a curve left, nothing changes: a foot keeps its goal.
     """
     for n in range(correction.shape[0]):

@@ -5,13 +5,14 @@ clip transitions with those inside the clips. Contact is never detected in the e
 source clips, carried through blends, so that a floating foot is not excused.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from live.base.arrays import Bool, Float, Float64
+from live.base.arrays import Bool, Float, Float64, Int64
 from live.motion.editing.foot_correction import ANKLES, BALLS
 from live.motion.foot_contact import TOES_OVER_SOLE
 
@@ -91,22 +92,79 @@ def skating_frames(position: Float, rate: float) -> Bool:
     return skating_balls((1.0 - part) * balls[low] + part * balls[np.minimum(low + 1, len(balls) - 1)])
 
 
-def skating_balls(balls: Float) -> Bool:
+def skating_balls(balls: Float, rest: Float | float = TOES_OVER_SOLE) -> Bool:
     """Return whether either foot skates, (F - 1, ...) from the balls at 20 frames per second, (F, ..., 2, 3) [m].
 
-    A ball skates if it is lower than 5 cm above its floor height in two adjacent frames and faster than 0.5 m/s both
-    now and in the mean of five frames.
+    A ball skates if it is lower than 5 cm above its `rest` height [m], (..., 2), in two adjacent frames and faster than
+    0.5 m/s both now and in the mean of five frames.
     """
     if len(balls) < 2:
         return np.zeros((0, *balls.shape[1:-2]), np.bool_)
     moved = np.diff(balls, axis=0)
     speed = np.hypot(moved[..., 0], moved[..., 2]) * SKATING_RATE
-    on_floor = balls[..., 1] - TOES_OVER_SOLE < SKATING_HEIGHT
+    on_floor = balls[..., 1] - rest < SKATING_HEIGHT
     reach = SKATING_FRAMES // 2
     padded = np.pad(speed, ((reach, reach), *((0, 0),) * (speed.ndim - 1)))
     mean = np.lib.stride_tricks.sliding_window_view(padded, SKATING_FRAMES, axis=0).mean(axis=-1)
     found = on_floor[1:] & on_floor[:-1] & (speed > SKATING_SPEED) & (mean > SKATING_SPEED)
     return np.asarray(found.any(axis=-1), np.bool_)
+
+
+STILL_SPEED: Final = 0.15
+LOW_HEIGHT: Final = 0.04
+"""A foot stands, judged by its positions alone, while its stillest point is slower than this [m/s] and no higher than
+this [m] above its lowest height."""
+
+
+@dataclass(frozen=True, slots=True)
+class PositionFigures:
+    """Figures of the feet from joint positions alone; contacts are not known. None where nothing was measured."""
+
+    slide_mean: float | None
+    """[m/s], of the stillest point of feet that stand."""
+    slide_p99: float | None
+    skating_ratio: float | None
+    """Share of dancer frames at 20 per second in which a ball within 5 cm of its lowest height is faster than 0.5 m/s."""
+
+    def as_json(self) -> dict[str, float | None]:
+        """Return the figures by name."""
+        return {name: getattr(self, name) for name in PositionFigures.__slots__}
+
+
+def foot_points(position: Float) -> Float:
+    """Return ankle and ball of both feet, (..., 2, 2, 3) from joints (..., J, 3)."""
+    return np.stack((position[..., ANKLES, :], position[..., BALLS, :]), axis=-2)
+
+
+class StandingFeet:
+    """Reader of standing feet that knows positions only: feed it every frame, then ask for `speeds`."""
+
+    def __init__(self, rate: float) -> None:
+        self._rate = rate
+        self._before: Float | None = None
+        self._lowest: Float64 = np.zeros(0)
+        self._found: list[tuple[Int64, Float64, Float64]] = []
+
+    def add(self, position: Float) -> None:
+        """Add the next frame: joints of all dancers, (A, J, 3) [m]."""
+        points = foot_points(position).astype(np.float64).reshape(-1, 2, 3)
+        height = points[..., 1]
+        self._lowest = height.copy() if self._before is None else np.minimum(self._lowest, height)
+        if self._before is not None:
+            moved = points - self._before
+            speed = np.hypot(moved[..., 0], moved[..., 2]) * self._rate
+            still, foot = speed.argmin(axis=-1), np.arange(len(speed))
+            speed, high = speed[foot, still], height[foot, still]
+            may = (speed < STILL_SPEED) & (high < self._lowest[foot, still] + LOW_HEIGHT)  # lowest only gets lower
+            self._found.append((2 * foot[may] + still[may], speed[may], high[may]))
+        self._before = points
+
+    def speeds(self) -> Float64:
+        """Speeds over the floor [m/s] of the stillest point of feet that stand, (n,)."""
+        if not self._found:
+            return np.zeros(0)
+        point, speed, high = (np.concatenate(parts) for parts in zip(*self._found, strict=True))
+        return np.asarray(speed[high < self._lowest.reshape(-1)[point] + LOW_HEIGHT])
 
 
 ACCELERATION_WINDOW: Final = 3
@@ -134,6 +192,16 @@ def accelerations(position: Float, rate: float) -> Float64:
     return np.asarray(np.linalg.norm(np.diff(windows.mean(axis=-1), axis=0), axis=-1) * rate, np.float64)
 
 
+def strict_ratios(joins: Float64, unjoined: Float64) -> Float64:
+    """Return the strict ratio of each join, (K,), from the largest velocity changes of each joint around it, (K, J).
+
+    It is the largest, over all joints, of the change relative to the 99th percentile of the same joint in `unjoined`
+    (M, J), the same at random moments of the raw clips. Joints that hardly move in the clips are measured at 0.1 m/s.
+    """
+    usual = np.maximum(np.percentile(unjoined, 99, axis=0), MIN_USUAL_CHANGE)
+    return np.asarray((joins / usual).max(axis=1), np.float64)
+
+
 def largest_at_samples(position: Float, rate: float) -> tuple[Float64, Float64]:
     """Return the largest velocity change [m/s] and acceleration [m/s²] of any joint per sample, (T, ...).
 
@@ -146,6 +214,10 @@ def largest_at_samples(position: Float, rate: float) -> tuple[Float64, Float64]:
     if len(position) > ACCELERATION_WINDOW + 1:
         acceleration[2:-2] = accelerations(position, rate).max(axis=-1)
     return change, acceleration
+
+
+MIN_USUAL_CHANGE: Final = 0.1
+"""Least 99th percentile of a joint's velocity changes [m/s]: less is measurement noise."""
 
 
 def half_width(blend: float) -> float:
@@ -168,15 +240,34 @@ def raw_p99(traces: Sequence[Float64], half: float, rate: float, *, seed: int = 
     Positions are drawn uniformly from all samples of all clips with `half` seconds on both sides; of a shorter clip
     the middle is used. 0 if there is no clip.
     """
-    chance = np.random.default_rng(seed)
-    margin = half * rate
-    room = np.array([max(len(trace) - 1 - 2.0 * margin, 0.0) + 1.0 for trace in traces])
-    if not len(room):
+    if not traces:
         return 0.0
-    clip = chance.choice(len(traces), RANDOM_POSITIONS, p=room / room.sum())
-    found = []
-    for n, trace in enumerate(traces):
-        places = chance.uniform(0.0, room[n] - 1.0, int((clip == n).sum())) + min(margin, 0.5 * (len(trace) - 1))
-        if len(places):
-            found.append(largest_around(trace, places / rate, half, rate))
+    found = [
+        largest_around(traces[clip], places / rate, half, rate)
+        for clip, places in _random_places([len(trace) for trace in traces], half * rate, seed)
+    ]
     return float(np.percentile(np.concatenate(found), 99))
+
+
+def random_changes(changes: Sequence[Float64], half: float, rate: float, *, seed: int = 0) -> Float64:
+    """Return the largest velocity change of each joint within `half` seconds of random samples, (M, J).
+
+    `changes` (T, J) of each clip, as of `velocity_changes`; the positions are drawn as in `raw_p99`.
+    """
+    return np.concatenate(
+        [
+            np.stack([largest_around(joint, places / rate, half, rate) for joint in changes[clip].T], axis=1)
+            for clip, places in _random_places([len(change) for change in changes], half * rate, seed)
+        ]
+    )
+
+
+def _random_places(lengths: Sequence[int], margin: float, seed: int) -> Iterator[tuple[int, Float64]]:
+    """Yield clips of so many samples, and random positions in them with `margin` samples on both sides."""
+    chance = np.random.default_rng(seed)
+    room = np.array([max(length - 1 - 2.0 * margin, 0.0) + 1.0 for length in lengths])
+    clip = chance.choice(len(lengths), RANDOM_POSITIONS, p=room / room.sum())
+    for n, length in enumerate(lengths):
+        places = chance.uniform(0.0, room[n] - 1.0, int((clip == n).sum())) + min(margin, 0.5 * (length - 1))
+        if len(places):
+            yield n, places

@@ -1,15 +1,28 @@
 """Recorder for motion metrics of many dancers during playback, frame by frame, in little memory."""
 
+from collections import deque
+from typing import Final
+
 import numpy as np
 
 from live.base.arrays import Float32, Float64
 from live.motion.editing.foot_correction import BALLS
-from live.motion.quality.metrics import SKATING_RATE, largest_at_samples, mean_speed, skating_balls
+from live.motion.quality.metrics import (
+    SKATING_RATE,
+    PositionFigures,
+    StandingFeet,
+    largest_at_samples,
+    mean_speed,
+    skating_balls,
+    velocity_changes,
+)
 
 BLOCK = 64
 """Frames processed together."""
 OVERLAP = 4
 """Frames of the previous block needed by the next: accelerations need two on both sides."""
+RECENT: Final = 5.0
+"""Seconds for which the velocity changes of single joints are kept."""
 
 
 class MotionRecorder:
@@ -25,6 +38,9 @@ class MotionRecorder:
         self._acceleration: list[Float64] = []
         self._speed: list[Float64] = []
         self._balls: list[Float32] = []
+        self._feet = StandingFeet(rate)
+        self._recent: deque[tuple[int, Float32]] = deque()  # first frame and changes (n, A, J) of the latest blocks
+        self._known = 1  # frames whose changes are known, but for the first, which has none
         self.count = 0
 
     def add(self, position: Float32) -> None:
@@ -33,6 +49,7 @@ class MotionRecorder:
         self.count += 1
         self._pending.append(picture)
         self._record_balls(picture)
+        self._feet.add(picture)
         if len(self._pending) >= BLOCK + OVERLAP:
             self._process()
 
@@ -50,6 +67,26 @@ class MotionRecorder:
         """Share of dancer frames, at 20 per second, in which a foot skates; None for fewer than two frames."""
         found = skating_balls(np.stack(self._balls)) if self._balls else np.zeros((0, 0), np.bool_)
         return float(found.mean()) if found.size else None
+
+    def largest_by_joint(self, first: int, last: int) -> Float32:
+        """Return the largest velocity change [m/s] of each joint in the frames `first` to `last` (inclusive), (A, J).
+
+        They must lie within the last RECENT seconds, and two frames must have followed.
+        """
+        self._process()
+        parts = [block[max(first - begin, 0) : last + 1 - begin] for begin, block in self._recent if begin <= last]
+        return np.concatenate([part for part in parts if len(part)]).max(axis=0)
+
+    def position_figures(self) -> PositionFigures:
+        """Return the figures of the feet from positions alone."""
+        speeds = self._feet.speeds()
+        balls = np.stack(self._balls) if self._balls else np.zeros((0, 0, 2, 3), np.float32)
+        skates = skating_balls(balls, balls[..., 1].min(axis=0)) if len(balls) else np.zeros((0, 0), np.bool_)
+        return PositionFigures(
+            float(speeds.mean()) if len(speeds) else None,
+            float(np.percentile(speeds, 99)) if len(speeds) else None,
+            float(skates.mean()) if skates.size else None,
+        )
 
     def _record_balls(self, picture: Float32) -> None:
         """Record the balls at the times k / 20 s between the previous frame and this one, interpolated."""
@@ -75,6 +112,11 @@ class MotionRecorder:
         block = np.stack(self._pending)
         change, acceleration = largest_at_samples(block, self._rate)
         fresh = slice(1, -1) if not self._change else slice(OVERLAP - 1, -1)
+        joints = velocity_changes(block, self._rate)[fresh.start - 1 :].astype(np.float32)
+        self._recent.append((self._known, joints))
+        self._known += len(joints)
+        while self._recent[0][0] + len(self._recent[0][1]) < self.count - RECENT * self._rate:
+            self._recent.popleft()
         self._change.append(change[fresh])
         self._acceleration.append(acceleration[2:-2])
         self._speed.append(mean_speed(block, self._rate)[0 if len(self._speed) == 0 else OVERLAP - 1 :])

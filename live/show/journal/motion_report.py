@@ -14,6 +14,7 @@ from live.motion.quality.metrics import (
     half_width,
     largest_around,
     motion_beats,
+    strict_ratios,
 )
 from live.motion.quality.motion_recorder import MotionRecorder
 from live.show.show import Show
@@ -45,6 +46,10 @@ class MotionReport:
         self._heading_errors: list[float] = []
         self._visible = show.motion.present.copy()
         """Dancers visible in the last frame; dancers off stage are not reported."""
+        self._joining: list[tuple[int, int, Int32]] = []  # windows of joins, first and last frame, that are not over
+        self._joined: list[Float32] = []
+        self._wish: Float64 | None = None
+        self._misses: list[Float64] = []
         self._always_visible = self._visible.copy()
         """Dancers visible in all frames; smoothness is measured for these."""
 
@@ -53,6 +58,7 @@ class MotionReport:
         if self._show.span.number != self._measure:
             self._begin_measure()
         self._feet(view)
+        self._read_joins()
         self._visible = view.present.copy()
         self._always_visible &= view.present
         self._distances(view)
@@ -65,6 +71,10 @@ class MotionReport:
         self._measure = show.span.number
         self._record_transitions()
         there = show.motion.present
+        if self._wish is not None and self._previous is not None:
+            hips = self._previous[1][:, 0, ::2].astype(np.float64)
+            self._misses.append(np.hypot(*(hips - self._wish)[there & self._visible].T))
+        self._wish = show.scheduler.last_wish
         for dancer, node in enumerate(dancers.node):
             if not there[dancer]:
                 continue
@@ -103,7 +113,12 @@ class MotionReport:
         if self._times:  # the first measure begins with no blend
             seconds = library.beats_per_measure * 60.0 / show.timeline.tempo
             changed = np.flatnonzero(library.node_measure[node] == 0).astype(np.int32)
-            self._transitions.append((show.timeline.time_at(self._line), show.graph.window * seconds, changed))
+            line, blend = show.timeline.time_at(self._line), show.graph.window * seconds
+            self._transitions.append((line, blend, changed))
+            if self._trace is not None:
+                rate, middle, half = self._rate, line - 0.5 * blend - self._times[0], half_width(blend)
+                first = max(int(np.ceil((middle - half) * rate - 1e-6)), 1)
+                self._joining.append((first, int((middle + half) * rate + 1e-6), changed))
 
     def _feet(self, view: StageView) -> None:
         position = view.joint_position.copy()
@@ -122,6 +137,14 @@ class MotionReport:
         self._times.append(view.time)
         self._line = self._show.span.end
         self._previous = (view.time, position, contact)
+
+    def _read_joins(self) -> None:
+        """Read the joins whose window is over: the largest velocity change of each joint."""
+        if self._trace is None or not self._joining or self._trace.count < self._joining[0][1] + 3:
+            return
+        first, last, changed = self._joining.pop(0)
+        there = changed[self._visible[changed]]
+        self._joined.append(self._trace.largest_by_joint(first, last)[there])
 
     def _distances(self, view: StageView) -> None:
         hips = view.joint_position[view.present, 0][:, (0, 2)].astype(np.float64)
@@ -165,7 +188,9 @@ class MotionReport:
             "foot_slide_mean": float(found.mean()) if len(found) else None,
             "foot_slide_p99": float(np.percentile(found, 99)) if len(found) else None,
             "skating_ratio": None if self._trace is None else self._trace.skating_ratio(),
+            "position_only": None if self._trace is None else self._trace.position_figures().as_json(),
             **self._join_ratios(),
+            "uncut_miss_m": self._uncut_miss(),
             **self._beat_figures(),
             "path_error_m": list_and_p95(self._path_errors),
             "heading_error_deg": list_and_p95(self._heading_errors),
@@ -180,13 +205,18 @@ class MotionReport:
         """Return the largest velocity change and acceleration at transitions, relative to the raw clips at this
         tempo."""
         values: dict[str, Any] = {"join_velocity_ratio": None, "join_acceleration_ratio": None}
+        strict: dict[str, Any] = {"join_ratio_strict": None, "join_ratio_strict_raw": None}
         if self._trace is None or not self._transitions:
-            return values
+            return values | strict
         show, rate = self._show, self._rate
         half = half_width(max(blend for _, blend, _ in self._transitions))
         seconds = show.graph.library.beats_per_measure * 60.0 / show.timeline.tempo
-        raw = RawClips(tuple(show.graph.library.clips[clip] for clip in sorted(self._clips)), seconds, rate).p99(half)
-        for key, trace, peer in zip(values, self._trace.largest(), raw, strict=True):
+        clips = RawClips(tuple(show.graph.library.clips[clip] for clip in sorted(self._clips)), seconds, rate)
+        if self._joined:
+            unjoined, joins = clips.changes_by_joint(half), np.concatenate(self._joined).astype(np.float64)
+            for key, changes in zip(strict, (joins, unjoined), strict=True):
+                strict[key] = float(np.percentile(strict_ratios(changes, unjoined), 95)) if len(changes) else None
+        for key, trace, peer in zip(values, self._trace.largest(), clips.p99(half), strict=True):
             joins = [
                 largest_around(trace[:, dancer], np.array([line - 0.5 * blend - self._times[0]]), half, rate)
                 for line, blend, changed in self._transitions
@@ -194,7 +224,16 @@ class MotionReport:
                 if self._always_visible[dancer]
             ]
             values[key] = ratio(np.concatenate(joins), peer) if joins else None
-        return values
+        return values | strict
+
+    @property
+    def uncut_misses(self) -> Float64:
+        """Distances [m] at measure ends from the dancers to where steering predicted their agents, (n,)."""
+        return np.concatenate(self._misses) if self._misses else np.zeros(0)
+
+    def _uncut_miss(self) -> dict[str, float] | None:
+        found = self.uncut_misses
+        return {"mean": float(found.mean()), "p95": float(np.percentile(found, 95))} if len(found) else None
 
     def _beat_figures(self) -> dict[str, Any]:
         """Return offsets and alignment of the clips' annotated beats and of kinematic beats."""

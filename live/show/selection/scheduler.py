@@ -76,6 +76,8 @@ class Scheduler:
         self.set_graph(dancers.graph, choosing or StepSelector.of(dancers.graph))
         self.last_target: Float64 | None = None
         """Targets of the last decision, within the steps' reach [m], (A, 2); None before the first decision."""
+        self.last_wish: Float64 | None = None
+        """The same before they were limited: the agents as steering predicts them [m], (A, 2)."""
         self.last_heading = np.zeros(count)
         """Target headings of the last decision [rad], shape (A,)."""
         self.detours = 0
@@ -172,6 +174,7 @@ class Scheduler:
         self._apply_choices()
         self._planning.clear()
         self.last_target, self.last_heading = self.choices.target.copy(), self.targets.heading.copy()
+        self.last_wish = self.choices.wish.copy()
 
     def _apply_choices(self) -> None:
         """Place the chosen measures where the present ones will end, and pass them to the root correction."""

@@ -52,7 +52,7 @@ KINDS: Final = [
         _subgroups:subgroups _group:i4(group) order:list[int] headings:headings speed:f4 _row_count:int
         _wanted_steps:list[tuple[int|none,int]]
         step:i4(step) row:i4(aim) heading:f8 _choosing:constant-choosing step_costs:constant-foresight ahead:f8
-        _reach:f8 _progress:f8 _give:float
+        _reach:f8 _progress:f8 _give:float _free_heading:b1
     """),
     Kind("anchor", DriftCorrection, "offset:tuple[float,float] difference:tuple[float,float] _mean:tuple[float,float]"),
     Kind("answer-leaders", LeaderReaders, """
@@ -184,7 +184,7 @@ KINDS: Final = [
         _patch:constant-patch _dancers:dancers _motion:group-motion _group:i4(group)
         programmes:list[echo|group-programme] subgroups:subgroups root_correction:carrying targets:aims order:list[int]
         speed:f4 choices:choices _planning:planning choosing:constant-choosing step_costs:constant-foresight
-        last_target:f8|none last_heading:f8 detours:int dead_ends:int
+        last_target:f8|none last_wish:f8|none last_heading:f8 detours:int dead_ends:int
     """),
     Kind("searching", StepSearch, """
         _patch:constant-patch _dancers:dancers _motion:group-motion _targets:aims _choices:choices
