@@ -95,6 +95,17 @@ def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = N
     return Takes(start.astype(np.int32), take[np.lexsort((take, node))].astype(np.int32))
 
 
+def take_kinds(library: "StepLibrary") -> Int64:
+    """Return a number for each clip, equal for takes of one step on one side (T046); -1 for measures of streams."""
+    numbers: dict[tuple[object, ...], int] = {}
+    return np.array(
+        [
+            -1 if c.in_stream else numbers.setdefault((*_kind(c), c.leading_foot or c.mirrored), len(numbers))
+            for c in library.clips
+        ]
+    )
+
+
 def _moments(library: "StepLibrary") -> tuple[Bool, npt.NDArray[np.float32]]:
     """Return contacts (N, MOMENTS, 2) and local rotations (N, MOMENTS, J, 4) of every measure at even moments.
 

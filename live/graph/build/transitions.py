@@ -24,6 +24,7 @@ from live.graph.build.metric import WINDOW_SAMPLES, FlatClouds, Metric, joint_we
 from live.graph.build.nearest_pairs import aligned, near_pairs
 from live.graph.step_library import StepLibrary, travel_of, window_samples
 from live.graph.structure_rules import StructureCodes, may_follow_between, structure_codes
+from live.graph.takes import take_kinds
 from live.motion.pose.pose_pipeline import PosePipeline
 from live.motion.skeleton import SKELETON
 
@@ -140,10 +141,14 @@ class Boundaries:
 
 
 def find_joins(library: StepLibrary, boundaries: Boundaries, rule: JoinSettings) -> Joins:
-    """Return all joins of a library; within a step of several measures each leads only to the next (T039)."""
+    """Return all joins of a library; within a step of several measures each leads only to the next (T039), of its own
+    clip or of another take."""
     everything = np.arange(library.node_count)
     codes = structure_codes(library)
-    inner = _inner(library, everything)
+    inner = _merged(
+        _between_takes(library, boundaries, rule, everything, everything),
+        _inner(library, everything), library.node_count,
+    )  # fmt: skip
     return _merged(_between(library, boundaries, codes, rule, everything, everything), inner, library.node_count)
 
 
@@ -156,6 +161,7 @@ def extend_joins(library: StepLibrary, boundaries: Boundaries, joins: Joins, old
     codes = structure_codes(library)
     more = _inner(library, new)
     for first, second in ((before, new), (new, np.arange(library.node_count))):
+        more = _merged(more, _between_takes(library, boundaries, rule, first, second), library.node_count)
         more = _merged(more, _between(library, boundaries, codes, rule, first, second), library.node_count)
     return _merged(joins, more, library.node_count)
 
@@ -165,6 +171,30 @@ def _inner(library: StepLibrary, nodes: Int64) -> Joins:
     source = nodes[library.node_measure[nodes] < library.node_measures[nodes] - 1].astype(np.int32)
     count = len(source)
     return Joins(source, source + np.int32(1), np.zeros(count), np.zeros((count, 3)))
+
+
+def _between_takes(
+    library: StepLibrary, boundaries: Boundaries, rule: JoinSettings, first: Int64, second: Int64
+) -> Joins:
+    """Return joins from the nodes `first` inside steps to the next measure of other takes among `second`; ranges."""
+    inside = first[library.node_measure[first] < library.node_measures[first] - 1]
+    begun = second[library.node_measure[second] > 0]
+    kind = take_kinds(library)
+    found = [Joins(np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros(0), np.zeros((0, 3)))]
+    place = np.stack([kind[library.node_clip], library.node_measure], axis=1)
+    for own in np.unique(place[inside], axis=0) if len(begun) else ():
+        leaves = inside[(place[inside] == own).all(axis=1) & (own[0] >= 0)]
+        enters = begun[(place[begun] == own + (0, 1)).all(axis=1)]
+        if len(leaves) and len(enters):
+            free = np.full((len(leaves), 2), -1, np.int32), np.full((len(enters), 2), -1, np.int32)
+            pairs = near_pairs(boundaries.ends.select(leaves), boundaries.starts.select(enters), rule.threshold, free)
+            source, target = leaves[pairs.row].astype(np.int32), enters[pairs.column].astype(np.int32)
+            good = library.node_clip[source] != library.node_clip[target]
+            good &= can_blend(library, rule.window, source, target, np.ascontiguousarray(pairs.motion[:, 2]))
+            found.append(Joins(source[good], target[good], pairs.distance[good], pairs.motion[good]))
+    all_ = Joins(*(np.concatenate([getattr(part, name) for part in found]) for name in Joins.__slots__))
+    order = np.lexsort((all_.target, all_.source))
+    return Joins(*(getattr(all_, name)[order] for name in Joins.__slots__))
 
 
 def _between(

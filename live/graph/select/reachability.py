@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+import numpy.typing as npt
 
 from live.base.arrays import Float64, Int32
 from live.graph.select.candidates import Candidates, turn_vectors, wrap_angle
@@ -80,30 +81,49 @@ class ReachTable:
         return np.asarray(travel * np.minimum(1.0, far / np.maximum(length, 1e-9))[:, None])
 
 
-PACE: Final = 1.4
-"""Largest progress of a measure in mean travels of its step."""
+PACES: Final = np.arange(1, 31) * 0.1
+"""Distances [m per measure] that are tried as the pace of a step."""
+PACE_DIRECTIONS: Final = 16
+PACE_NODES: Final = 64
+"""Measures from which they are tried, evenly chosen."""
+PACE_MISS: Final = 0.15
+"""Mean distance [m] by which a dancer may miss at the pace."""
+PACE_MARGIN: Final = 0.7
+"""Part of the correction that may be needed for it; the rest is kept for avoiding others."""
 
 
-def mean_progress(graph: "MotionGraph") -> Float64:
-    """Return how far a measure of each step gets a dancer on average towards a place in any direction [m], (C + 1,).
+def paces(graph: "MotionGraph", correction: float) -> Float64:
+    """Return how far a measure of each step follows an agent in any direction [m], (C + 1,).
 
-    The mean over all measures that may come before and over all directions of the farthest that one of the following
-    measures goes that way, at least 0, but no more than PACE times the mean travel of the step's measures: a single run
-    in a library does not make a group that runs. The last entry is for any step.
+    It is the largest distance at which the best following measure, with part of a correction of at most `correction`
+    [m], misses by no more than PACE_MISS, on average over directions and the measures danced before. The farthest
+    measure of a library says nothing about that: it may be the only one. The last entry is for any step.
     """
     library = graph.library
     ways = turn_vectors(library.node_travel, -graph.node_facing_start)
-    angle = np.arange(TABLED_DIRECTIONS) * (2.0 * np.pi / TABLED_DIRECTIONS)
-    progress = np.maximum(ways @ np.array([np.sin(angle), np.cos(angle)]), 0.0)
-    source = np.repeat(np.arange(library.node_count), np.diff(graph.edge_start))
-    step, found = library.node_step[graph.edge_target], []
-    for s in range(len(library.steps) + 1):
-        own = np.flatnonzero(step == s) if s < len(library.steps) else np.arange(graph.edge_count)
-        first = np.flatnonzero(np.diff(source[own], prepend=-1))
-        best = np.maximum.reduceat(progress[graph.edge_target[own]], first) if len(own) else np.zeros((1, 1))
-        usual = np.hypot(*ways[(library.node_step == s) | (s == len(library.steps))].T)
-        found.append(min(float(best.mean()), PACE * float(usual.mean())))
-    return np.array(found)
+    give = PACE_MARGIN * np.minimum(graph.node_reach_margin, correction)
+    angle = np.arange(PACE_DIRECTIONS) * (2.0 * np.pi / PACE_DIRECTIONS)
+    goals = PACES[:, None, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1)[None]
+    found = np.zeros(len(library.steps) + 1)
+    for s in range(len(found)):
+        misses = []
+        for node in _spread(np.flatnonzero(graph.edge_start[1:] > graph.edge_start[:-1]), PACE_NODES).tolist():
+            after = graph.edge_target[graph.edge_start[node] : graph.edge_start[node + 1]]
+            after = after if s == len(library.steps) else after[library.node_step[after] == s]
+            if len(after):
+                after = _spread(after, PACE_NODES)
+                off = np.hypot(*np.moveaxis(goals[:, :, None] - ways[after], -1, 0)) - give[after]
+                misses.append(np.maximum(off, 0.0).min(axis=2).mean(axis=1))
+        if misses:
+            miss = np.mean(misses, axis=0)
+            good = np.flatnonzero(miss <= max(PACE_MISS, 1.1 * float(miss.min())))
+            found[s] = PACES[good[-1]]
+    return found
+
+
+def _spread(values: npt.NDArray[np.integer], most: int) -> npt.NDArray[np.integer]:
+    """Return at most `most` of `values` (n,), evenly chosen."""
+    return values if len(values) <= most else values[np.linspace(0, len(values) - 1, most).astype(np.int64)]
 
 
 def _hull_extent(way: Float64, towards: Float64) -> Float64:

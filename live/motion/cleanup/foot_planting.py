@@ -20,6 +20,7 @@ from live.motion.editing.foot_correction import (
     LEG_LENGTH,
     MAX_LEG_SHARE,
     UPPER_LEGS,
+    bend_swings,
     lower_hips,
     smooth_upper_bound,
     solve_legs,
@@ -86,6 +87,7 @@ def plant_feet(clip: Clip) -> PlantedClip:
     own_leg = np.linalg.norm(position[:, UPPER_LEGS] - ankle, axis=-1)
     longest = np.where(contact, np.maximum(own_leg, MAX_LEG_SHARE * LEG_LENGTH), np.inf)  # a kick may fall short
     root = lower_hips(root, rotation, moved, longest, rate)
+    moved = bend_swings(root, rotation, moved, contact, rate)
     rotation = quaternion.align_signs(solve_legs(root, rotation, moved, world[:, ANKLES]))
     planted = replace(
         clip,

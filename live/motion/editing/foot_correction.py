@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from live.base.arrays import Float, Float64
+from live.base.arrays import Bool, Float, Float64
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.foot_contact import TOES_OVER_SOLE
@@ -124,6 +124,31 @@ def smooth_upper_bound(depth: Float64, half: int) -> Float64:
     most = windows(padded, 2 * half + 1, axis=0).max(axis=-1)
     weights = np.hanning(2 * half + 3)[1:-1]
     return np.asarray(windows(most, 2 * half + 1, axis=0) @ (weights / weights.sum()))
+
+
+SWING_REACH: Final = 0.95
+"""Share of its length from which a swinging leg is stretched less and less."""
+SWING_FADE_S: Final = 0.06
+"""Seconds next to a stance over which that sets in."""
+
+
+def bend_swings(root: Float, rotation: Float, ankles: Float, contact: Bool, rate: float) -> Float:
+    """Return ankles (T, 2, 3) [m] that no swinging leg has to be straight for: its knee would snap.
+
+    `contact` (T, 2): feet that stand stay. A leg that is longer in the pose `root` (T, 3), `rotation` (T, J, 4) may stay
+    so.
+    """
+    position, _ = forward_kinematics(root, rotation)
+    hips = position[:, UPPER_LEGS]
+    own = np.linalg.norm(position[:, ANKLES] - hips, axis=-1)
+    way = ankles - hips
+    length = np.linalg.norm(way, axis=-1)
+    easy, room = SWING_REACH * LEG_LENGTH, (1.0 - SWING_REACH) * LEG_LENGTH
+    beyond = np.maximum(length - easy, 0.0) / room
+    short = np.minimum(length, np.maximum(np.minimum(length, easy) + room * beyond / np.sqrt(1.0 + beyond**2), own))
+    free = 1.0 - smooth_upper_bound(contact.astype(np.float64), max(1, round(0.5 * SWING_FADE_S * rate)))
+    share = 1.0 + free * (short / np.maximum(length, 1e-9) - 1.0)
+    return np.asarray(hips + way * share[..., None])
 
 
 def lower_hips(root: Float, rotation: Float, ankles: Float, longest: Float, rate: float) -> Float:

@@ -11,7 +11,7 @@ from live.clock.timeline import Timeline
 from live.control.events.event import ControlEvent
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import wrap_angle
-from live.graph.select.reachability import mean_progress
+from live.graph.select.reachability import paces
 from live.graph.select.selector import StepSelector
 from live.show.group.group_values import GroupValues
 from live.show.patch.patch import Patch
@@ -204,9 +204,8 @@ class StepTargets:
         reach = [library.max_travel(step) for step in range(len(library.steps))]
         # reach of one measure of each step [m]; last, for ANY_STEP, the largest
         self._reach = np.array([*reach, max(reach)])
-        # how far a measure of each step gets, on average, towards a place in any direction [m]
-        self._progress = mean_progress(graph)
-        self._give = float(np.median(graph.node_reach_margin))
+        # how far a measure of each step follows an agent in any direction [m]
+        self._pace = paces(graph, self._patch.locomotion.correction_m)
         for programme in self._programmes:
             programme.set_graph(graph)
         self._subgroups.set_graph(graph)
@@ -248,9 +247,7 @@ class StepTargets:
             if asked_for != measure:
                 step = programme.step_for(measure, self._dancers.node[members])
             steps = [step] if programme.travel_step is None else [step, programme.travel_step]
-            progress = max(float(self._progress[s]) for s in steps)
-            give = min(self._give, self._patch.locomotion.correction_m)
-            self.speed[members] = (progress + 0.5 * give) / seconds
+            self.speed[members] = max(float(self._pace[s]) for s in steps) / seconds
 
     def set_wishes(self, choices: StepChoices) -> None:
         """Set the wished positions and headings for the end of the next measure. The look-ahead must be finished."""
