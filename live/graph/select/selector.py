@@ -27,7 +27,7 @@ HEADING_COST: Final = 1.0
 """... of a squared radian of remaining heading error, ..."""
 TURN_COST: Final = 0.005
 """... of a squared radian of turning, ..."""
-POSE_COST: Final = 0.3
+POSE_COST: Final = 4.0
 """... of a metre between the poses of a join, ..."""
 WRONG_COST: Final = 40.0
 """... of a measure away from the wanted step: more than any place error within a measure's reach, ..."""

@@ -36,7 +36,7 @@ class FootLock:
 
     def __init__(self, dancer_count: int) -> None:
         self.state: Float32 = np.zeros((dancer_count, 2, LOCK_COLUMNS), np.float32)
-        """Columns of each foot as in `foot_lock_kernels`, shape (A, 2, 12)."""
+        """Columns of each foot as in `foot_lock_kernels`, shape (A, 2, 14)."""
 
     def tick(self, leg_position: npt.NDArray[Any], contact: Bool, dt: float) -> None:
         """Advance by `dt` [s]: unlocked `leg_position` (A, 9, 3) [m] of LEG_JOINTS, `contact` (A, 2)."""

@@ -29,12 +29,14 @@ MAX_SHIFT: Any = np.float32(0.45)
 """Maximum distance [m] of a locked foot from its position in the clip."""
 KNEE_BIAS: Any = np.float32(0.04)
 """Forward bias of the knee direction [m], which decides for a straight knee and matters less for a bent one."""
-SHIFT_X, SHIFT_Z, CONTACT_X, CONTACT_Z, TOES, HELD, LIFT, SPEED_X, SPEED_Z, SPEED_Y, SLIDE, STAND_TIME = range(12)
+SHIFT_X, SHIFT_Z, CONTACT_X, CONTACT_Z, TOES, HELD, LIFT, SPEED_X, SPEED_Z, SPEED_Y, SLIDE, STAND_TIME, RAISE, RAISE_SPEED = (
+    range(14)
+)
 """Columns of a foot: shift [m] at the last tick, the position [m] of the contact point in the clip then, weight of the
 toes in the contact point (the rest is the ankle), 1 while held and 0 while free, lift [m] that put the foot on the
-floor when it was held; and, internal to the lock, speeds of shift and lift [m/s], slide [m] during clip contact, and
-its duration [s]."""
-FOLLOWED_COLUMNS, LOCK_COLUMNS = 7, 12
+floor when it was held; and, internal to the lock, speeds of shift and lift [m/s], slide [m] during clip contact, its
+duration [s], and how high a fast foot is raised [m], with the speed of that [m/s]."""
+FOLLOWED_COLUMNS, LOCK_COLUMNS = 7, 14
 CLEARANCE, CLEARANCE_SOFTNESS, OFFSET_X, OFFSET_Z, FEET_COLUMNS = 7, 8, 9, 10, 11
 """The first seven columns give the foot's target. Four more are for drawing: minimum height [m], because one of the
 blended clips has the foot in the air, the distance [m] over which that minimum sets in smoothly, and how far the
@@ -46,6 +48,13 @@ JUMP_DISTANCE: Any = np.float32(0.5)
 held through a jump of its clip by more than JUMP_DISTANCE [m] in a tick."""
 RELEASE_HALFLIFE: Any = np.float32(0.07)
 """Half-life with which a free foot returns to its clip [s]."""
+RAISE_HEIGHT: Any = np.float32(0.06)
+"""Height over the floor [m] to which a foot that is fast and free is raised: dragged lower it seems to slide."""
+RAISE_FROM: Any = np.float32(0.2)
+RAISE_FULL: Any = np.float32(0.45)
+"""Speeds over the floor [m/s] at which that sets in, and from which it is complete."""
+RAISE_RATE: Any = np.float32(22.0)
+"""Rate at which the foot follows, critically damped [1/s]."""
 TOE_LIFT: Any = np.float32(0.01)
 """Toes higher than the heel by this [m] are lifted; a flat foot is held by its ball, which stays when it rolls off."""
 ROLL_HEIGHT: Any = np.float32(0.001)
@@ -223,7 +232,7 @@ def lock_legs(
 def update_lock(
     lock: Float32, leg_position: Float32, contact: Bool, sole: float, toes_over_sole: float, dt: float
 ) -> None:
-    """Advance the foot lock of A dancers by one tick: `lock` (A, 2, 12) follows the unlocked feet.
+    """Advance the foot lock of A dancers by one tick: `lock` (A, 2, 14) follows the unlocked feet.
 
     `leg_position` (A, 9, 3) [m]: hips, then hip, knee, ankle and toes of the left and the right leg in the clips;
     `contact` (A, 2): whether the clips have the foot on the floor. During contact the contact point is held: the shift
@@ -259,6 +268,15 @@ def update_lock(
                 row[SHIFT_Z] = fall * (row[SHIFT_Z] + bend_z * dt)
                 row[SPEED_X] = fall * (row[SPEED_X] - bend_x * decay * dt)
                 row[SPEED_Z] = fall * (row[SPEED_Z] - bend_z * decay * dt)
+            gone_x, gone_z = slid_x + row[SHIFT_X], slid_z + row[SHIFT_Z]
+            speed = math.sqrt(gone_x * gone_x + gone_z * gone_z) / dt
+            part = min(max((speed - RAISE_FROM) / (RAISE_FULL - RAISE_FROM), _ZERO), _ONE)
+            part = _ZERO if row[HELD] > _ZERO or contact[n, side] else part
+            wanted = RAISE_HEIGHT * part * part * (_ONE + _TWO - _TWO * part)
+            fall = math.exp(-RAISE_RATE * dt)
+            bend = row[RAISE_SPEED] + (row[RAISE] - wanted) * RAISE_RATE
+            row[RAISE] = wanted + fall * (row[RAISE] - wanted + bend * dt)
+            row[RAISE_SPEED] = fall * (row[RAISE_SPEED] - bend * RAISE_RATE * dt)
             followed = (
                 row[CONTACT_X] != _ZERO or row[CONTACT_Z] != _ZERO
             )  # false if this foot has not been followed yet
@@ -280,7 +298,7 @@ Float64 = npt.NDArray[np.float64]
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], f4)")
 def extrapolate_feet(feet: Float32, lock: Float32, age: float) -> None:
-    """Write `feet` (A, 2, 11) from the lock state `lock` (A, 2, 12), `age` [s] after its tick; free feet are
+    """Write `feet` (A, 2, 11) from the lock state `lock` (A, 2, 14), `age` [s] after its tick; free feet are
     extrapolated."""
     for n in range(lock.shape[0]):
         for side in range(2):
@@ -295,7 +313,7 @@ def extrapolate_feet(feet: Float32, lock: Float32, age: float) -> None:
 
 @kernel("f4(f4[:,:,::1])")
 def farthest_shift(lock: Float32) -> float:
-    """Return the largest shift [m] of any foot of `lock` (A, 2, 12) along x or z."""
+    """Return the largest shift [m] of any foot of `lock` (A, 2, 14) along x or z."""
     most: float = np.float32(0.0)  # type: ignore[assignment]
     for n in range(lock.shape[0]):
         for side in range(2):

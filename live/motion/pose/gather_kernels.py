@@ -7,7 +7,14 @@ import numpy.typing as npt
 
 from live.base.jit import kernel
 from live.base.scalar_kernels import ease
-from live.motion.pose.foot_lock_kernels import CLEARANCE, CLEARANCE_SOFTNESS, OFFSET_X, OFFSET_Z
+from live.motion.pose.foot_lock_kernels import (
+    CLEARANCE,
+    CLEARANCE_SOFTNESS,
+    OFFSET_X,
+    OFFSET_Z,
+    RAISE,
+    RAISE_SPEED,
+)
 from live.motion.pose.root_warp_kernels import foot_shift, warp_share, warped_shift
 from live.motion.pose.turn_kernels import place_clip
 from live.motion.yaw_kernels import yaw_rotate
@@ -256,13 +263,14 @@ def shift_feet(leg_position: Float32, foot_offset: Float32) -> None:
                 leg_position[n, joint, 2] += foot_offset[n, foot, 1]
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1])")
-def set_steps(feet: Float32, foot_offset: Float32) -> None:
-    """Write the `foot_offset` (A, 2, 3) of the footstep plans to the columns of `feet` (A, 2, 11), clearance included."""
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4)")
+def set_steps(feet: Float32, foot_offset: Float32, lock: Float32, age: float) -> None:
+    """Write the `foot_offset` (A, 2, 3) of the footstep plans to the columns of `feet` (A, 2, 11), and the clearance of
+    feet that they lift or that the `lock` (A, 2, 14) raises, `age` [s] after its tick."""
     for n in range(feet.shape[0]):
         for foot in range(2):
             feet[n, foot, OFFSET_X], feet[n, foot, OFFSET_Z] = foot_offset[n, foot, 0], foot_offset[n, foot, 1]
-            lift = foot_offset[n, foot, 2]
+            lift = max(foot_offset[n, foot, 2], lock[n, foot, RAISE] + age * lock[n, foot, RAISE_SPEED])
             if lift > feet[n, foot, CLEARANCE]:
                 feet[n, foot, CLEARANCE] = lift
                 feet[n, foot, CLEARANCE_SOFTNESS] = CLEARANCE_SOFTNESS_SHARE * lift

@@ -193,6 +193,8 @@ PUSH_AHEAD: Final = np.array([0.1, 0.2, 0.3, 0.4])
 not enough: hips swing within a beat, so a contact may lie in between."""
 PUSH_MARGIN: Final = 0.1
 PUSH_STIFFNESS: Final = 24.0
+MAX_PUSH_ACCELERATION: Final = 16.0
+"""Largest change of the speed of a push [m/s²]: more looks like a blow."""
 
 
 class ContactResolver:
@@ -205,6 +207,8 @@ class ContactResolver:
         count = len(correction.node)
         self._soon = np.zeros((len(PUSH_AHEAD), count, 2), np.float32)
         self._fractions = np.zeros(1 + len(PUSH_AHEAD))
+        self._speed: Float64 = np.zeros((count, 2))
+        """Speed at which each dancer is pushed [m/s], (A, 2)."""
         self.count = 0
         """Dancer ticks since the start in which a dancer was pushed to avoid contact, at the cost of foot slide."""
 
@@ -223,8 +227,13 @@ class ContactResolver:
         moved = self._path_separation.push_apart(
             dancers.drawn_hips, self._soon, margin=PUSH_MARGIN, stiffness=PUSH_STIFFNESS, dt=TICK
         )
-        if moved is not None:
-            self._displace(moved)
+        if moved is None and not self._speed.any():
+            return
+        change = (0.0 if moved is None else moved / TICK) - self._speed
+        size = np.hypot(*change.T)[:, None]
+        self._speed += change * np.minimum(1.0, MAX_PUSH_ACCELERATION * TICK / np.maximum(size, 1e-9))
+        self._speed[np.abs(self._speed).max(axis=1) < 1e-4] = 0.0
+        self._displace(self._speed * TICK)
 
     def _displace(self, displacement: Float64) -> None:
         """Displace the measures of all dancers, and all state derived from them, by `displacement` (A, 2) [m]."""

@@ -132,9 +132,10 @@ class Dancers(CurrentMeasures):
         pipeline.head[:] = variation[HEAD]
         pipeline.lock = variation.any(FOOT_LOCK) or self.lock.max_shift > 1e-3  # released feet still have to swing back
         if pipeline.lock:
-            self.lock.write_feet(pipeline.feet, max(time - self._locked_at, 0.0))
+            age = max(time - self._locked_at, 0.0)
+            self.lock.write_feet(pipeline.feet, age)
             set_clearance(pipeline.feet, pipeline.sample, pipeline.share, self.graph.library.clip_height)
-            set_steps(pipeline.feet, self._foot_offset)
+            set_steps(pipeline.feet, self._foot_offset, self.lock.state, age)
             if self.inertia.any_fading:
                 self.landing.apply(pipeline.feet, self.inertia.age)
         position, rotation = pipeline.run(self.graph.library.store, out)

@@ -174,7 +174,8 @@ KINDS: Final = [
     """),
     Kind("presence", PerformerForces, "_motion:group-motion _tick:int"),
     Kind("pushing", ContactResolver, """
-        _correction:carried _next_correction:coming _path_separation:path-parting _soon:f4 _fractions:f8 count:int
+        _correction:carried _next_correction:coming _path_separation:path-parting _soon:f4 _fractions:f8 _speed:f8
+        count:int
     """),
     Kind("re-aiming", CorrectionUpdate, """
         _correction:carried _path_separation:path-parting max_correction:float _phase:f8
