@@ -92,6 +92,22 @@ def estimate_tempo(clip: Clip, beats_per_measure: int = 4, bpm: float | None = N
     return TempoEstimate(reference, repetition, landing, contrast, others)
 
 
+FEET_REPETITION: Final = 0.1
+"""Least repetition of a dance whose feet can contradict another tempo: free dances have less."""
+CONFIRMED_TOLERANCE: Final = 0.04
+"""Relative difference of tempi that are the same."""
+
+
+def feet_contradict(estimate: TempoEstimate, bpm: float, ratios: Sequence[float] = (0.5, 1.0, 2.0)) -> bool:
+    """Whether the feet repeat at another tempo than `bpm`; `ratios` to it that agree: octaves, unless given.
+
+    Feet that hardly repeat contradict nothing.
+    """
+    if estimate.repetition < FEET_REPETITION:
+        return False
+    return min(abs(np.log(estimate.reference.bpm / (bpm * ratio))) for ratio in ratios) > np.log1p(CONFIRMED_TOLERANCE)
+
+
 def _repetition(rhythm: Rhythm) -> tuple[Float64, Float64] | None:
     """Return candidate periods [s] and the repetition score of each, both (CANDIDATES,)."""
     periods = np.geomspace(*PERIODS, CANDIDATES)
