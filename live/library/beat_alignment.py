@@ -26,7 +26,7 @@ from live.motion.beats.clap_sync import (
     sync_to_song,
 )
 from live.motion.beats.music_reference import MusicReference, apply_manual
-from live.motion.beats.tempo_estimation import TempoEstimate, estimate_tempo, feet_contradict
+from live.motion.beats.tempo_estimation import SIMPLE_RATIOS, TempoEstimate, estimate_tempo, feet_contradict
 from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_motion import SourceMotion, UpAxis
@@ -254,8 +254,6 @@ def find_sync(request: SyncRequest) -> SyncResult:
 
 STANDING_SPEED: Final = 0.25
 """Mean speed of the ankles [m/s] below which somebody stands and counts."""
-COUNTED_RATIOS: Final = (0.25, 1 / 3, 0.5, 2 / 3, 0.75, 1.0, 4 / 3, 1.5, 2.0, 3.0, 4.0)
-"""Ratios of the feet's tempo to that of a count clapped before the dance."""
 
 
 def _is_dance(found: ClapSync, guess: TempoEstimate, tracks: BodyTracks, drop: int) -> bool:
@@ -268,7 +266,7 @@ def _is_dance(found: ClapSync, guess: TempoEstimate, tracks: BodyTracks, drop: i
     moved = np.linalg.norm(np.diff(tracks.ankles[first : last + 1], axis=0), axis=-1)
     stands = float(moved.mean()) * tracks.rate < STANDING_SPEED if moved.size else False
     bpm = found.reference.bpm
-    return feet_contradict(guess, bpm, COUNTED_RATIOS) if stands else feet_contradict(guess, bpm)
+    return feet_contradict(guess, bpm, SIMPLE_RATIOS) if stands else feet_contradict(guess, bpm)
 
 
 def _with_touches(reference: MusicReference, found: ClapSync | None) -> MusicReference:

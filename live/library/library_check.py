@@ -18,7 +18,7 @@ from live.library.recording_file import Problem, RecordingEntry, RecordingError,
 from live.library.recordings import RecordingReader, cut_recording
 from live.library.step_folder import StepsError, sketched_steps, unify_names
 from live.library.textured_steps import read_textured, stale_textures
-from live.motion.beats.tempo_estimation import estimate_tempo
+from live.motion.beats.tempo_estimation import SAME_TEMPO, SIMPLE_RATIOS, estimate_tempo
 from live.motion.cleanup.glitch_detection import Glitch
 from live.motion.editing.facing import circular_mean, heading_of
 from live.motion.step_clip import StepClip, measured_direction, measured_distance, travel
@@ -91,10 +91,6 @@ def _direction_matches(step: StepClip, direction: str) -> bool:
 
 MIN_TEMPO_CONFIDENCE: Final = 0.35
 """Least confidence of a tempo guessed from the feet to question the written one."""
-TEMPO_TOLERANCE: Final = 0.04
-"""Tempi that differ by less than this share are the same."""
-_TEMPO_RATIOS: Final = (0.25, 1 / 3, 0.5, 2 / 3, 0.75, 1.0, 4 / 3, 1.5, 2.0, 3.0, 4.0)
-"""Accepted ratios of tempi: feet may step on every second beat, or three times in two beats."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,8 +196,8 @@ def _tempo_warnings(entry: RecordingEntry, reader: RecordingReader) -> list[tupl
     if guess is None or guess.reference.confidence < MIN_TEMPO_CONFIDENCE:
         return []
     bpm, written = guess.reference.bpm, entry.recording.bpm
-    heard = [bpm * ratio for ratio in _TEMPO_RATIOS] + list(guess.other_bpm)
-    if min(abs(math.log(written / one)) for one in heard) <= math.log(1 + TEMPO_TOLERANCE):
+    heard = [bpm * ratio for ratio in SIMPLE_RATIOS] + list(guess.other_bpm)
+    if min(abs(math.log(written / one)) for one in heard) <= math.log(1 + SAME_TEMPO):
         return []
     return [("bpm", f"{written:g}, but the feet give {bpm:.1f} (confidence {guess.reference.confidence:.2f})")]
 

@@ -90,7 +90,7 @@ def stepping_recording(path: Path, claps: np.ndarray, bpm: float, *, begin: floa
 
 
 def test_touches_that_contradict_feet_are_no_claps(tmp_path: Path) -> None:
-    """Seven even touches at 57 bpm of a body that steps at 130 bpm: the feet's tempo is taken, and the note says why."""
+    """Seven even touches at 57 bpm of a body that steps at 130 bpm: the feet's tempo is taken, and the note tells."""
     path = stepping_recording(tmp_path / "dance.bvh", 2.0 + 60.0 / 57.0 * np.arange(7), 130.0)
     found = find_sync(SyncRequest(path))
     octave = np.log2(found.reference.bpm / 130.0)
