@@ -71,4 +71,7 @@ def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = N
 
 
 def _kind(clip: StepClip) -> tuple[object, ...]:
-    return (clip.step, clip.measures, clip.beats_per_measure, clip.begin_pose, clip.end_pose, clip.weight_transfer)
+    return (
+        clip.step, clip.measures, clip.beats_per_measure, clip.begin_pose, clip.end_pose, clip.weight_transfer,
+        clip.tempo_form,
+    )  # fmt: skip

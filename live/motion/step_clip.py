@@ -66,6 +66,10 @@ class StepClip:
     style: str = ""
     """Stylistic variation in one word."""
     tags: tuple[str, ...] = ()
+    recorded: bool = False
+    """True if it was cut out of a recording: it is danced near its `bpm` only (`editing/tempo_forms.py`)."""
+    tempo_form: Literal["", "half time", "double time"] = ""
+    """How a recorded step was changed for a show of another tempo."""
     in_stream: bool = False
     """True for a measure of an unsegmented recording (T037): its neighbours are not takes of the same step."""
 
