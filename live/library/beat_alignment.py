@@ -27,6 +27,7 @@ from live.motion.beats.clap_sync import (
 )
 from live.motion.beats.music_reference import MusicReference, apply_manual
 from live.motion.beats.tempo_estimation import SIMPLE_RATIOS, TempoEstimate, estimate_tempo, feet_contradict
+from live.motion.cleanup.frame_rate_check import suspect_frame_rate
 from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_motion import SourceMotion, UpAxis
@@ -181,6 +182,8 @@ class SyncResult:
     drop_frames: int
     fps: float
     """The frame rate that was used."""
+    doubt: str = ""
+    """Why the frame rate in the file's header is doubtful; empty if it is not, or was given."""
 
     @property
     def guessed(self) -> bool:
@@ -249,7 +252,9 @@ def find_sync(request: SyncRequest) -> SyncResult:
             "too still to guess a tempo",
             "give both: --anchor SECONDS --bpm BPM",
         )
-    return SyncResult(reference, _placed_claps(claps, found), drop, tracks.rate)
+    suspicion = suspect_frame_rate(tracks, drop) if request.fps is None else None
+    doubt = "" if suspicion is None else str(suspicion)
+    return SyncResult(reference, _placed_claps(claps, found), drop, tracks.rate, doubt)
 
 
 STANDING_SPEED: Final = 0.25

@@ -19,8 +19,11 @@ from live.library.recordings import RecordingReader, cut_recording
 from live.library.step_folder import StepsError, sketched_steps, unify_names
 from live.library.textured_steps import read_textured, stale_textures
 from live.motion.beats.tempo_estimation import SAME_TEMPO, SIMPLE_RATIOS, estimate_tempo
+from live.motion.cleanup.frame_rate_check import suspect_frame_rate
 from live.motion.cleanup.glitch_detection import Glitch
+from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.editing.facing import circular_mean, heading_of
+from live.motion.retarget.body_tracks import body_tracks
 from live.motion.step_clip import StepClip, measured_direction, measured_distance, travel
 
 DISTANCE_SHARE = 0.25
@@ -138,7 +141,7 @@ def check_folder(directory: Path) -> FolderCheck:
             doubts += _glitches_inside(entry, reader, _measures(own))
             if entry.path not in guessed:
                 guessed.add(entry.path)
-                doubts += _tempo_warnings(entry, reader)
+                doubts += _tempo_warnings(entry, reader) + rate_warnings(entry, reader)
             findings += [Finding("doubtful", entry.problem(field, words)) for field, words in doubts]
     return FolderCheck(unify_names(steps), entries, findings)
 
@@ -200,6 +203,16 @@ def _tempo_warnings(entry: RecordingEntry, reader: RecordingReader) -> list[tupl
     if min(abs(math.log(written / one)) for one in heard) <= math.log(1 + SAME_TEMPO):
         return []
     return [("bpm", f"{written:g}, but the feet give {bpm:.1f} (confidence {guess.reference.confidence:.2f})")]
+
+
+def rate_warnings(entry: RecordingEntry, reader: RecordingReader) -> list[tuple[str, str]]:
+    """Return field and message if the frame rate in a file's header is too high for a dancer; `fps` settles it."""
+    recording = entry.recording
+    if recording.fps is not None:
+        return []
+    tracks = body_tracks(reader.motion(entry), up=recording.up, unit_m=recording.unit_m)
+    suspicion = suspect_frame_rate(tracks, max(recording.drop_frames, find_recording_start(tracks).drop_frames))
+    return [] if suspicion is None else [("fps", str(suspicion))]
 
 
 def check_connections(checked: Sequence[FolderCheck], folder: Path, threshold: float) -> list[Finding]:

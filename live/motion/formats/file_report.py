@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from live.base.arrays import Float64
 from live.motion import quaternion
+from live.motion.cleanup.frame_rate_check import suspect_frame_rate
 from live.motion.cleanup.glitch_detection import Glitch, find_glitches
 from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.formats.file_error import MotionFileError
@@ -92,6 +93,9 @@ def analyze_motion(
         added = beginning.drop_frames
         if beginning.t_pose_first:
             warnings.append(FileWarning(_tpose_message(added), frame=0))
+        suspicion = suspect_frame_rate(tracks, added) if fps is None else None
+        if suspicion is not None:
+            warnings.append(FileWarning(str(suspicion)))
         warnings += [_glitch_warning(one) for one in find_glitches(tracks, motion.parents, added)]
         warnings += _still_root_warnings(motion, body, world, leg)
     points, lowest = _upright(motion, world, axis)
