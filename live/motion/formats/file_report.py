@@ -27,7 +27,8 @@ from live.motion.formats.source_motion import (
     world_pose,
 )
 from live.motion.retarget.body_tracks import body_tracks
-from live.motion.retarget.joint_mapping import SourceBody, find_body, map_joints
+from live.motion.retarget.joint_mapping import find_body, map_joints
+from live.motion.retarget.source_body import SourceBody
 
 FLOOR_PERCENTILE: Final = 5.0
 FLOATING_HEIGHT: Final = 0.08
@@ -151,6 +152,8 @@ def _detection_warnings(
 ) -> list[FileWarning]:
     """Return warnings about unknown properties and implausible given values."""
     words = []
+    if body.by_shape:
+        words.append("the joint names say nothing: the body was found by its shape; check left and right")
     if body.missing:
         words.append(f"no body: no joints found for {', '.join(body.missing)}")
     if motion.root_offset is None:
