@@ -217,7 +217,7 @@ def _check(motion: SourceMotion, body: SourceBody, fps: float | None, drop_frame
             motion.file,
             None,
             f"no joints found for {', '.join(body.missing)} among {found}",
-            "joint names of a full body expected",
+            "a full body expected: hips, both legs and both arms",
         )
 
 
