@@ -222,7 +222,7 @@ def tempo_forms(clips: Sequence[StepClip], span: tuple[float, float]) -> TempoFo
             told.setdefault(clip.step, _form_note(clip, "double", span))
         except NoTempoForm as error:
             if not fits(clip, 1.0, span):
-                words = f"{misfit_reason(clip, span)}; at double time it cannot be danced twice, because {error}"
+                words = f"{misfit_reason(clip, span, slowest=1.0)}; at double time it cannot be danced, because {error}"
                 left_out[clip.clip.name] = reasons[clip.step] = words
     danced = {clip.step for clip in found}
     refused = {step: why for step, why in reasons.items() if step not in danced}
@@ -255,12 +255,15 @@ def span_text(span: tuple[float, float]) -> str:
     return f"{span[0]:.4g} bpm" if span[1] - span[0] < 0.05 else f"{span[0]:.4g} to {span[1]:.4g} bpm"
 
 
-def misfit_reason(clip: StepClip, span: tuple[float, float]) -> str:
-    """Return why a recorded clip cannot be danced in a show, and what to do."""
+def misfit_reason(clip: StepClip, span: tuple[float, float], *, slowest: float = min(FORM_FACTORS)) -> str:
+    """Return why a recorded clip cannot be danced in a show, and what to do.
+
+    `slowest`: tempo of its slowest form, as a share of the recorded one.
+    """
     bpm = span[0] if span[0] > clip.bpm else span[1]
     ratio = bpm / clip.bpm
     words = f"{ratio:.2g} times its tempo" if ratio > 1.0 else f"{ratio:.2g} of its tempo"
-    least, most = 0.5 * TEMPO_LIMITS[0] * clip.bpm, 2.0 * TEMPO_LIMITS[1] * clip.bpm
+    least, most = slowest * TEMPO_LIMITS[0] * clip.bpm, max(FORM_FACTORS) * TEMPO_LIMITS[1] * clip.bpm
     return (
         f"step {clip.step!r} ({clip.clip.name}) was recorded at {clip.bpm:.4g} bpm and the show is at "
         f"{span_text(span)}, {words}; correct its bpm and first_beat_s, or play it at {least:.4g} to {most:.4g} bpm"

@@ -130,7 +130,7 @@ def test_step_that_does_not_lead_to_its_beginning_is_not_repeated() -> None:
     with pytest.raises(NoTempoForm, match="it ends in 'high' and begins in 'low'"):
         double_time(named)
     found = tempo_forms([crouching(), recorded("walk", bpm=50.0)], (50.0, 50.0))
-    assert "at double time it cannot be danced twice, because its end is" in found.refused["rise"]
+    assert "play it at 70 to 280 bpm; at double time it cannot be danced, because its end is" in found.refused["rise"]
 
 
 def stream(measures: int) -> tuple[Clip, list[StepClip]]:
