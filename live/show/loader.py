@@ -16,7 +16,7 @@ from live.graph.build.metric import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.step_library import StepLibrary, build_library
 from live.library.capture_material import NO_BEAT_TAG, read_material
-from live.motion.editing.tempo_forms import all_forms, tempo_forms
+from live.motion.editing.tempo_forms import TempoForms, all_forms, tempo_forms
 from live.motion.step_clip import StepClip
 from live.motion.texture.live_bank import TextureBank
 from live.render.custom_pass import try_passes
@@ -158,10 +158,9 @@ class LoadedShow:
             return str(self.path)
         return f"{self.sources.location_text(place)}: {key_text(place)}"
 
-    def clips(self) -> list[StepClip]:
-        """Read all clips again, as at a start."""
-        clips = read_clips(self.patch, self.path, self.recordings)
-        return tempo_forms(clips, self.tempo.span(self.patch)).clips
+    def read_steps(self) -> TempoForms:
+        """Read all clips again, as at a start, in the forms that fit the show's tempo."""
+        return tempo_forms(read_clips(self.patch, self.path, self.recordings), self.tempo.span(self.patch))
 
     def check_takes(self, patch: Patch) -> None:
         """Raise PersonError if a patch chooses takes that are not among its steps."""
