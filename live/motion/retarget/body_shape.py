@@ -27,6 +27,9 @@ MIN_BONE: Final = 0.02
 LOOKED_AT: Final = 200
 """Most frames from which the direction ahead is told."""
 MAX_JOINTS: Final = 500
+MAX_LIMBS: Final = 6
+MAX_PAIRS: Final = 24
+"""Most joints, long limbs of one joint, and pairs that are looked at: a hostile file must not take long."""
 MIN_AHEAD: Final = 0.02
 """Least length of the direction ahead, as a share of the legs: below it left and right are not told apart."""
 
@@ -113,7 +116,7 @@ def _limb_pairs(children: list[list[int]], reach: Float64, bone: Float64) -> lis
     """Pairs of equally long chains that begin at one joint, the longest first."""
     pairs = []
     for parent, below in enumerate(children):
-        long = sorted((c for c in below if reach[c] >= MIN_LIMB * reach.max()), key=lambda c: -reach[c])
+        long = sorted((c for c in below if reach[c] >= MIN_LIMB * reach.max()), key=lambda c: -reach[c])[:MAX_LIMBS]
         best = [
             (one, other)
             for number, one in enumerate(long)
@@ -125,7 +128,7 @@ def _limb_pairs(children: list[list[int]], reach: Float64, bone: Float64) -> lis
             bones = _long_bones(chains[0], bone), _long_bones(chains[1], bone)
             if len(chains[0]) == len(chains[1]) and bones[0] is not None and bones[1] is not None:
                 pairs.append(_Pair(parent, chains, (bones[0], bones[1]), float(reach[one])))
-    return sorted(pairs, key=lambda pair: -pair.length)
+    return sorted(pairs, key=lambda pair: -pair.length)[:MAX_PAIRS]
 
 
 def _main_chain(joint: int, children: list[list[int]], reach: Float64) -> tuple[int, ...]:

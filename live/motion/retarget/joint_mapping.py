@@ -47,6 +47,10 @@ _WORDS: Final = frozenset(
 """Words that say what a joint is."""
 _PREFIX_SHARE: Final = 0.6
 """Least share of the names that begin with a prefix."""
+_MAX_NAME: Final = 200
+"""Characters of a name that are read."""
+_MAX_PREFIX: Final = 4
+"""Most words of a prefix."""
 _MIN_NAMED: Final = 8
 """With fewer joints nothing counts as a prefix."""
 _MAX_CANDIDATES: Final = 4
@@ -72,7 +76,7 @@ def find_body_among(names: Sequence[str], parents: Sequence[int]) -> SourceBody:
 
 def _tokens(name: str) -> list[str]:
     """Words of a name without its name space; an L or R in front of another capital is a word: "LUArm" → l, u, arm."""
-    return [word.lower() for word in _TOKEN.findall(_GLUED_SIDE.sub(r"\1 ", name.rsplit(":", 1)[-1]))]
+    return [word.lower() for word in _TOKEN.findall(_GLUED_SIDE.sub(r"\1 ", name.rsplit(":", 1)[-1][:_MAX_NAME]))]
 
 
 def common_prefix(names: Sequence[str]) -> tuple[str, ...]:
@@ -82,7 +86,7 @@ def common_prefix(names: Sequence[str]) -> tuple[str, ...]:
     """
     split = [_tokens(name) for name in names]
     prefix: list[str] = []
-    while len(names) >= _MIN_NAMED:
+    while len(names) >= _MIN_NAMED and len(prefix) < _MAX_PREFIX:
         words = [one[len(prefix)] for one in split if one[: len(prefix)] == prefix and len(one) > len(prefix) + 1]
         word, count = Counter(words).most_common(1)[0] if words else ("", 0)
         if count < _PREFIX_SHARE * len(names) or word in _SIDES or word in _WORDS:

@@ -1,5 +1,6 @@
 """Skeletons of character makers and capture programs: an independently posed body comes back with the same joints."""
 
+import time
 from dataclasses import replace
 
 import numpy as np
@@ -120,3 +121,23 @@ def test_common_prefix_is_what_most_names_begin_with() -> None:
     assert common_prefix([name for name, _, _, _ in joints_of(FAMILIES["SMPL-X"])]) == ()
     assert common_prefix([f"LeftHand{n}" for n in range(20)]) == ()
     assert common_prefix(["CC_Base_Hip", "CC_Base_Head"]) == ()
+
+
+def test_hostile_skeletons_take_no_time() -> None:
+    """Hundreds of limbs of one joint, a chain of joints, and names of a hundred thousand words."""
+    count = 500
+    flat = np.full(count, 0, np.int32)
+    flat[0] = -1
+    chains = np.where(np.arange(count) % 4 == 1, 0, np.arange(count) - 1).astype(np.int32)
+    chain = np.arange(-1, count - 1, dtype=np.int32)
+    motion, _ = renamed(FAMILIES["SMPL"])
+    begin = time.process_time()
+    for parents in (flat, chains, chain):
+        hostile = replace(
+            motion,
+            names=("a_" * 100_000,) * 10 + ("x",) * (count - 10), parents=parents, offsets=np.ones((count, 3)),
+            translation=np.ones((2, count, 3)), rotation=np.tile((1.0, 0.0, 0.0, 0.0), (2, count, 1)),
+            end_parents=motion.end_parents[:0], end_offsets=motion.end_offsets[:0],
+        )  # fmt: skip
+        assert find_body(hostile).missing
+    assert time.process_time() - begin < 5.0
