@@ -147,8 +147,8 @@ def with_direction(values: Float64) -> Float64:
 
 def recorded_seconds(library: "StepLibrary") -> Float64:
     """Return the duration of each node's measure as recorded [s], 0 for measures of sketched steps, (N,)."""
-    rate = np.array([clip.clip.sample_rate if clip.recorded else np.inf for clip in library.clips])
-    return np.asarray((library.node_last - library.node_first) / rate[library.node_clip])
+    seconds = [clip.samples_per_measure / clip.clip.sample_rate if clip.recorded else 0.0 for clip in library.clips]
+    return np.array(seconds, np.float64)[library.node_clip]
 
 
 def tempo_excess(recorded: Float64, seconds: float) -> Float64:

@@ -134,10 +134,16 @@ def test_show_goes_on_at_an_impossible_tempo_and_says_so():
     danced = dance(show, 10.0, tempo=200.0)
     assert {clip.step for clip in danced} == {"sway"}
     (row,) = show.scheduler.tempo_report(show.follower.tempo)
-    assert row == {"step": "sway", "times": 2.22, "bpm": 90.0, "dancers": 4}
+    assert row == {"step": "sway", "form": "", "times": 2.22, "bpm": 90.0, "dancers": 4}
     assert tempo_line([row]) == (
-        "tempo: 'sway' is danced at 2.22 times its 90 bpm (0.7 to 1.4 is possible) by 4: choose another step or tempo",
+        "tempo: 'sway', recorded at 90 bpm, is danced 2.22 times as fast (0.7 to 1.4 is possible) by 4: choose another "
+        "step or tempo",
     )
+    half = show_of(tempo_forms([recorded("sway", 60)], (120.0, 120.0)).clips)
+    dance(half, 10.0, tempo=200.0)
+    (row,) = half.scheduler.tempo_report(half.follower.tempo)
+    assert row == {"step": "sway", "form": "half time", "times": 1.67, "bpm": 60.0, "dancers": 4}
+    assert "recorded at 60 bpm, is danced at half time 1.67 times as fast" in tempo_line([row])[0]
     assert tempo_line([]) == ()
 
 
