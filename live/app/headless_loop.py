@@ -126,7 +126,7 @@ def play_show(options: LaunchOptions, *, lifeline: SupervisorLink | None = None)
     warm_kernels(console)
     loaded = options.load()
     venue = options.read_venue()
-    for note in (*loaded.graph.missing, *installed_bridges().notes(loaded, venue)):
+    for note in (*loaded.graph.missing, *loaded.notes, *installed_bridges().notes(loaded, venue)):
         console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
     if options.shaders is not None:
         from live.app.adaptive_quality import use_shader_folder

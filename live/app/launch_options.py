@@ -31,6 +31,7 @@ from live.control.message_codec import decode_packet, encode_packet
 
 if TYPE_CHECKING:
     from live.show.loader import LoadedShow
+    from live.show.selection.show_clips import ShowTempo
     from live.show.venue.venue import Venue
 
 MUSIC, PICTURE, RECORDING, RECOVERY = "Music and time", "Picture", "Recording", "Staying alive"
@@ -229,8 +230,19 @@ class LaunchOptions:
 
         venue = self.read_venue()
         tables = installed_bridges().patch_tables()
-        loaded = load_show(find_patch(self.patch), recordings=self.steps, whole=whole, tables=tables)
+        path, tempo = find_patch(self.patch), self._show_tempo()
+        loaded = load_show(path, recordings=self.steps, whole=whole, tables=tables, tempo=tempo)
         return loaded if venue is None else loaded.with_projector(venue.projector)
+
+    def _show_tempo(self) -> "ShowTempo":
+        """What these options say about the tempo of the show."""
+        from live.control.midi.midi_file import read_song
+        from live.show.selection.show_clips import ShowTempo
+
+        bpm = self.bpm
+        if bpm is None and self.midi_file is not None and not self.is_practice:
+            bpm = read_song(self.midi_file).tempo
+        return ShowTempo(bpm, share=self.tempo_share or 1.0, own_music=self.audio is None)
 
     def encode(self) -> str:
         """As one word, for another process of this program."""

@@ -64,6 +64,8 @@ def render(
         midi_file=midi_file,
     )  # fmt: skip
     loaded = options.load()
+    for note in loaded.notes:
+        console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
     sound = choose_audio(options, loaded)
     if sound.device is not None:
         raise PersonError(f"--audio {audio!r} is an input device: `live render` needs a music file")

@@ -55,7 +55,7 @@ class PreviewAnswers:
     def __init__(self, loaded: LoadedShow, store: DocumentStore, *, seed: int | None = None) -> None:
         """`store` has the files of `loaded`; nothing is written. PersonError if the show does not start."""
         self._store, self._seed, self._loaded = store, seed, loaded
-        store.check = ShowCheck(loaded.path, loaded.recordings)
+        store.check = ShowCheck(loaded.path, loaded.recordings, loaded.tempo)
         self._engine = PreviewEngine(self._with(store.document.patch), seed=seed)
         self._revision = store.revision
         self._asked: tuple[str | int | None, PreviewEngine] = (None, self._engine)
@@ -69,7 +69,7 @@ class PreviewAnswers:
         """Return the show of another patch; PersonError if its steps cannot be loaded."""
         loaded = self._loaded
         if needs_loading(loaded.patch, written) and loaded.recordings is None:
-            return load_from_patch(written, loaded.path)
+            return load_from_patch(written, loaded.path, tempo=loaded.tempo)
         return replace(loaded, patch=self._adapt(written))
 
     def _adapt(self, written: Patch) -> Patch:

@@ -13,6 +13,7 @@ from live.show.loader import LoadedShow, load_from_patch
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import find_resource
 from live.show.score.step_names import UnknownStep
+from live.show.selection.show_clips import NO_TEMPO, ShowTempo
 from live.show.show import Show
 from live.show.view.render_scene import make_backgrounds
 
@@ -55,9 +56,10 @@ def show_faults(make_show: Callable[[Patch], Any], patch: Patch) -> list[PersonE
 class ShowCheck:
     """Checks patches by starting a show of them, which never runs. What the shows have in common is loaded once."""
 
-    def __init__(self, path: Path, recordings: Path | None = None) -> None:
-        """`path` is where the patch lies; `recordings`: the folder that replaces its steps, if any."""
-        self._path, self._recordings = path, recordings
+    def __init__(self, path: Path, recordings: Path | None = None, tempo: ShowTempo = NO_TEMPO) -> None:
+        """`path` is where the patch lies; `recordings`: the folder that replaces its steps, if any; `tempo`: what of
+        its tempo is given beside the patch."""
+        self._path, self._recordings, self._tempo = path, recordings, tempo
         self._loaded: LoadedShow | None = None
         self._show: Show | None = None
         self._made: Any = None  # the last show that started
@@ -77,7 +79,7 @@ class ShowCheck:
     def _make(self, patch: Patch) -> None:
         loaded = self._loaded
         if loaded is None or self._show is None or needs_loading(loaded.patch, patch):
-            loaded = load_from_patch(patch, self._path, recordings=self._recordings)
+            loaded = load_from_patch(patch, self._path, recordings=self._recordings, tempo=self._tempo)
             _refuse_gaps(loaded.graph)
             self._show = assemble(loaded.patch, loaded.graph, bank=loaded.bank, answers=loaded.answers)
             self._loaded, self._made = loaded, self._show

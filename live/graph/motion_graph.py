@@ -178,8 +178,9 @@ def graph_of(
 def _missing(library: StepLibrary, alive: Bool, threshold: float) -> tuple[str, ...]:
     poses = unmatched_poses(library)
     lives = np.bincount(library.node_step, weights=alive, minlength=len(library.steps)) > 0
+    foot = " on a foot that stands in both" if any(clip.recorded for clip in library.clips) else ""
     return tuple(
-        f"{name}: {poses.get(name, f'nothing leads to it and away again within {threshold:g} m')}"
+        f"{name}: {poses.get(name, f'nothing leads to it and away again within {threshold:g} m{foot}')}"
         for name, lively in zip(library.steps, lives, strict=True)
         if not lively
     )

@@ -1,7 +1,7 @@
 """Step library: all step clips as flat arrays, one node per measure (T038-T042)."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
@@ -52,6 +52,8 @@ class StepLibrary:
     node_travel: Float64
     """Displacement of the hips over the measure in the clip's own axes (x, z) [m], shape (N, 2)."""
     beats_per_measure: int
+    refused: Mapping[str, str] = field(default_factory=dict)
+    """Steps that were left out, by name, and why."""
 
     @property
     def node_count(self) -> int:
@@ -65,6 +67,11 @@ class StepLibrary:
             if plain_name(step) == wanted:
                 return index
         return None
+
+    def refusal(self, name: str) -> str | None:
+        """Return why the step called `name` was left out, None if it was not."""
+        wanted = plain_name(name)
+        return next((why for step, why in self.refused.items() if plain_name(step) == wanted), None)
 
     def max_travel(self, step: int) -> float:
         """Return the longest distance [m] that one measure of the step travels."""
@@ -89,8 +96,11 @@ def plain_name(name: str) -> str:
     return " ".join(name.replace("_", " ").replace("-", " ").casefold().split())
 
 
-def build_library(clips: Sequence[StepClip]) -> StepLibrary:
-    """Join step clips into a library; ValueError if there is none or their metres differ."""
+def build_library(clips: Sequence[StepClip], refused: Mapping[str, str] | None = None) -> StepLibrary:
+    """Join step clips into a library; ValueError if there is none or their metres differ.
+
+    `refused`: steps that were left out, and why.
+    """
     if not clips:
         raise ValueError("no steps: a library needs at least one step")
     metres = sorted({clip.beats_per_measure for clip in clips})
@@ -136,6 +146,7 @@ def build_library(clips: Sequence[StepClip]) -> StepLibrary:
         node_lead=np.ascontiguousarray(node[6]),
         node_travel=travel_of(root, begins, ends),
         beats_per_measure=metres[0],
+        refused=dict(refused or {}),
     )
 
 
@@ -178,6 +189,7 @@ def joined_library(first: StepLibrary, second: StepLibrary) -> StepLibrary:
         node_lead=both("node_lead", samples),
         node_travel=both("node_travel"),
         beats_per_measure=first.beats_per_measure,
+        refused={step: why for step, why in first.refused.items() if step not in second.steps},
     )
 
 

@@ -122,4 +122,7 @@ def _moments(library: "StepLibrary") -> tuple[Bool, npt.NDArray[np.float32]]:
 
 
 def _kind(clip: StepClip) -> tuple[object, ...]:
-    return (clip.step, clip.measures, clip.beats_per_measure, clip.begin_pose, clip.end_pose, clip.weight_transfer)
+    return (
+        clip.step, clip.measures, clip.beats_per_measure, clip.begin_pose, clip.end_pose, clip.weight_transfer,
+        clip.tempo_form,
+    )  # fmt: skip

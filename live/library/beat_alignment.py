@@ -3,7 +3,7 @@
 Unconfirmed guesses of tempo and first beat are marked by a comment in the TOML file (T017).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -26,7 +26,8 @@ from live.motion.beats.clap_sync import (
     sync_to_song,
 )
 from live.motion.beats.music_reference import MusicReference, apply_manual
-from live.motion.beats.tempo_estimation import estimate_tempo
+from live.motion.beats.tempo_estimation import SIMPLE_RATIOS, TempoEstimate, estimate_tempo, feet_contradict
+from live.motion.cleanup.frame_rate_check import suspect_frame_rate
 from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_motion import SourceMotion, UpAxis
@@ -181,6 +182,8 @@ class SyncResult:
     drop_frames: int
     fps: float
     """The frame rate that was used."""
+    doubt: str = ""
+    """Why the frame rate in the file's header is doubtful; empty if it is not, or was given."""
 
     @property
     def guessed(self) -> bool:
@@ -204,8 +207,8 @@ def find_sync(request: SyncRequest) -> SyncResult:
     """Return the music reference of a recording.
 
     Its sources in this order: values set by the user; claps to the beats of `song`; claps to a click of `click_bpm`;
-    claps alone; the feet (with the tempo of the click, the song or `bpm`, if given). PersonError if the file cannot be
-    read or nothing is found.
+    four claps or more at an even tempo that the feet do not contradict; the feet (with the tempo of the click, the song
+    or `bpm`, if given). PersonError if the file cannot be read or nothing is found.
     """
     beats = None if request.song is None else song_beats(request.song)
     try:
@@ -238,8 +241,10 @@ def find_sync(request: SyncRequest) -> SyncResult:
         found = sync_to_claps(claps)
     reference = None if found is None else found.reference
     settled = request.anchor_s is not None and request.bpm is not None
-    if reference is None and not settled:
-        reference = _guess_reference(request, motion, tracks, drop, known)
+    if not settled and (reference is None or reference.source == "claps"):
+        guess = _guess_tempo(request, motion, tracks, drop, known)
+        if found is None or (guess is not None and _is_dance(found, guess, tracks, drop)):
+            reference, found = (None if guess is None else _with_touches(guess.reference, found)), None
     reference = apply_manual(reference, anchor_s=request.anchor_s, bpm=request.bpm)
     if reference is None:
         raise PersonError(
@@ -247,18 +252,44 @@ def find_sync(request: SyncRequest) -> SyncResult:
             "too still to guess a tempo",
             "give both: --anchor SECONDS --bpm BPM",
         )
-    return SyncResult(reference, _placed_claps(claps, found), drop, tracks.rate)
+    suspicion = suspect_frame_rate(tracks, drop) if request.fps is None else None
+    doubt = "" if suspicion is None else str(suspicion)
+    return SyncResult(reference, _placed_claps(claps, found), drop, tracks.rate, doubt)
 
 
-def _guess_reference(
+STANDING_SPEED: Final = 0.25
+"""Mean speed of the ankles [m/s] below which somebody stands and counts."""
+
+
+def _is_dance(found: ClapSync, guess: TempoEstimate, tracks: BodyTracks, drop: int) -> bool:
+    """Whether claps without a click are touches of the dance, because the feet contradict their tempo.
+
+    Who stands and claps is counting: then the feet may dance at any simple ratio to it, else at an octave.
+    """
+    times = [one.clap.time_s for one in found.claps if one.beat is not None]
+    first, last = (drop + round(time * tracks.rate) for time in (min(times), max(times)))
+    moved = np.linalg.norm(np.diff(tracks.ankles[first : last + 1], axis=0), axis=-1)
+    stands = float(moved.mean()) * tracks.rate < STANDING_SPEED if moved.size else False
+    bpm = found.reference.bpm
+    return feet_contradict(guess, bpm, SIMPLE_RATIOS) if stands else feet_contradict(guess, bpm)
+
+
+def _with_touches(reference: MusicReference, found: ClapSync | None) -> MusicReference:
+    """Return the feet's reference with a note on claps that it contradicts."""
+    if found is None:
+        return reference
+    words = f"hands that touch at {found.reference.bpm:.1f} bpm are no count: the feet dance at another tempo"
+    return replace(reference, note=f"{reference.note}; {words}")
+
+
+def _guess_tempo(
     wish: SyncRequest, motion: SourceMotion, tracks: BodyTracks, drop: int, bpm: float | None
-) -> MusicReference | None:
+) -> TempoEstimate | None:
     try:
         clip = retarget(motion, name=wish.file.stem, fps=tracks.rate, up=wish.up, drop_frames=drop)
     except (MotionFileError, ValueError) as error:
         raise PersonError(str(error)) from None
-    guess = estimate_tempo(clip, wish.beats_per_measure, bpm)
-    return None if guess is None else guess.reference
+    return estimate_tempo(clip, wish.beats_per_measure, bpm)
 
 
 def _placed_claps(claps: list[Clap], found: ClapSync | None) -> tuple[AssignedClap, ...]:

@@ -51,6 +51,7 @@ def cut_step(entry: RecordingEntry, clip: Clip) -> StepClip:
         author=recording.author or "",
         style=recording.style or "",
         tags=tuple(recording.tags),
+        recorded=True,
     )
     return replace(
         step,

@@ -9,6 +9,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Literal
 
+import numpy as np
+
 from live.base.errors import PersonError
 from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
@@ -18,10 +20,18 @@ from live.library.recording_file import Problem, RecordingEntry, RecordingError,
 from live.library.recordings import RecordingReader, cut_recording
 from live.library.step_folder import StepsError, sketched_steps, unify_names
 from live.library.textured_steps import read_textured, stale_textures
-from live.motion.beats.tempo_estimation import estimate_tempo
+from live.motion.beats.tempo_estimation import SAME_TEMPO, SIMPLE_RATIOS, estimate_tempo
+from live.motion.cleanup.frame_rate_check import suspect_frame_rate
 from live.motion.cleanup.glitch_detection import Glitch
+from live.motion.cleanup.trim_start import find_recording_start
+from live.motion.clip import read_clip
 from live.motion.editing.facing import circular_mean, heading_of
-from live.motion.step_clip import StepClip, measured_direction, measured_distance, travel
+from live.motion.foot_contact import TOES_OVER_SOLE
+from live.motion.formats.source_axes import BODY_HEIGHT_RANGE, UNITS
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.retarget.body_tracks import body_tracks
+from live.motion.skeleton import BODY_HEIGHT, SOLE_BELOW_ANKLE
+from live.motion.step_clip import FEET, StepClip, measured_direction, measured_distance, travel
 
 DISTANCE_SHARE = 0.25
 DISTANCE_MIN_M = 0.1
@@ -34,6 +44,8 @@ MIN_CONTACT_SHARE = 0.1
 """Least share of a step with a foot on the floor."""
 MAX_FACING_OFFSET = math.radians(120.0)
 """A step with its average heading farther than this from that at its first beat shows the back (T122)."""
+MIN_FLIGHT = 0.08
+"""A step that begins or ends with both soles higher than this [m] is in the air there."""
 _BEARING = {"forward": 0.0, "left": math.pi / 2, "back": math.pi, "right": -math.pi / 2}
 
 
@@ -61,6 +73,14 @@ def step_warnings(entry: RecordingEntry, step: StepClip) -> list[tuple[str, str]
             else (f"a foot is on the floor in {100 * stands:.0f} % of this step only")
         )
         doubts.append(("file", f"{often}; check the floor, unit_m and up"))
+    for field, at, words in (
+        ("start_measure", step.first, "begins in the air, {:.2f} m over the floor, and a step before it ends on it"),
+        ("measures", step.first + step.measures * step.samples_per_measure,
+         "ends in the air, {:.2f} m over the floor, and a step after it begins on it; end it after the landing"),
+    ):  # fmt: skip
+        height = _flight_height(step, at)
+        if height > MIN_FLIGHT:
+            doubts.append((field, f"it {words.format(height)}"))
     away = abs(circular_mean(heading_of(step.clip.rotation[first : last + 1, 0])))
     if away > MAX_FACING_OFFSET:
         words = (
@@ -77,6 +97,15 @@ def step_warnings(entry: RecordingEntry, step: StepClip) -> list[tuple[str, str]
     return doubts
 
 
+def _flight_height(step: StepClip, sample: float) -> float:
+    """Height [m] of the lower sole over the floor at a sample at which no foot stands; 0 if one does."""
+    root, rotation, contact = read_clip(step.clip, np.array([sample]))
+    if contact.any():
+        return 0.0
+    position = forward_kinematics(root, rotation)[0][0, :, 1]
+    return float(min(min(position[ankle] - SOLE_BELOW_ANKLE, position[toes] - TOES_OVER_SOLE) for ankle, toes in FEET))
+
+
 def _direction_matches(step: StepClip, direction: str) -> bool:
     """Whether the travel is roughly in the written direction, at any distance."""
     word = direction.split()[-1]
@@ -91,10 +120,6 @@ def _direction_matches(step: StepClip, direction: str) -> bool:
 
 MIN_TEMPO_CONFIDENCE: Final = 0.35
 """Least confidence of a tempo guessed from the feet to question the written one."""
-TEMPO_TOLERANCE: Final = 0.04
-"""Tempi that differ by less than this share are the same."""
-_TEMPO_RATIOS: Final = (0.25, 1 / 3, 0.5, 2 / 3, 0.75, 1.0, 4 / 3, 1.5, 2.0, 3.0, 4.0)
-"""Accepted ratios of tempi: feet may step on every second beat, or three times in two beats."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,7 +167,7 @@ def check_folder(directory: Path) -> FolderCheck:
             doubts += _glitches_inside(entry, reader, _measures(own))
             if entry.path not in guessed:
                 guessed.add(entry.path)
-                doubts += _tempo_warnings(entry, reader)
+                doubts += _tempo_warnings(entry, reader) + reading_warnings(entry, reader)
             findings += [Finding("doubtful", entry.problem(field, words)) for field, words in doubts]
     return FolderCheck(unify_names(steps), entries, findings)
 
@@ -200,10 +225,31 @@ def _tempo_warnings(entry: RecordingEntry, reader: RecordingReader) -> list[tupl
     if guess is None or guess.reference.confidence < MIN_TEMPO_CONFIDENCE:
         return []
     bpm, written = guess.reference.bpm, entry.recording.bpm
-    heard = [bpm * ratio for ratio in _TEMPO_RATIOS] + list(guess.other_bpm)
-    if min(abs(math.log(written / one)) for one in heard) <= math.log(1 + TEMPO_TOLERANCE):
+    heard = [bpm * ratio for ratio in SIMPLE_RATIOS] + list(guess.other_bpm)
+    if min(abs(math.log(written / one)) for one in heard) <= math.log(1 + SAME_TEMPO):
         return []
     return [("bpm", f"{written:g}, but the feet give {bpm:.1f} (confidence {guess.reference.confidence:.2f})")]
+
+
+def reading_warnings(entry: RecordingEntry, reader: RecordingReader) -> list[tuple[str, str]]:
+    """Return field and message for doubts about how a file was read: its frame rate and its unit of length.
+
+    `fps` and `unit_m` settle them.
+    """
+    recording = entry.recording
+    motion = reader.motion(entry)
+    tracks = body_tracks(motion, fps=recording.fps, up=recording.up, unit_m=recording.unit_m)
+    doubts = []
+    if recording.fps is None:
+        start = max(recording.drop_frames, find_recording_start(tracks).drop_frames)
+        suspicion = suspect_frame_rate(tracks, start)
+        if suspicion is not None:
+            doubts.append(("fps", str(suspicion)))
+    if recording.unit_m is None and tracks.unit_m not in (*UNITS, motion.unit_m):
+        low, high = BODY_HEIGHT_RANGE
+        words = f"in no usual unit is the dancer {low} to {high} m tall; body and ways are scaled to {BODY_HEIGHT} m"
+        doubts.append(("unit_m", words))
+    return doubts
 
 
 def check_connections(checked: Sequence[FolderCheck], folder: Path, threshold: float) -> list[Finding]:

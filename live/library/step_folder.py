@@ -1,9 +1,11 @@
 """Reader for a folder of steps, recordings and sketches, as cached step clips (`--steps DIR`, `--library DIR`)."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import fields, replace
 from pathlib import Path
 from typing import Final
+
+import numpy as np
 
 from live.base.errors import PersonError
 from live.graph.step_library import plain_name
@@ -11,6 +13,7 @@ from live.library.disk_cache import ClipCache
 from live.library.recording_file import no_steps_error, read_step_files
 from live.library.recordings import recorded_steps
 from live.library.textured_steps import read_textured
+from live.motion.editing.path_bend import path_variants, source_name
 from live.motion.step_clip import StepClip
 
 MAX_STEP_BYTES: Final = 200_000
@@ -57,6 +60,32 @@ def load_folder(directory: Path) -> list[StepClip]:
         raise no_steps_error(directory)
     sketched = sketched_steps(files.sketches) if files.sketches else []
     return unify_names(sketched + read_textured(files.sketches) + recorded_steps(files))
+
+
+PATHS: Final = ClipCache("paths", max_entries=32)
+"""One entry for each set of recorded steps that a show begins with."""
+
+
+def with_path_variants(steps: Sequence[StepClip]) -> list[StepClip]:
+    """Return the steps, each recorded one that travels followed by its copies on shorter and bent paths.
+
+    With them a group follows its agents although its recordings go where they were recorded.
+    """
+    recorded = [step for step in steps if step.recorded]
+    if not recorded:
+        return list(steps)
+    copies: dict[str, list[StepClip]] = {}
+    for copy in PATHS.load_or_build(_contents(recorded), lambda: [v for step in recorded for v in path_variants(step)]):
+        copies.setdefault(source_name(copy.clip.name), []).append(copy)
+    return [one for step in steps for one in (step, *(copies.pop(step.clip.name, []) if step.recorded else []))]
+
+
+def _contents(steps: Sequence[StepClip]) -> Iterator[bytes]:
+    for step in steps:
+        yield repr([getattr(step, field.name) for field in fields(step) if field.name != "clip"]).encode()
+        yield step.clip.name.encode()
+        for array in (step.clip.root_position, step.clip.rotation, step.clip.contact):
+            yield np.ascontiguousarray(array).tobytes()
 
 
 def unify_names(steps: Sequence[StepClip]) -> list[StepClip]:

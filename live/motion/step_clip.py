@@ -66,6 +66,10 @@ class StepClip:
     style: str = ""
     """Stylistic variation in one word."""
     tags: tuple[str, ...] = ()
+    recorded: bool = False
+    """True if it was cut out of a recording: it is danced near its `bpm` only (`editing/tempo_forms.py`)."""
+    tempo_form: Literal["", "half time", "double time"] = ""
+    """How a recorded step was changed for a show of another tempo."""
     in_stream: bool = False
     """True for a measure of an unsegmented recording (T037): its neighbours are not takes of the same step."""
 
@@ -89,7 +93,8 @@ IN_PLACE_DISTANCE: Final = 0.15
 """A step that travels less than this per measure [m] counts as in place."""
 LONG_DISTANCE: Final = 0.55
 """A step that travels farther than this per measure [m] counts as long (T131: sketches travel 0.35 or 0.75)."""
-_FEET: Final = tuple((SKELETON.index(f"{side}Foot"), SKELETON.index(f"{side}Toes")) for side in ("left", "right"))
+FEET: Final = tuple((SKELETON.index(f"{side}Foot"), SKELETON.index(f"{side}Toes")) for side in ("left", "right"))
+"""Ankle and toes of the left and the right foot, as joints of the skeleton."""
 
 
 def travel(step: StepClip) -> Float64:
@@ -141,7 +146,7 @@ def foot_slide(step: StepClip) -> float | None:
     position, _ = forward_kinematics(
         step.clip.root_position[part].astype(np.float64), step.clip.rotation[part].astype(np.float64)
     )
-    feet = position[:, np.array(_FEET)]  # (T, foot, heel or ball, 3)
+    feet = position[:, np.array(FEET)]  # (T, foot, heel or ball, 3)
     moved = np.hypot(*np.diff(feet, axis=0)[..., (0, 2)].transpose(3, 0, 1, 2)) * step.clip.sample_rate
     stands = step.clip.contact[part][1:] & step.clip.contact[part][:-1]
     speed = moved.min(axis=-1)[stands]

@@ -16,8 +16,7 @@ from live.graph.build.metric import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.step_library import StepLibrary, build_library
 from live.library.capture_material import NO_BEAT_TAG, read_material
-from live.library.step_folder import load_folder
-from live.motion.mirror import unmirrored_name
+from live.motion.editing.tempo_forms import TempoForms, all_forms, tempo_forms
 from live.motion.step_clip import StepClip
 from live.motion.texture.live_bank import TextureBank
 from live.render.custom_pass import try_passes
@@ -33,6 +32,7 @@ from live.show.patch.toml_model import BridgeTables, TomlSources, key_text
 from live.show.patch_checks.score_conflicts import check_step_call, step_calls
 from live.show.score.step_names import UnknownStep
 from live.show.selection.graph_update import clip_key, clips_by_key, library_hash
+from live.show.selection.show_clips import NO_TEMPO, ShowTempo, read_clips, replace_clips
 from live.show.show import Show
 from live.show.venue.venue_output import VenueProjector, with_venue_projector
 from live.show.view.render_scene import make_scene as make_scene
@@ -93,8 +93,6 @@ def with_locomotion(patch: Patch, **changes: float) -> Patch:
     return patch.model_copy(update={"locomotion": patch.locomotion.model_copy(update=changes)})
 
 
-MAX_NAMES: Final = 40
-"""Names that an error lists."""
 RECORDING_THRESHOLDS_M: Final = (0.25, 0.35)
 """Thresholds on the pose distance for transitions between recordings [m]: preferred, and used if the preferred one
 leaves a step without transitions."""
@@ -120,6 +118,10 @@ class LoadedShow:
     """The venue's projector, if the patch is adapted to it; see `with_projector`."""
     tables: BridgeTables = ()
     """The tables of bridges that the patch was read with."""
+    tempo: ShowTempo = NO_TEMPO
+    """What of its tempo was given beside the patch."""
+    notes: tuple[str, ...] = ()
+    """Recorded steps that are danced at half or double time, or left out, because of the show's tempo."""
 
     def with_projector(self, projector: VenueProjector | None) -> "LoadedShow":
         """Return the show adapted to a venue's projector; PersonError if its picture cannot match this stage."""
@@ -156,9 +158,9 @@ class LoadedShow:
             return str(self.path)
         return f"{self.sources.location_text(place)}: {key_text(place)}"
 
-    def clips(self) -> list[StepClip]:
-        """Read all clips again, as at a start."""
-        return read_clips(self.patch, self.path, self.recordings)
+    def read_steps(self) -> TempoForms:
+        """Read all clips again, as at a start, in the forms that fit the show's tempo."""
+        return tempo_forms(read_clips(self.patch, self.path, self.recordings), self.tempo.span(self.patch))
 
     def check_takes(self, patch: Patch) -> None:
         """Raise PersonError if a patch chooses takes that are not among its steps."""
@@ -215,11 +217,17 @@ def _gc_disabled() -> Iterator[None]:
 
 
 def load_show(
-    path: Path, *, recordings: Path | None = None, whole: bool = True, tables: BridgeTables = ()
+    path: Path,
+    *,
+    recordings: Path | None = None,
+    whole: bool = True,
+    tables: BridgeTables = (),
+    tempo: ShowTempo = NO_TEMPO,
 ) -> LoadedShow:
     """Read the patch at `path` with the bridges' `tables`, and its steps or a folder of recordings in their place.
 
-    Unless `whole`, custom passes and characters are not tested: for processes that continue a show in which they were.
+    `tempo`: what of the show's tempo is given beside the patch. Unless `whole`, custom passes and characters are not
+    tested: for processes that continue a show in which they were.
     """
     with _gc_disabled():
         patch, sources = read_sources(path, tables)
@@ -228,7 +236,8 @@ def load_show(
         with locate_errors(sources):
             check_characters(patch, path)
     try:
-        return replace(load_from_patch(patch, path, recordings=recordings), sources=sources, tables=tables)
+        loaded = load_from_patch(patch, path, recordings=recordings, tempo=tempo)
+        return replace(loaded, sources=sources, tables=tables)
     except PersonError as error:
         if not error.key_path:
             raise
@@ -246,39 +255,6 @@ def locate_errors(sources: TomlSources) -> Iterator[None]:
         raise PersonError(f"{where}: {error.message}", error.remedy, error.key_path) from None
 
 
-def read_clips(patch: Patch, path: Path, recordings: Path | None) -> list[StepClip]:
-    """Return the clips with which a show of the patch begins, in order."""
-    clips = _read_own_steps(patch, path) if recordings is None else load_folder(recordings)
-    return _chosen_takes(patch, clips)
-
-
-def _chosen_takes(patch: Patch, clips: list[StepClip]) -> list[StepClip]:
-    """Leave out the takes that the patch does not choose, with their mirror images; PersonError for unknown names."""
-    there: dict[str, set[str]] = {}
-    for clip in clips:
-        there.setdefault(clip.step.casefold(), set()).add(unmirrored_name(clip.clip.name))
-    wanted = {step.casefold(): set(names) for step, names in patch.takes.items()}
-    for step, names in patch.takes.items():
-        takes = there.get(step.casefold())
-        if takes is None:
-            known = ", ".join(sorted({clip.step for clip in clips})[:MAX_NAMES])
-            raise PersonError(f"there is no step {step!r}; there are: {known}", "correct the name", ("takes", step))
-        if unknown := next((name for name in names if name not in takes), None):
-            message = f"the step {step!r} has no take {unknown!r}; there are: {'; '.join(sorted(takes)[:MAX_NAMES])}"
-            raise PersonError(message, "correct the name", ("takes", step))
-    return [
-        clip
-        for clip in clips
-        if (chosen := wanted.get(clip.step.casefold())) is None or unmirrored_name(clip.clip.name) in chosen
-    ]
-
-
-def replace_clips(clips: list[StepClip], names: Sequence[str], former: Mapping[str, StepClip]) -> list[StepClip]:
-    """Return the clips called `names`, in that order; clips in `former` replace those of the same key."""
-    there = clips_by_key(clips) | dict(former)
-    return [there[name] for name in names if name in there]
-
-
 def load_from_patch(
     patch: Patch,
     path: Path,
@@ -287,20 +263,26 @@ def load_from_patch(
     reserved: frozenset[str] = frozenset(),
     names: Sequence[str] = (),
     former: Mapping[str, StepClip] | None = None,
+    tempo: ShowTempo = NO_TEMPO,
 ) -> LoadedShow:
     """Load the show of a patch that was read already; file names are resolved relative to `path`.
 
-    Clips whose `clip_key` is in `reserved` are kept in reserve. For a replay: `names` lists the initial clips (later
-    files are ignored), and `former` holds the former content of changed files.
+    Recorded steps get the forms that fit the show's tempo (`motion/editing/tempo_forms.py`). Clips whose `clip_key` is
+    in `reserved` are kept in reserve. For a replay: `names` lists the initial clips (later files are ignored), and
+    `former` holds the former content of changed files.
     """
-    found = read_clips(patch, path, recordings)
+    read = read_clips(patch, path, recordings)
+    formed = tempo_forms(read, tempo.span(patch))
+    found = list(all_forms(read)) if names or reserved else formed.clips
     there = clips_by_key(found) | dict(former or {})
     reserve = {key: there[key] for key in sorted(reserved) if key in there}
-    clips = found
+    clips = formed.clips
     if names:
         clips = replace_clips(found, names, former or {})
     elif reserve:
-        clips = [clip for clip in found if clip_key(clip) not in reserve]
+        clips = [clip for clip in clips if clip_key(clip) not in reserve]
+    if not clips:
+        raise PersonError(f"{path}: no step can be danced: {'; '.join(formed.refused.values())}")
     if recordings is not None:
         patch = adapt_to_recordings(patch, clips)
     fitting = [clip for clip in clips if clip.beats_per_measure == patch.clock.beats_per_measure]
@@ -311,7 +293,7 @@ def load_from_patch(
             "change clock.beats_per_measure, or add such steps",
         )
     try:
-        library = build_library(fitting)
+        library = build_library(fitting, {} if names else formed.refused)
         if recordings is not None:
             patch = _choose_threshold(library, patch)
         graph = _graph_of(library, patch)
@@ -322,7 +304,7 @@ def load_from_patch(
         patch = with_connected_steps(patch, graph)
     _refuse_other_metres(patch, path, clips)
     bank, answers = load_texture_bank(patch, path), load_example_bank(patch, path, library)
-    return LoadedShow(path, patch, graph, recordings, reserve, bank, answers)
+    return LoadedShow(path, patch, graph, recordings, reserve, bank, answers, tempo=tempo, notes=formed.notes)
 
 
 def _graph_of(library: StepLibrary, patch: Patch) -> MotionGraph:
@@ -355,19 +337,6 @@ def _refuse_other_metres(patch: Patch, path: Path, clips: list[StepClip]) -> Non
                     f"{path}: step {name!r} of group {group.name!r} has {others[name.casefold()]} beats per measure, "
                     f"this show has {beats}"
                 )
-
-
-def _read_own_steps(patch: Patch, path: Path) -> list[StepClip]:
-    """Return the steps of the patch's own folder, and the project's steps for all other names."""
-    folder = find_resource(patch.steps, path)
-    if folder is None or not folder.is_dir():
-        raise PersonError(f"{path}: there is no folder {patch.steps!r} of steps", "correct 'steps' in the patch")
-    clips = load_folder(folder)
-    common = PATCHES / "steps"
-    if common.is_dir() and not common.samefile(folder):
-        own = {clip.step.casefold() for clip in clips}
-        clips += [clip for clip in load_folder(common) if clip.step.casefold() not in own]
-    return clips
 
 
 def load_texture_bank(patch: Patch, path: Path) -> TextureBank | None:

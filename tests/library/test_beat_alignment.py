@@ -7,7 +7,10 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.library.beat_alignment import song_beats
+from live.library.beat_alignment import SyncRequest, find_sync, song_beats
+from tests.motion.beats.test_claps import palm_distance
+from tests.motion.formats.made_bvh import body_bvh, column
+from tests.motion.retarget.made_source import clapping_values
 from tests.places import SHARED
 
 SONGS = SHARED / "beats" / "open"
@@ -72,3 +75,40 @@ def test_beats_of_steady_songs_match_annotations(name: str) -> None:
     assert found.bpm == pytest.approx(60.0 / float(np.median(np.diff(truth))), rel=2e-3)
     late = np.abs(truth[:, None] - found.beats).min(axis=1)
     assert np.mean(late < 0.04) > 0.9
+
+
+def stepping_recording(path: Path, claps: np.ndarray, bpm: float, *, begin: float = 0.0, seconds: float = 16.0) -> Path:
+    """A body that lifts one knee and then the other on each beat from `begin` on [s], and claps at `claps` [s]."""
+    values = clapping_values(palm_distance(claps), seconds, 60.0)
+    beat = (np.arange(len(values)) / 60.0 - begin) * bpm / 60.0
+    for number, side in enumerate(("Left", "Right")):
+        lift = np.where(beat < 0.0, 0.0, np.maximum(np.sin(np.pi * (beat + number)), 0.0) ** 2)
+        values[:, column(f"{side}UpLeg", "X")] = -40.0 * lift
+        values[:, column(f"{side}Leg", "X")] = 70.0 * lift
+    path.write_text(body_bvh(values, fps=60.0))
+    return path
+
+
+def test_touches_that_contradict_feet_are_no_claps(tmp_path: Path) -> None:
+    """Seven even touches at 57 bpm of a body that steps at 130 bpm: the feet's tempo is taken, and the note tells."""
+    path = stepping_recording(tmp_path / "dance.bvh", 2.0 + 60.0 / 57.0 * np.arange(7), 130.0)
+    found = find_sync(SyncRequest(path))
+    octave = np.log2(found.reference.bpm / 130.0)
+    assert abs(octave - round(octave)) < 0.02
+    assert (found.reference.source, found.guessed) == ("feet", True)
+    assert "57.0 bpm are no count" in found.reference.note
+
+
+@pytest.mark.parametrize(("clapped", "begin"), [(65.0, 0.0), (130.0, 0.0), (97.5, 9.0)])
+def test_claps_that_fit_feet_are_a_count(tmp_path: Path, clapped: float, begin: float) -> None:
+    """At an octave of the feet's tempo anywhere; at another simple ratio only before the dance, standing still."""
+    times = 1.0 + 60.0 / clapped * np.arange(8)
+    found = find_sync(SyncRequest(stepping_recording(tmp_path / "dance.bvh", times, 130.0, begin=begin, seconds=24.0)))
+    assert found.reference.source == "claps"
+    assert found.reference.bpm == pytest.approx(clapped, rel=0.005)
+    assert found.reference.first_beat_s == pytest.approx(1.0, abs=0.02)
+
+
+def test_three_claps_leave_tempo_to_feet(tmp_path: Path) -> None:
+    path = stepping_recording(tmp_path / "dance.bvh", 2.0 + 0.6 * np.arange(3), 120.0)
+    assert find_sync(SyncRequest(path)).reference.source == "feet"

@@ -9,10 +9,10 @@ import pytest
 from live.base.errors import PersonError
 from live.motion.mirror import mirror_step
 from live.motion.step_clip import StepClip
-from live.show import loader
 from live.show.loader import LoadedShow, load_from_patch, load_show
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import DEFAULT_PATCH
+from live.show.selection import show_clips
 from tests.fixtures.made_steps import made_clip, made_steps
 from tests.show.made_show import PATCH
 
@@ -20,7 +20,7 @@ HERE = Path("show.toml")
 
 
 def load_with_clips(monkeypatch, clips, patch=PATCH, recordings=Path("recordings")):
-    monkeypatch.setattr(loader, "load_folder", lambda folder: clips)
+    monkeypatch.setattr(show_clips, "load_folder", lambda folder: clips)
     return load_from_patch(parse_patch(patch, "show.toml"), HERE, recordings=recordings)
 
 

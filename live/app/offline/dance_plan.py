@@ -20,7 +20,9 @@ from live.graph.search.path_following import FollowedPath, Targets, follow_line,
 from live.graph.search.sequence import NoPath, best_start, find_name, find_sequence, list_steps
 from live.graph.search.sequence_spec import SequenceEntry, SequenceSpec, specify
 from live.graph.select.candidates import find_candidates
+from live.graph.select.selector import recorded_seconds, tempo_excess
 from live.graph.step_library import StepLibrary
+from live.motion.editing.tempo_forms import TEMPO_LIMITS
 
 WINDOW_BEATS: Final = 0.75
 MAX_PATH_MEASURES: Final = 3000
@@ -66,6 +68,20 @@ class DancePlan:
     def deviations(self) -> npt.NDArray[np.bool_]:
         """Measures that differ from the request, shape (M,)."""
         return np.asarray(~self.specification.fits[self.specification.set_index, self.node])
+
+    @property
+    def off_tempo(self) -> tuple[str, ...]:
+        """A line for each recorded clip that is danced outside the limits of its tempo."""
+        library = self.graph.library
+        seconds = library.beats_per_measure * 60.0 / self.bpm
+        ratio = recorded_seconds(library)[self.node] / seconds
+        off = np.abs(tempo_excess(ratio * seconds, seconds)) > 1e-9
+        told = {
+            f"{library.steps[library.node_step[node]]!r} is danced at {own:.2f} times its {self.bpm / own:.4g} bpm; "
+            f"{TEMPO_LIMITS[0]} to {TEMPO_LIMITS[1]} looks natural: choose another --bpm"
+            for node, own in zip(self.node[off].tolist(), ratio[off].tolist(), strict=True)
+        }
+        return tuple(sorted(told))
 
 
 def make_plan(options: DanceOptions) -> DancePlan:

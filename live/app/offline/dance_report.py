@@ -96,6 +96,8 @@ def print_dance(plan: DancePlan, *, as_json: bool) -> None:
             "this is the nearest dance",
             style="yellow",
         )
+    for words in plan.off_tempo:
+        told.print(words, style="yellow", markup=False)
     for one in plan.missing:
         where = "" if one.source is None else f" after {one.source}"
         told.print(f"missing in measure {one.measure}{where}: {one.needs}", markup=False)

@@ -12,7 +12,7 @@ from live.app.option_values import check_range
 from live.base.errors import PersonError
 from live.library.add_step import RequestedEntry, add_step, known_fields, refuse_duplicate, request_entry
 from live.library.beat_alignment import SyncRequest, SyncResult, find_sync
-from live.library.library_check import step_warnings
+from live.library.library_check import reading_warnings, step_warnings
 from live.library.recordings import RecordingReader
 from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.retarget.body_tracks import body_tracks
@@ -58,7 +58,8 @@ def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, ref
         soft_wrap=True,
         markup=False,
     )
-    for field, words in step_warnings(entry, step) + _untrimmed_warning(entry, reader):
+    doubts = step_warnings(entry, step) + _untrimmed_warning(entry, reader) + reading_warnings(entry, reader)
+    for field, words in doubts:
         option = entry.problem(field, words).field or "FILE"
         console.print(f"doubtful: {option}: {words}", style="yellow", soft_wrap=True, markup=False)
     console.print(f"written: {added.toml}", soft_wrap=True, markup=False)

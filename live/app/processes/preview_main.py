@@ -22,6 +22,7 @@ from live.control.message_codec import encode_packet
 from live.control.web.preview_client import PART_BYTES, refused_text
 from live.document.preview_answers import PreviewAnswers, open_answers
 from live.show.loader import load_show
+from live.show.selection.show_clips import ShowTempo
 
 TICKS_PER_LOOK: Final = 16
 """Simulated ticks between two looks for a new packet."""
@@ -79,7 +80,8 @@ class PreviewMain:
             plan = self._channel.plan
             recordings = None if plan["recordings"] is None else Path(plan["recordings"])
             tables = installed_bridges().patch_tables()
-            loaded = load_show(Path(plan["patch"]), recordings=recordings, whole=False, tables=tables)
+            path, tempo = Path(plan["patch"]), ShowTempo(**plan["tempo"])
+            loaded = load_show(path, recordings=recordings, whole=False, tables=tables, tempo=tempo)
             self._answers = open_answers(loaded, seed=plan["seed"])
             self._answers.on_tick = self._look
         return self._answers

@@ -161,6 +161,6 @@ def make_file_watches(
     folder, library = loaded.steps_folder, None
     if folder is not None:
         library = LibraryWatch(
-            folder, show.graph, offer=show.hot_swap.offer_graph, post=post, now=now, read=loaded.clips
+            folder, show.graph, offer=show.hot_swap.offer_graph, post=post, now=now, read=loaded.read_steps
         )
     return PatchWatch(loaded, show, post=post, now=now, library=library), library

@@ -4,6 +4,7 @@ import json
 import struct
 from collections import deque
 from collections.abc import Callable, Sequence
+from dataclasses import asdict
 from typing import Any, Final
 
 import numpy as np
@@ -31,7 +32,8 @@ MAX_ANSWER_LENGTH: Final = 1_000_000
 def preview_files(loaded: LoadedShow, seed: int | None) -> dict[str, Any]:
     """Return the plan of the preview process: what it reads, and the seed of the show."""
     recordings = None if loaded.recordings is None else str(loaded.recordings)
-    return {"module": PREVIEW_MODULE, "patch": str(loaded.path), "recordings": recordings, "seed": seed}
+    files = {"module": PREVIEW_MODULE, "patch": str(loaded.path), "recordings": recordings, "seed": seed}
+    return {**files, "tempo": asdict(loaded.tempo)}
 
 
 class WebService(HttpService):

@@ -52,7 +52,7 @@ def check(
     if graph.missing:
         raise PersonError("; ".join(graph.missing), "raise locomotion.threshold_m, or change those steps' ends")
     warnings = [words for doubts in lint_show(show) for words in doubts.warnings]
-    for note in (*installed_bridges().notes(loaded, hall), *warnings):
+    for note in (*loaded.notes, *installed_bridges().notes(loaded, hall), *warnings):
         console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
     console.print(
         f"ok {loaded.path}: {loaded.patch.name!r}, {loaded.patch.dancer_count} dancers in "

@@ -84,6 +84,7 @@ def _as_json(found: "SyncResult") -> dict[str, Any]:
         "note": reference.note,
         "drop_frames": found.drop_frames,
         "fps": found.fps,
+        "doubt": found.doubt,
         "claps": [
             {
                 "time_s": round(one.clap.time_s, 4),
@@ -124,6 +125,8 @@ def _print(found: "SyncResult", toml: list[str]) -> None:
     console = Console(highlight=False, soft_wrap=True, markup=False)
     console.print(f"first beat {reference.first_beat_s:.3f} s, {reference.bpm:.2f} bpm")
     console.print(f"confidence {reference.confidence:.2f} ({reference.source}): {reference.note}")
+    if found.doubt:
+        console.print(f"doubtful: {found.doubt}", style="yellow")
     for one in found.claps:
         place = "no beat" if one.beat is None else f"beat {one.beat}, {one.residual_ms:+.0f} ms"
         console.print(f"  clap {one.clap.time_s:8.3f} s  {place}", style="dim" if one.beat is None else None)

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from live.base.arrays import Bool, Float32, Float64, Int32
+from live.base.arrays import Bool, Float32, Float64, Int32, Int64
 from live.graph.build.blend_kernels import find_blendable
 
 if TYPE_CHECKING:
@@ -42,12 +42,42 @@ def can_blend(library: "StepLibrary", window: float, source: Int32, target: Int3
         MIN_CHORD,
         out,
     )
-    return out
+    return out & can_stand(library, window, source, target)
+
+
+def can_stand(library: "StepLibrary", window: float, source: Int32, target: Int32) -> Bool:
+    """Whether a dancer has something to stand on in the blend from recorded measures `source` to `target` (E,), (E,).
+
+    Somewhere in it a foot stands in both, or both are in the air. Else the dancer would float from one foot to the
+    other, or out of a jump onto the floor. Sketched measures are not asked.
+    """
+    before = (MOMENTS - 1.0) * window
+    ends, starts = (_contacts(library, line, before) for line in (library.node_last, library.node_first))
+    recorded = np.array([clip.recorded for clip in library.clips], np.bool_)[library.node_clip]
+    good = np.ones(len(source), np.bool_)
+    for rows in np.array_split(np.flatnonzero(recorded[source] & recorded[target]), 1 + len(source) // _PAIRS):
+        one, other = ends[source[rows]], starts[target[rows]]
+        common = (one & other).any(axis=-1) | ~(one.any(axis=-1) | other.any(axis=-1))
+        good[rows] = common.any(axis=-1)
+    return good
+
+
+_PAIRS: Final = 100_000
+"""Pairs whose contacts are compared at a time."""
+
+
+def _contacts(library: "StepLibrary", line: Float64, before: Float64) -> Bool:
+    """Return contacts at the samples nearest to `before` (K,) measures from the `line` (N,), (N, K, 2)."""
+    return np.ascontiguousarray(library.clip_contact[_rows(library, line, before)])
 
 
 def _rotations(library: "StepLibrary", line: Float64, before: Float64) -> Float32:
-    """Return local rotations at the samples nearest to `before` (K,) measures from the `line` (N,), (N, K, J, 4)."""
+    """Return local rotations at those samples, (N, K, J, 4)."""
+    return np.ascontiguousarray(library.clip_rotation[_rows(library, line, before)])
+
+
+def _rows(library: "StepLibrary", line: Float64, before: Float64) -> Int64:
+    """Return the samples nearest to `before` (K,) measures from the `line` (N,), (N, K)."""
     length = (library.node_last - library.node_first)[:, None]
     sample = np.maximum(line[:, None] + before * length, library.node_lead[:, None])
-    rows = np.clip(np.round(sample).astype(np.int64), 0, len(library.clip_rotation) - 1)
-    return np.ascontiguousarray(library.clip_rotation[rows])
+    return np.clip(np.round(sample).astype(np.int64), 0, len(library.clip_rotation) - 1)

@@ -33,7 +33,7 @@ def _with_horizon(graph: "MotionGraph", wanted: Sequence[SequenceEntry], horizon
         entries.append(entry)
         measures += entry.measures
     # if cut in the middle of a step, the dance need not end a step
-    full = specify(graph.library, [*entries, *[SequenceEntry(None)] * max(horizon - measures, 1)])
+    full = specify(graph.library, [*entries, *[SequenceEntry(None)] * max(horizon - measures, 1)], repeats=True)
     return replace(
         full,
         set_index=full.set_index[:horizon],

@@ -60,12 +60,15 @@ class SequenceSpec:
         return np.asarray(self.fits[self.set_index[measure]], np.bool_)
 
 
-def specify(library: "StepLibrary", wanted: Sequence[SequenceEntry], *, foot_rule: bool = False) -> SequenceSpec:
+def specify(
+    library: "StepLibrary", wanted: Sequence[SequenceEntry], *, foot_rule: bool = False, repeats: bool = False
+) -> SequenceSpec:
     """Return the sets of nodes of a sequence, measure by measure.
 
     A step is danced from its first measure to its last: measures are requested by step and number, so no step is
     entered in its middle. With `foot_rule` a step that travels sideways must lead with the other foot (T134); clips in
-    which either is unknown pass. PersonError for an empty or endless sequence.
+    which either is unknown pass. With `repeats` the place of a long step may be filled by repeats of shorter variations
+    that were recorded: those that are danced at another tempo. PersonError for an empty or endless sequence.
     """
     total = sum(entry.measures for entry in wanted)
     if not 1 <= total <= MAX_MEASURES:
@@ -82,7 +85,7 @@ def specify(library: "StepLibrary", wanted: Sequence[SequenceEntry], *, foot_rul
         for measure in range(entry.measures):
             if (entry, measure) not in found:
                 found[entry, measure] = len(sets)
-                sets.append(sound & nodes_of(library, entry, measure))
+                sets.append(sound & nodes_of(library, entry, measure, repeats=repeats))
             kind[n], entries[n] = found[entry, measure], number
             n += 1
     if wanted[-1].step is None:  # the last step must end with the dance
@@ -99,15 +102,23 @@ def specify(library: "StepLibrary", wanted: Sequence[SequenceEntry], *, foot_rul
     )
 
 
-def nodes_of(library: "StepLibrary", entry: SequenceEntry, measure: int) -> Bool:
-    """Return the nodes that hold a measure (from 0) of the entry, shape (N,)."""
+def nodes_of(library: "StepLibrary", entry: SequenceEntry, measure: int, *, repeats: bool = False) -> Bool:
+    """Return the nodes that hold a measure (from 0) of the entry, shape (N,); `repeats`: see `specify`."""
     if entry.step is None:
         return np.ones(library.node_count, np.bool_)
     found = (library.node_step == entry.step) & (library.node_measure == measure)
     found &= library.node_measures == entry.measures
+    if repeats:
+        found |= (library.node_step == entry.step) & repeated_nodes(library, entry.measures, measure)
     if entry.direction:
         found &= np.array([travels(clip, entry.direction) for clip in library.clips])[library.node_clip]
     return np.asarray(found, np.bool_)
+
+
+def repeated_nodes(library: "StepLibrary", measures: int, measure: int) -> Bool:
+    """Return the nodes of recorded steps that hold a measure (from 0) of `measures` danced by repeats, shape (N,)."""
+    short = np.array([clip.recorded and measures % clip.measures == 0 for clip in library.clips])[library.node_clip]
+    return np.asarray(short & (library.node_measure == measure % library.node_measures), np.bool_)
 
 
 def travels(clip: StepClip, direction: str) -> bool:

@@ -1,5 +1,6 @@
 """Step selector: tables of a graph from which the next measures of all dancers are chosen in one call (T068-T070)."""
 
+import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
@@ -10,9 +11,11 @@ from live.base.arrays import Float64, Int32
 from live.graph.select.candidates import MAX_TURN_RATE, Candidates, find_candidates, widening_candidates, wrap_angle
 from live.graph.select.reachability import ReachTable
 from live.graph.select.selector_kernels import choose_measures
+from live.motion.editing.tempo_forms import TEMPO_LIMITS
 
 if TYPE_CHECKING:
     from live.graph.motion_graph import MotionGraph
+    from live.graph.step_library import StepLibrary
 
 
 ANGLES: Final = 65
@@ -37,6 +40,9 @@ MIXTURE_COST: Final = 0.003
 """... of a mixture, because 5 cm of place do not justify blurring a clip, ..."""
 DETOUR_COST: Final = 0.2
 """... and of the squared deviation [m²] of the hips from the straight line, to avoid detours."""
+TEMPO_COST: Final = 12.0
+"""Cost of a recorded measure at a tempo outside its limits, and of e times that excess: more than any place, less than
+another step."""
 SWAY_SAMPLES: Final = 17
 
 
@@ -60,6 +66,10 @@ class StepSelector:
     facts: Float64
     """Maximum correction of each node in any direction [m], maximum distance of its mixtures' ends, its own cost,
     largest correction at all [m], shape (N, 4)."""
+    detour_cost: Float64
+    """The part of a node's own cost that does not depend on the tempo, shape (N,)."""
+    recorded_seconds: Float64
+    """Duration of each node's measure as recorded [s]; 0 for sketched steps, which fit any tempo, shape (N,)."""
     weights: Float64
     """Shape (8,)."""
     scratch: Float64
@@ -79,7 +89,8 @@ class StepSelector:
             moved[:, n] = candidates.turns.displacement(1.0, np.full(len(moved), angle))
         facts = np.zeros((len(moved), 4))
         facts[:, 1] = _mixture_spread(candidates, moved, angles)
-        facts[:, 2] = DETOUR_COST * _detours(graph) ** 2
+        detour = DETOUR_COST * _detours(graph) ** 2
+        facts[:, 2] = detour
         return StepSelector(
             graph=graph,
             candidates=candidates,
@@ -91,6 +102,8 @@ class StepSelector:
             turn_offsets=moved,
             max_turns=np.zeros((len(moved), 3)),
             facts=facts,
+            detour_cost=detour,
+            recorded_seconds=recorded_seconds(graph.library),
             weights=np.array(
                 [PLACE_COST, CORRECTION_COST, HEADING_COST, TURN_COST, POSE_COST, WRONG_COST, SIDE_COST, MIXTURE_COST]
             ),
@@ -104,6 +117,7 @@ class StepSelector:
         self.max_turns[:, 1], self.max_turns[:, 2] = np.cos(angle), np.sin(angle)
         self.facts[:, 0] = np.minimum(self.graph.node_reach_margins.max(axis=1), correction)
         self.facts[:, 3] = correction
+        self.facts[:, 2] = self.detour_cost + tempo_cost(self.recorded_seconds, seconds)
 
     def choose(
         self,
@@ -131,6 +145,27 @@ class StepSelector:
 def with_direction(values: Float64) -> Float64:
     """Return rows (A, 3) of x, z, angle with cosine and sine of the angle appended, (A, 5)."""
     return np.ascontiguousarray(np.column_stack([values, np.cos(values[:, 2]), np.sin(values[:, 2])]))
+
+
+def recorded_seconds(library: "StepLibrary") -> Float64:
+    """Return the duration of each node's measure as recorded [s], 0 for measures of sketched steps, (N,)."""
+    seconds = [clip.samples_per_measure / clip.clip.sample_rate if clip.recorded else 0.0 for clip in library.clips]
+    return np.array(seconds, np.float64)[library.node_clip]
+
+
+def tempo_excess(recorded: Float64, seconds: float) -> Float64:
+    """Return how far a measure of `seconds` is beyond the limits of the tempo for recorded ones, (N,).
+
+    It is the logarithm of the excess: positive if danced too fast, negative if too slow, 0 within the limits.
+    """
+    ratio = np.log(np.where(recorded > 0.0, recorded, seconds) / seconds)
+    return np.asarray(ratio - np.clip(ratio, math.log(TEMPO_LIMITS[0]), math.log(TEMPO_LIMITS[1])))
+
+
+def tempo_cost(recorded: Float64, seconds: float) -> Float64:
+    """Return the cost of dancing recorded measures (N,) [s] in `seconds`, outside the limits of the tempo, (N,)."""
+    off = np.abs(tempo_excess(recorded, seconds))
+    return np.where(off > 1e-9, TEMPO_COST * (1.0 + off), 0.0)
 
 
 def _mixture_spread(candidates: Candidates, moved: Float64, angles: Float64) -> Float64:

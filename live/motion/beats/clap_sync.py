@@ -123,6 +123,12 @@ MIN_CLAPS: Final = 4
 """Minimum claps of a count without a click."""
 GROUP_PAUSE: Final = 5.0
 """Claps after a pause of this length [s] are another count, or part of the dance."""
+CLAPS_PER_MISS: Final = 4
+"""Without a click, a count may leave out one of its beats for every so many claps after the first two."""
+MAX_STRAY_SHARE: Final = 0.25
+"""Most touches off the beat within such a count, as a share of its claps."""
+MAX_COUNT_SCATTER: Final = 0.04
+"""Largest scatter [s] of such a count about the beat."""
 MAX_CLAPS: Final = 64
 """Maximum claps per group and maximum groups, to bound the run time."""
 MAX_SONG_CLAPS: Final = 24
@@ -180,9 +186,13 @@ def sync_to_click(claps: list[Clap], bpm: float, count: int | None = None) -> Cl
 
 
 def sync_to_claps(claps: list[Clap]) -> ClapSync | None:
-    """Sync by claps alone: tempo from the claps, first beat at the first clap; None if fewer than four agree."""
+    """Sync by claps alone: tempo from the claps, first beat at the first clap; None if they are no count.
+
+    A count has at least four claps at an even tempo, few of its beats are left out, and few touches lie between them.
+    Hands that touch now and then in a dance agree with some tempo, too, but leave most of its beats out.
+    """
     fits = [fit_free_period(times) for times in _groups(_times(claps), GROUP_PAUSE)]
-    agreeing = [fit for fit in fits if fit is not None and _count(fit, None)[1].size >= MIN_CLAPS]
+    agreeing = [fit for fit in fits if fit is not None and _is_count(fit)]
     if not agreeing:
         return None
     fit = _extend_fit(_select_fit(agreeing), _times(claps))
@@ -190,6 +200,14 @@ def sync_to_claps(claps: list[Clap]) -> ClapSync | None:
     bpm = min(max(60.0 / fit.period_s, BPM_RANGE[0]), BPM_RANGE[1])
     confidence = _confidence(fit, own, _span(own))
     return _build_sync(claps, fit, first, own, MusicReference(0.0, bpm, confidence, "claps", _summary(own, None, fit)))
+
+
+def _is_count(fit: BeatFit) -> bool:
+    _, own = _count(fit, None)
+    if own.size < MIN_CLAPS or _span(own) - own.size > (own.size - 2) // CLAPS_PER_MISS:
+        return False
+    inside = (fit.numbers >= own[0]) & (fit.numbers <= own[-1])
+    return int((inside & ~fit.on_beat).sum()) <= MAX_STRAY_SHARE * own.size and fit.rms_s <= MAX_COUNT_SCATTER
 
 
 def _groups(times: Float64, pause: float) -> list[Float64]:

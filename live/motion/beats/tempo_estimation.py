@@ -7,6 +7,7 @@ Partner dances step quick, quick, slow, so they repeat every two beats. For reco
 that component is tracked; its lines mark where each two beats begin.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -90,6 +91,25 @@ def estimate_tempo(clip: Clip, beats_per_measure: int = 4, bpm: float | None = N
     )
     reference = MusicReference(first, 60.0 / period, confidence, "feet", note)
     return TempoEstimate(reference, repetition, landing, contrast, others)
+
+
+FEET_REPETITION: Final = 0.1
+"""Least repetition of a dance whose feet can contradict another tempo: free dances have less."""
+SAME_TEMPO: Final = 0.04
+"""Tempi that differ by less than this share are the same."""
+SIMPLE_RATIOS: Final = (0.25, 1 / 3, 0.5, 2 / 3, 0.75, 1.0, 4 / 3, 1.5, 2.0, 3.0, 4.0)
+"""Ratios of the feet's tempo to the music's: feet may step on every second beat, or three times in two beats."""
+
+
+def feet_contradict(estimate: TempoEstimate, bpm: float, ratios: Sequence[float] = (0.5, 1.0, 2.0)) -> bool:
+    """Whether the feet repeat at another tempo than `bpm`; `ratios` to it that agree: octaves, unless given.
+
+    Feet that hardly repeat contradict nothing.
+    """
+    if estimate.repetition < FEET_REPETITION:
+        return False
+    off = min(abs(math.log(estimate.reference.bpm / (bpm * ratio))) for ratio in ratios)
+    return off > math.log1p(SAME_TEMPO)
 
 
 def _repetition(rhythm: Rhythm) -> tuple[Float64, Float64] | None:

@@ -26,9 +26,11 @@ from live.motion.editing.foot_correction import (
     solve_legs,
 )
 from live.motion.forward_kinematics import forward_kinematics
+from live.motion.mirror import unmirrored_name
 from live.motion.quality.metrics import velocity_changes
 from live.motion.step_clip import StepClip, measured_direction, measured_distance, travel
 
+MARK: Final = ", path "
 TREND_S: Final = 0.3
 """Width [s] of the Gaussian that separates the path from the sway of the hips, which is neither stretched nor bent."""
 LONG_TRAVEL: Final = 1.2
@@ -63,6 +65,12 @@ def path_variants(step: StepClip) -> list[StepClip]:
     return [one for one in bent if (_jerks(one.clip) / usual).max() <= MAX_JERK]
 
 
+def source_name(name: str) -> str:
+    """Return the name of the clip whose path was changed to that of the clip called `name`."""
+    plain = unmirrored_name(name)
+    return plain.partition(MARK)[0] + name[len(plain) :]
+
+
 def bend_path(step: StepClip, *, scale: float, turn: float) -> StepClip:
     """Return the step with its path scaled, and turned by `turn` [rad] evenly from its beginning to its end.
 
@@ -93,7 +101,8 @@ def bend_path(step: StepClip, *, scale: float, turn: float) -> StepClip:
     new_root = lower_hips(new_root, turned, ankles, longest, clip.sample_rate)
     ankles = bend_swings(new_root, turned, ankles, clip.contact, clip.sample_rate)
     legs = quaternion.align_signs(solve_legs(new_root, turned, ankles, feet))
-    name = f"{clip.name}, path {scale:.0%}, turned {math.degrees(turn):+.0f}"
+    plain = unmirrored_name(clip.name)
+    name = f"{plain}{MARK}{scale:.0%}, turned {math.degrees(turn):+.0f}{clip.name[len(plain) :]}"
     bent = replace(
         step,
         clip=Clip(

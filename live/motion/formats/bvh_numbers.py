@@ -51,7 +51,8 @@ class _NumberBlock:
             raise self._not_a_number_error(int(found[INVALID]))
         count = int(found[COUNT])
         if count > VALUE_LIMIT:
-            raise self._error(0, f"more than {VALUE_LIMIT} numbers", "a shorter recording expected")
+            problem = f"more than {VALUE_LIMIT} numbers, in {count // columns} frames of {columns}"
+            raise self._error(0, problem, "export it at 60 frames a second, without fingers, or cut it into pieces")
         if count == 0:
             raise self._error(0, "no frames", f"{frames} lines of {columns} numbers expected")
         if count > values.size:  # more frames than the file states

@@ -22,7 +22,8 @@ from live.motion.formats.file_report import refuse_too_large
 from live.motion.formats.motion_format import MotionFormat
 from live.motion.formats.source_axes import find_up, leg_length
 from live.motion.formats.source_motion import FileWarning, LocalPose, OffsetUse, SourceMotion, UpAxis, world_pose
-from live.motion.retarget.joint_mapping import SourceBody, find_body
+from live.motion.retarget.joint_mapping import find_body
+from live.motion.retarget.source_body import SourceBody
 
 FRAME_TIME_RANGE: Final = (1e-4, 10.0)
 """Accepted seconds per frame."""

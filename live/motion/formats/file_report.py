@@ -11,6 +11,7 @@ import numpy.typing as npt
 
 from live.base.arrays import Float64
 from live.motion import quaternion
+from live.motion.cleanup.frame_rate_check import suspect_frame_rate
 from live.motion.cleanup.glitch_detection import Glitch, find_glitches
 from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.formats.file_error import MotionFileError
@@ -26,7 +27,8 @@ from live.motion.formats.source_motion import (
     world_pose,
 )
 from live.motion.retarget.body_tracks import body_tracks
-from live.motion.retarget.joint_mapping import SourceBody, find_body, map_joints
+from live.motion.retarget.joint_mapping import find_body, map_joints
+from live.motion.retarget.source_body import SourceBody
 
 FLOOR_PERCENTILE: Final = 5.0
 FLOATING_HEIGHT: Final = 0.08
@@ -92,6 +94,9 @@ def analyze_motion(
         added = beginning.drop_frames
         if beginning.t_pose_first:
             warnings.append(FileWarning(_tpose_message(added), frame=0))
+        suspicion = suspect_frame_rate(tracks, added) if fps is None else None
+        if suspicion is not None:
+            warnings.append(FileWarning(str(suspicion)))
         warnings += [_glitch_warning(one) for one in find_glitches(tracks, motion.parents, added)]
         warnings += _still_root_warnings(motion, body, world, leg)
     points, lowest = _upright(motion, world, axis)
@@ -147,6 +152,8 @@ def _detection_warnings(
 ) -> list[FileWarning]:
     """Return warnings about unknown properties and implausible given values."""
     words = []
+    if body.by_shape:
+        words.append("the joint names say nothing: the body was found by its shape; check left and right")
     if body.missing:
         words.append(f"no body: no joints found for {', '.join(body.missing)}")
     if motion.root_offset is None:

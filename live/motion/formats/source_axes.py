@@ -10,7 +10,7 @@ import numpy as np
 
 from live.base.arrays import Float
 from live.motion.formats.source_motion import LocalPose, SourceMotion, UpAxis, WorldPose, world_pose
-from live.motion.retarget.joint_mapping import SourceBody
+from live.motion.retarget.source_body import SourceBody
 from live.motion.skeleton import BODY_HEIGHT, SKELETON
 
 ENGINE_LEG: Final = float(

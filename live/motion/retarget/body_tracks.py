@@ -19,8 +19,9 @@ from live.motion.formats.source_axes import (
     standing_pose,
 )
 from live.motion.formats.source_motion import SourceMotion, UpAxis, WorldPose, end_positions, rest_pose
-from live.motion.retarget.joint_mapping import SourceBody, find_body
+from live.motion.retarget.joint_mapping import find_body
 from live.motion.retarget.rest_pose_alignment import SIDES, SourcePoints
+from live.motion.retarget.source_body import SourceBody
 
 Int = npt.NDArray[np.int64]
 

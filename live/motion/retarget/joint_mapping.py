@@ -1,4 +1,4 @@
-"""Mapping of a recording's joints to the engine's, by name and hierarchy.
+"""Mapping of a recording's joints to the engine's, by name and hierarchy, else by shape (`body_shape.py`).
 
 Names alone are ambiguous: `LeftShoulder` is the clavicle in one family of files and the upper arm in another, `LeftLeg`
 is the shin next to `LeftUpLeg`, `LeftFoot` the toes next to `LeftAnkle`. Limbs are therefore searched as whole chains,
@@ -6,67 +6,55 @@ each joint below the previous one; the trunk lies between the common ancestors o
 """
 
 import re
+from collections import Counter
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 from live.motion.formats.source_motion import SourceMotion
+from live.motion.retarget.body_shape import find_body_by_shape
+from live.motion.retarget.source_body import SourceBody
 from live.motion.skeleton import SKELETON
 
 _TOKEN: Final = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+", re.ASCII)
+_GLUED_SIDE: Final = re.compile(r"(?<![A-Za-z])([LR])(?=[A-Z][A-Z][a-z])")
 _SIDES: Final = {"left": "left", "l": "left", "right": "right", "r": "right"}
 _HELPERS: Final = ("end", "nub", "tip", "site", "twist", "roll", "effector", "ik", "pole")
 
 # candidate words per engine joint, the most reliable first
 _LEG: Final[dict[str, tuple[str, ...]]] = {
-    "UpperLeg": ("thigh", "upleg", "upperleg", "femur", "hip"),
-    "LowerLeg": ("shin", "calf", "lowerleg", "lowleg", "loleg", "knee", "tibia", "leg"),
+    "UpperLeg": ("thigh", "upleg", "upperleg", "femur", "thighbend", "uleg", "hip"),
+    "LowerLeg": ("shin", "calf", "lowerleg", "lowleg", "loleg", "knee", "tibia", "lleg", "leg"),
     "Foot": ("ankle", "foot"),
 }
 _ARM: Final[dict[str, tuple[str, ...]]] = {
-    "UpperArm": ("upperarm", "uparm", "shldr", "humerus", "arm", "shoulder"),
-    "LowerArm": ("forearm", "lowerarm", "lowarm", "loarm", "elbow", "radius"),
+    "UpperArm": ("upperarm", "uparm", "shldr", "shldrbend", "humerus", "uarm", "arm", "shoulder"),
+    "LowerArm": ("forearm", "lowerarm", "lowarm", "loarm", "forearmbend", "farm", "elbow", "radius"),
 }
 _HAND: Final = ("wrist", "hand")
 _ACCLAIM_HAND: Final = ("hand", "wrist")
 """Acclaim skeletons split the forearm: the bone `lwrist` is its last third, `lhand` begins at the wrist."""
-_TOES: Final = ("toebase", "toes", "toe", "ball", "foot")
+_TOES: Final = ("toebase", "toes", "toe", "ball", "ballfoot", "foot")
 _CLAVICLE: Final = ("clavicle", "collar", "scapula", "shoulder")
-_HEAD: Final = ("head", "face", "skull")
+_HEAD: Final = ("head", "face", "skull", "chead")  # jC1Head: a joint of Xsens
 _ACCLAIM: Final = (
     "hipjoint", "femur", "tibia", "foot", "toes", "clavicle", "humerus", "radius", "wrist", "hand", "fingers", "thumb",
 )  # fmt: skip
 """Bones that the Acclaim format names in lower case after an l or r: lfemur."""
+_WORDS: Final = frozenset(
+    (*(word for words in (*_LEG.values(), *_ARM.values(), _HAND, _TOES, _CLAVICLE, _HEAD) for word in words),
+     *_ACCLAIM, "spine", "chest", "neck", "hips", "pelvis", "upper", "lower", "up", "fore")
+)  # fmt: skip
+"""Words that say what a joint is."""
+_PREFIX_SHARE: Final = 0.6
+"""Least share of the names that begin with a prefix."""
+_MAX_NAME: Final = 200
+"""Characters of a name that are read."""
+_MAX_PREFIX: Final = 4
+"""Most words of a prefix."""
+_MIN_NAMED: Final = 8
+"""With fewer joints nothing counts as a prefix."""
 _MAX_CANDIDATES: Final = 4
 """Limit of joints tried per name: with hundreds of equal names the chain search would be too slow."""
-_REQUIRED: Final = (
-    *(side + joint for side in ("left", "right") for joint in ("UpperLeg", "LowerLeg", "Foot", "UpperArm", "LowerArm")),
-    "hips",  # missing if a leg is the root
-)
-
-
-@dataclass(frozen=True, slots=True)
-class SourceBody:
-    """The joints of a recording that make up its body, as indices into `SourceMotion.names`."""
-
-    joints: dict[str, int | None]
-    """For each of the engine's 22 joints the source joint's index, or None."""
-    spine: tuple[int, ...]
-    """All trunk joints above the hips, bottom up; the last one is the parent of the arms; may be empty."""
-    neck: tuple[int, ...]
-    """All joints between the trunk and the head, bottom up; may be empty."""
-
-    @property
-    def missing(self) -> tuple[str, ...]:
-        """Required engine joints that were not found."""
-        return tuple(name for name in _REQUIRED if self.joints[name] is None)
-
-    def joint(self, name: str) -> int:
-        """Return the source joint of a required engine joint; raises KeyError if there is none."""
-        index = self.joints[name]
-        if index is None:
-            raise KeyError(name)
-        return index
 
 
 def map_joints(motion: SourceMotion) -> dict[str, str | None]:
@@ -75,8 +63,10 @@ def map_joints(motion: SourceMotion) -> dict[str, str | None]:
 
 
 def find_body(motion: SourceMotion) -> SourceBody:
-    """Find the body in a recording's skeleton; missing joints are None (see `SourceBody.missing`)."""
-    return find_body_among(motion.names, motion.parents.tolist())
+    """Find the body in a recording's skeleton: by names, else by its shape. Missing joints are None (see
+    `SourceBody.missing`)."""
+    body = find_body_among(motion.names, motion.parents.tolist())
+    return (find_body_by_shape(motion) or body) if body.missing else body
 
 
 def find_body_among(names: Sequence[str], parents: Sequence[int]) -> SourceBody:
@@ -84,10 +74,36 @@ def find_body_among(names: Sequence[str], parents: Sequence[int]) -> SourceBody:
     return _BodyFinder(names, parents).find()
 
 
-def split_name(name: str) -> tuple[str, str]:
-    """Return side ("left", "right" or "") and stem of a joint name: "mixamorig:LeftUpLeg" → ("left", "upleg")."""
+def _tokens(name: str) -> list[str]:
+    """Words of a name without its name space; an L or R in front of another capital is a word: "LUArm" → l, u, arm."""
+    return [word.lower() for word in _TOKEN.findall(_GLUED_SIDE.sub(r"\1 ", name.rsplit(":", 1)[-1][:_MAX_NAME]))]
+
+
+def common_prefix(names: Sequence[str]) -> tuple[str, ...]:
+    """Return the words with which most names begin and which say nothing: "CC_Base_L_Thigh" → cc, base.
+
+    Character makers put their name, or that of the character, in front of every joint.
+    """
+    split = [_tokens(name) for name in names]
+    prefix: list[str] = []
+    while len(names) >= _MIN_NAMED and len(prefix) < _MAX_PREFIX:
+        words = [one[len(prefix)] for one in split if one[: len(prefix)] == prefix and len(one) > len(prefix) + 1]
+        word, count = Counter(words).most_common(1)[0] if words else ("", 0)
+        if count < _PREFIX_SHARE * len(names) or word in _SIDES or word in _WORDS:
+            break
+        prefix.append(word)
+    return tuple(prefix)
+
+
+def split_name(name: str, prefix: Sequence[str] = ()) -> tuple[str, str]:
+    """Return side ("left", "right" or "") and stem of a joint name: "mixamorig:LeftUpLeg" → ("left", "upleg").
+
+    `prefix`: words to leave out if it begins with them.
+    """
+    tokens = _tokens(name)
+    if prefix and tokens[: len(prefix)] == list(prefix) and len(tokens) > len(prefix):
+        tokens = tokens[len(prefix) :]
     name = name.rsplit(":", 1)[-1]
-    tokens = [token.lower() for token in _TOKEN.findall(name)]
     side, stem = "", []
     for place, token in enumerate(tokens):
         glued = next((word for word in ("left", "right") if token.startswith(word)), "")
@@ -112,8 +128,9 @@ class _BodyFinder:
     def __init__(self, names: Sequence[str], parents: Sequence[int]) -> None:
         self._parents = list(parents)
         self._by_name: dict[tuple[str, str], list[int]] = {}
+        prefix = common_prefix(names)
         for joint, name in enumerate(names):
-            self._by_name.setdefault(split_name(name), []).append(joint)
+            self._by_name.setdefault(split_name(name, prefix), []).append(joint)
 
     def find(self) -> SourceBody:
         joints: dict[str, int | None] = dict.fromkeys(SKELETON.names)
@@ -126,6 +143,8 @@ class _BodyFinder:
                 joints[side + "LowerArm"], side, _ACCLAIM_HAND if radius else _HAND
             )
             joints[side + "Shoulder"] = self._clavicle(joints[side + "UpperArm"], side)
+        if joints["leftShoulder"] is None and joints["rightShoulder"] is None:
+            self._unnamed_clavicles(joints)
         hips = self._common_ancestor(joints["leftUpperLeg"], joints["rightUpperLeg"])
         joints["hips"] = hips
         chest = self._common_ancestor(
@@ -175,6 +194,16 @@ class _BodyFinder:
             return None
         above = self._ancestors(arm)[1:]
         return next((j for word in _CLAVICLE for j in self._by_name.get((side, word), []) if j in above), None)
+
+    def _unnamed_clavicles(self, joints: dict[str, int | None]) -> None:
+        """Take the joints between the trunk and both upper arms as clavicles."""
+        arms = joints["leftUpperArm"], joints["rightUpperArm"]
+        chest = self._common_ancestor(*arms)
+        if chest is None:
+            return
+        paths = [self._path_below(self._parent(arm), self._ancestors(chest)) for arm in arms]
+        if paths[0] and len(paths[0]) == len(paths[1]):
+            joints["leftShoulder"], joints["rightShoulder"] = paths[0][0], paths[1][0]
 
     def _parent(self, joint: int | None) -> int | None:
         return None if joint is None or self._parents[joint] < 0 else self._parents[joint]

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from live.base.arrays import Float
 from live.motion import quaternion
-from live.motion.retarget.joint_mapping import SourceBody
+from live.motion.retarget.source_body import SourceBody
 from live.motion.skeleton import SKELETON
 
 _X: Final = np.array((1.0, 0.0, 0.0))

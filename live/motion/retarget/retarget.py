@@ -17,7 +17,7 @@ from live.motion.formats.source_motion import LocalPose, SourceMotion, UpAxis, w
 from live.motion.forward_kinematics import forward_kinematics, local_rotations
 from live.motion.retarget.body_tracks import rest_points, source_points
 from live.motion.retarget.floor_contact import find_floor, place_hips
-from live.motion.retarget.joint_mapping import SourceBody, find_body
+from live.motion.retarget.joint_mapping import find_body
 from live.motion.retarget.rest_pose_alignment import (
     LIMB_BONES,
     SIDES,
@@ -28,6 +28,7 @@ from live.motion.retarget.rest_pose_alignment import (
     standing_cost,
     standing_frame,
 )
+from live.motion.retarget.source_body import SourceBody
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
 
 SPINE: Final = ("spine", "chest", "upperChest")
@@ -216,7 +217,7 @@ def _check(motion: SourceMotion, body: SourceBody, fps: float | None, drop_frame
             motion.file,
             None,
             f"no joints found for {', '.join(body.missing)} among {found}",
-            "joint names of a full body expected",
+            "a full body expected: hips, both legs and both arms",
         )
 
 

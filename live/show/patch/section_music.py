@@ -3,6 +3,7 @@
 import itertools
 from typing import Annotated, Final, Literal
 
+import numpy as np
 from pydantic import Field, ValidationInfo, model_validator
 
 from live.base.motion_parameters import MOTION_KEYS
@@ -70,6 +71,16 @@ class MusicSection(Section):
         if self.bpm is not None or measures is None:
             return self.bpm
         return min(max(60.0 / (measures.time_at(1.0) - measures.time_at(0.0)), 20.0), 400.0)
+
+    @property
+    def tempo_span(self) -> tuple[float, float] | None:
+        """Least and most tempo of the music [bpm], without the fastest and slowest twentieth of its measures; None if
+        it is not known."""
+        if len(self.line) < 3:
+            return None if self.known_tempo is None else (self.known_tempo, self.known_tempo)
+        tempi = [60.0 * one.beats / (after.time_s - one.time_s) for one, after in itertools.pairwise(self.line)]
+        low, high = np.clip(np.percentile(tempi, (5.0, 95.0)), 20.0, 400.0)
+        return float(low), float(high)
 
     @property
     def measures(self) -> MeasureMap | None:

@@ -24,7 +24,7 @@ from live.show.score.playhead import END, Place
 from live.show.score.score import Score
 from live.show.score.sequence_lookup import describe_place
 from live.show.score.step_history import StepHistory
-from live.show.score.step_names import UnknownStep, find_step, is_in_place, step_measures
+from live.show.score.step_names import UnknownStep, find_step, is_in_place, near_tempo, step_measures
 
 NO_INDEX: Final = -1
 EntrySpan = tuple[int, float, float, tuple[str | int, ...]]
@@ -179,7 +179,7 @@ class Improviser:
         """Record the step that the group dances in `measure`, whatever its origin."""
         self._history.record(self._group, measure, step, into)
 
-    def choose(self, measure: int, nodes: Nodes, *, standing: bool) -> StepChoice | None:
+    def choose(self, measure: int, nodes: Nodes, *, standing: bool, measure_s: float = 0.0) -> StepChoice | None:
         """Return what the group dances in `measure`, see `Part.told`; None if it does not improvise."""
         place = self._score.place(measure)
         index = self._table(place)
@@ -187,7 +187,7 @@ class Improviser:
             return None
         table = [*self._tables, self._default_table][index]
         told = self._respond(table, measure, place) if table.caller != NO_INDEX else None
-        return self._continue_draw(table, index, place, measure, nodes, standing) if told is None else told
+        return self._continue_draw(table, index, place, measure, nodes, (standing, measure_s)) if told is None else told
 
     def _respond(self, table: ImproviseTable, measure: int, place: Place) -> StepChoice | None:
         """In every second phrase return what the caller danced one phrase earlier, otherwise the listening step."""
@@ -216,7 +216,7 @@ class Improviser:
     # -- chance ------------------------------------------------------------------------------------------------
 
     def _continue_draw(
-        self, table: ImproviseTable, index: int, place: Place, measure: int, nodes: Nodes, standing: bool
+        self, table: ImproviseTable, index: int, place: Place, measure: int, nodes: Nodes, suits: tuple[bool, float]
     ) -> StepChoice:
         """Return the drawn step until its measures are over, then draw the next."""
         step, left, whose = self.draw_state
@@ -230,7 +230,7 @@ class Improviser:
             left = 0  # another step was danced in between
         if left <= 0:
             if last not in table.steps or run >= table.settings.at_least:
-                last = self._draw(table, place, measure, nodes, standing)
+                last = self._draw(table, place, measure, nodes, suits)
             step = last
             left = length = step_measures(self._graph, step)
         self.draw_state = (step, left - 1, index)
@@ -248,12 +248,16 @@ class Improviser:
             said = self._history.step_at(self._group, measure - 1)
         return step, run
 
-    def _draw(self, table: ImproviseTable, place: Place, measure: int, nodes: Nodes, standing: bool) -> int:
-        """Draw by weight among the allowed steps, preferring steps that are reachable at once."""
+    def _draw(self, table: ImproviseTable, place: Place, measure: int, nodes: Nodes, suits: tuple[bool, float]) -> int:
+        """Draw by weight among the allowed steps, preferring steps that are reachable at once; `suits`: whether the
+        dancers stand, and the duration of a measure [s]."""
+        standing, measure_s = suits
         weights = self._weights(table, place, measure)
         steps = np.array(table.steps)
         hops = self._graph.hops[steps][:, nodes].max(axis=1, initial=0)
         possible = weights > 0.0
+        near = possible & near_tempo(self._graph, table.steps, measure_s)
+        possible = near if near.any() else possible
         still = possible & np.array([is_in_place(self._graph, step) for step in table.steps])
         for good in ([still & (hops <= 1)] if standing else []) + [
             possible & (hops <= 1),

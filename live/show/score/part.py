@@ -41,11 +41,12 @@ class ScorePart:
         self._improviser.apply_patch(fresh._improviser)
 
     def choose(
-        self, measure: int, nodes: Nodes, own: tuple[SequenceEntry, ...], *, standing: bool
+        self, measure: int, nodes: Nodes, own: tuple[SequenceEntry, ...], *, standing: bool, measure_s: float = 0.0
     ) -> StepChoice | None:
         """Return what to dance in `measure` by dancers who were in `nodes` before it; None: the group's own steps.
 
-        `own` are the group's own steps after the score's; `standing`: prefer random steps in place.
+        `own` are the group's own steps after the score's; `standing`: prefer random steps in place; `measure_s`: and
+        those that were recorded near the tempo of such measures [s].
         """
         if measure < 0:
             return None
@@ -57,7 +58,7 @@ class ScorePart:
                 entry = sequence.entries[index]
                 step = ANY_STEP if entry.step is None else entry.step
                 return step, self._upcoming(measure, own), into
-        return self._improviser.choose(measure, nodes, standing=standing)
+        return self._improviser.choose(measure, nodes, standing=standing, measure_s=measure_s)
 
     def kind(self, measure: int) -> Literal["sequence", "improvised", "own"]:
         """Return the origin of the steps that the group dances in `measure`."""

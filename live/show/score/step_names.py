@@ -1,13 +1,15 @@
 """Step lookup by name, with error messages that list the known steps."""
 
 import difflib
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
+import numpy.typing as npt
 
 from live.base.errors import PersonError
 from live.graph.search.sequence_spec import SequenceEntry
+from live.graph.select.selector import recorded_seconds, tempo_excess
 
 if TYPE_CHECKING:
     from live.graph.motion_graph import MotionGraph
@@ -28,6 +30,8 @@ def find_step(graph: "MotionGraph", name: str) -> int:
     library = graph.library
     index = library.step_index(name)
     if index is None:
+        if why := library.refusal(name):
+            raise UnknownStep(why)
         near = difflib.get_close_matches(name.casefold(), [s.casefold() for s in library.steps], n=1)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise UnknownStep(f"no step is called {name!r}: {hint}the steps are {', '.join(library.steps)}")
@@ -58,3 +62,13 @@ def is_in_place(graph: "MotionGraph", step: int) -> bool:
     """Whether a variation of the step has a measure in place, so that a standing group does not drift away."""
     library = graph.library
     return bool(np.hypot(*library.node_travel[(library.node_step == step) & graph.alive].T).min() < IN_PLACE)
+
+
+def near_tempo(graph: "MotionGraph", steps: Sequence[int], seconds: float) -> npt.NDArray[np.bool_]:
+    """Whether a variation of each of `steps` (n,) can be danced in measures of `seconds` within the limits of its
+    tempo; of 0 seconds: any."""
+    library = graph.library
+    if seconds <= 0.0 or not any(clip.recorded for clip in library.clips):
+        return np.ones(len(steps), np.bool_)
+    fits = graph.alive & (np.abs(tempo_excess(recorded_seconds(library), seconds)) < 1e-9)
+    return np.isin(steps, library.node_step[fits])

@@ -13,7 +13,7 @@ from live.graph.search.sequence_spec import SequenceEntry
 from live.show.patch.section_motion import GroupSection, parse_entry
 from live.show.score.improviser import DrawState
 from live.show.score.part import ANY_STEP, ScorePart
-from live.show.score.step_names import UnknownStep, find_step, is_in_place, step_measures
+from live.show.score.step_names import UnknownStep, find_step, is_in_place, near_tempo, step_measures
 
 Nodes = npt.NDArray[np.int32]
 
@@ -102,6 +102,8 @@ class StepProgram:
         """The group's part in the score; None: none."""
         self.standing = False
         """Whether the group stands; chance then prefers steps in place."""
+        self.measure_s = 0.0
+        """Duration of a measure [s]: chance prefers steps that were recorded near that tempo; 0: not known."""
 
     def apply_patch(self, fresh: "StepProgram") -> None:
         """Adopt another program of this group; a sequence that is unchanged up to here continues."""
@@ -257,7 +259,8 @@ class StepProgram:
             self._position.drawn_left = 0
             return step
         if self.part is not None and not self._live:
-            told = self.part.choose(measure, nodes, self._slots_from(self._position.slot), standing=self.standing)
+            slots = self._slots_from(self._position.slot)
+            told = self.part.choose(measure, nodes, slots, standing=self.standing, measure_s=self.measure_s)
             if told is not None:
                 step, self.upcoming, self.measures_done = told
                 self._position.measures_done = self._position.drawn_left = 0
@@ -298,12 +301,14 @@ class StepProgram:
     def _draw(self, measure: int, nodes: Nodes) -> int:
         """Draw among the group's steps with equal weights: not the last one, and reachable at once if possible."""
         chance = np.random.default_rng([*self._seed, max(measure, 0)])
-        hops = self._graph.hops[self.steps][:, nodes]
-        near = [s for s, h in zip(self.steps, hops, strict=True) if (h <= 1).all()]
-        far = [s for s, h in zip(self.steps, hops, strict=True) if (h < UNREACHABLE).all()]
+        near_it = near_tempo(self._graph, self.steps, self.measure_s)
+        steps = [step for step, good in zip(self.steps, near_it, strict=True) if good] or self.steps
+        hops = self._graph.hops[steps][:, nodes]
+        near = [s for s, h in zip(steps, hops, strict=True) if (h <= 1).all()]
+        far = [s for s, h in zip(steps, hops, strict=True) if (h < UNREACHABLE).all()]
         if self.standing and (still := [step for step in near if is_in_place(self._graph, step)]):
             near = still
-        for choice in (near, far, self.steps):
+        for choice in (near, far, steps):
             fresh = [step for step in choice if step != self._position.drawn_step]
             if fresh:
                 return int(fresh[int(chance.integers(len(fresh)))])

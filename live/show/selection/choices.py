@@ -12,8 +12,9 @@ import numpy.typing as npt
 from live.base.arrays import Bool, Float64, Int32
 from live.graph.select.candidates import turn_vectors
 from live.graph.select.reachability import direction_of
-from live.graph.select.selector import TERMS, StepSelector
+from live.graph.select.selector import TERMS, StepSelector, tempo_excess
 from live.graph.takes import NO_TAKE
+from live.motion.editing.tempo_forms import DOUBLE_TIME, HALF_TIME, TEMPO_LIMITS
 
 BEHIND_M: Final = 0.4
 """A dancer who ends farther than this from the wished place [m] ..."""
@@ -146,6 +147,43 @@ def reachability_report(
             "record": _recording_advice(choices, rows, steps) if len(rows) else None,
         }
     return told
+
+
+def tempo_report(choosing: StepSelector, nodes: Int32, bpm: float) -> list[dict[str, Any]]:
+    """Return the recorded steps that dancers in `nodes` (n,) dance outside the limits of their tempo, most dancers
+    first.
+
+    `bpm` is the present tempo. "times" is how many times faster than recorded they dance, "bpm" the recorded tempo.
+    """
+    library = choosing.graph.library
+    seconds = library.beats_per_measure * 60.0 / bpm
+    recorded = choosing.recorded_seconds[nodes]
+    off = np.abs(tempo_excess(recorded, seconds)) > 1e-9
+    told = []
+    for step in np.unique(library.node_step[nodes[off]]).tolist():
+        own = off & (library.node_step[nodes] == step)
+        clip = library.clips[library.node_clip[nodes[own][0]]]
+        factor = {HALF_TIME: 2.0, DOUBLE_TIME: 0.5}.get(clip.tempo_form, 1.0)
+        row = {
+            "step": library.steps[step],
+            "form": clip.tempo_form,
+            "times": round(float(recorded[own][0]) / seconds, 2),
+        }
+        told.append({**row, "bpm": round(clip.bpm / factor, 1), "dancers": int(own.sum())})
+    return sorted(told, key=lambda row: -row["dancers"])
+
+
+def tempo_line(report: list[dict[str, Any]]) -> tuple[str, ...]:
+    """Return the overlay's line on a report by `tempo_report`; none if all steps are near their tempo."""
+    if not report:
+        return ()
+    row, low, high = report[0], *TEMPO_LIMITS
+    more = f", and {len(report) - 1} more" if len(report) > 1 else ""
+    form = f"at {row['form']} " if row["form"] else ""
+    return (
+        f"tempo: {row['step']!r}, recorded at {row['bpm']:.0f} bpm, is danced {form}{row['times']:.2f} times as fast "
+        f"({low} to {high} is possible) by {row['dancers']}{more}: choose another step or tempo",
+    )
 
 
 def _recording_advice(choices: StepChoices, rows: npt.NDArray[np.intp], steps: tuple[str, ...]) -> str:

@@ -7,6 +7,8 @@ import numpy.typing as npt
 
 from live.base.arrays import Int32
 from live.graph.motion_graph import MotionGraph
+from live.graph.select.selector import tempo_cost
+from live.show.score.step_program import StepProgram
 
 if TYPE_CHECKING:
     from live.show.selection.scheduler import Scheduler
@@ -18,18 +20,21 @@ TRAVEL_COST = 0.1
 """Cost of a metre of travel in the first measure, relative to a measure of the sequence that goes wrong."""
 
 
-def initial_nodes(graph: MotionGraph, scheduler: "Scheduler", mirrored: Bools, measure: int) -> Int32:
+def initial_nodes(graph: MotionGraph, scheduler: "Scheduler", mirrored: Bools, measure: int, seconds: float) -> Int32:
     """Return a node of the group's or subgroup's first step for each dancer, without travel if the sequence allows it,
     (A,).
 
-    `mirrored` (A,): whether a dancer dances the other side of the partner's step.
+    `mirrored` (A,): whether a dancer dances the other side of the partner's step. `seconds`: duration of a measure.
     """
     library, targets, node = graph.library, scheduler.targets, np.zeros(len(mirrored), np.int32)
+    tempo = tempo_cost(scheduler.choosing.recorded_seconds, seconds)
     for row in targets.assign(measure):
         programme, members = targets.program(row), targets.rows() == row
+        if isinstance(programme, StepProgram):
+            programme.measure_s = seconds
         entries = graph.entries(programme.step_for(measure, node[members]))
         ahead = scheduler.step_costs.sequence_cost(programme.upcoming, programme.measures_done)[entries]
-        cost = ahead + TRAVEL_COST * np.hypot(*library.node_travel[entries].T)
+        cost = ahead + TRAVEL_COST * np.hypot(*library.node_travel[entries].T) + tempo[entries]
         node[members] = entries[np.argmin(cost)]
         side, other = library.node_side[entries], members & mirrored
         node[other] = entries[np.argmin(cost + (side == library.node_side[node[other][:1]].sum()))]

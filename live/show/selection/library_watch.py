@@ -13,6 +13,7 @@ from live.control.events.events import ControlEvent, StepsAdded, StepsChanged
 from live.graph.library_insert import insert_clips
 from live.graph.motion_graph import MotionGraph
 from live.library.clip_text import clips_to_text
+from live.motion.editing.tempo_forms import TempoForms
 from live.motion.step_clip import StepClip
 from live.show.background_work import short_switch_interval
 from live.show.score.step_names import UnknownStep
@@ -36,11 +37,11 @@ class LibraryWatch:
         offer: Callable[[str, MotionGraph], None],
         post: Callable[[ControlEvent], None],
         now: Callable[[], float],
-        read: Callable[[], list[StepClip]],
+        read: Callable[[], TempoForms],
     ) -> None:
         """`offer` passes on a graph with its hash, `post` the event that activates it, at the time `now()`.
 
-        `read` returns all clips as at a start.
+        `read` returns all clips as at a start, and which steps fit no tempo of the show.
         """
         self._folder = folder
         self._read = read
@@ -70,9 +71,9 @@ class LibraryWatch:
         self._handled_stamp = stamp
         try:
             with short_switch_interval():
-                clips = self._read()
-                self.problem = ""
-                return self._update(clips)
+                formed = self._read()
+                self.problem = "".join(f"new steps: {why}" for why in formed.refused.values())
+                return self._update(formed.clips)
         except (PersonError, UnknownStep, ValueError, OSError) as error:
             self.problem = f"new steps: {error}"
             return False

@@ -12,7 +12,7 @@ from live.base.arrays import Bool, Float64
 from live.graph.motion_graph import MotionGraph
 from live.graph.search.live_sequence import LiveSequence
 from live.graph.search.sequence import edges_of
-from live.graph.search.sequence_spec import SequenceEntry
+from live.graph.search.sequence_spec import SequenceEntry, repeated_nodes
 from live.show.group.elements import Elements
 from live.show.group.stage_area import StageArea
 from live.show.stages.measure_span import MeasureSpan
@@ -53,6 +53,7 @@ class StepCosts:
         first, library = wanted[0], self._graph.library
         if first.step is not None:
             right = (library.node_step == first.step) & (library.node_measure == into)
+            right |= (library.node_step == first.step) & repeated_nodes(library, first.measures, into)
             answer = answer + IMMEDIATE_COST * ~right
         self._kept[key] = answer
         if len(self._kept) > CACHE_SIZE:

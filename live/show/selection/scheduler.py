@@ -25,7 +25,7 @@ from live.show.patch.patch import Patch
 from live.show.score.canon import StepSource
 from live.show.score.group_programs import update_programs
 from live.show.score.subgroups import Subgroups
-from live.show.selection.choices import StepChoices, reachability_report
+from live.show.selection.choices import StepChoices, reachability_report, tempo_report
 from live.show.selection.nearest_steps import decide_nearest
 from live.show.selection.planning import MeasurePlan
 from live.show.selection.step_targets import StepTargets
@@ -203,6 +203,10 @@ class Scheduler:
         self.root_correction.accept_decision(begin, end, end)
 
     # -- report --------------------------------------------------------------------------------------------------
+
+    def tempo_report(self, bpm: float) -> list[dict[str, Any]]:
+        """Return the recorded steps that are danced outside the limits of their tempo at `bpm`."""
+        return tempo_report(self.choosing, self._dancers.node[self._motion.present], bpm)
 
     def reachability_report(self) -> dict[str, Any]:
         """Return the distances of each group's dancers from their targets, and recordings that would help (T075)."""

@@ -244,6 +244,8 @@ class StepTargets:
         rows = self.rows()
         for row in [*self.order, *range(len(self._programmes), int(rows.max(initial=0)) + 1)]:
             programme, (asked_for, step), members = self.program(row), self._wanted_steps[row], rows == row
+            if isinstance(programme, StepProgram):
+                programme.measure_s = seconds
             if asked_for != measure:
                 step = programme.step_for(measure, self._dancers.node[members])
             steps = [step] if programme.travel_step is None else [step, programme.travel_step]

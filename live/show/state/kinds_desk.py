@@ -232,6 +232,7 @@ KINDS: Final = [
         _graph:constant-motion-graph _seed:tuple[int,int] _random:bool steps:list[int] travel_step:int|none
         _own:list[wanted] _live:list[wanted] _answer:tuple[int,int]|none _position:programme.place
         _undo_state:programme.before|none upcoming:row[wanted] measures_done:int part:part|none standing:bool
+        measure_s:float
     """),
     Kind("programme.before", _UndoState, """
         answer:tuple[int,int]|none position:programme.place draw_state:tuple[int,int,int]|none

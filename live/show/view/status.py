@@ -13,7 +13,7 @@ from live.base.fault_isolation import Bulkhead, callback_name
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.show.journal.line_writer import LineWriter
 from live.show.score.division_tree import part_facts
-from live.show.selection.choices import explanation_lines
+from live.show.selection.choices import explanation_lines, tempo_line
 from live.show.show import Show
 
 FRAME_TIMES_KEPT = 4096
@@ -137,6 +137,7 @@ class Status:
             "rss_mb": round(self._memory(), 1),
             "faults": self.faults,
             "behind": show.scheduler.reachability_report(),
+            "off_tempo": show.scheduler.tempo_report(show.follower.tempo),
             "carried": show.scheduler.root_correction.statistics(),
             "interrupts": show.interrupts.statistics(),
             **(
@@ -177,7 +178,7 @@ class Status:
         more = self._show.score_runner.status_lines()
         more = (*more, f"pointer: {self.tool}") if self.tool else more
         record = [f"{name}: {told['record']}" for name, told in s["behind"].items() if told["record"]]
-        more = (*more, *record[:1], *(explanation_lines(s["why"]) if s["why"] else ()))
+        more = (*more, *tempo_line(s["off_tempo"]), *record[:1], *(explanation_lines(s["why"]) if s["why"] else ()))
         more = (*more, *(note for tell in self.notices if (note := self._calls.call(callback_name(tell), tell))))
         return (*lines, *more, f"last refused: {refusal}") if refusal else (*lines, *more)
 

@@ -56,6 +56,15 @@ def test_sequence_becomes_file_at_requested_tempo(tmp_path: Path) -> None:
     assert figures["foot_slide_mean"] < 0.03
 
 
+def test_recording_far_from_its_tempo_is_told(tmp_path: Path) -> None:
+    (tmp_path / "a.bvh").write_text(body_bvh(dance_values(600), fps=60.0))
+    toml = 'file = "a.bvh"\nname = "a"\nbpm = 120\nfirst_beat_s = 2.0\nmeasures = 2\n'
+    (tmp_path / "a.toml").write_text(toml)
+    slow, near = (make_plan(DanceOptions(str(tmp_path), "a", bpm=bpm)).off_tempo for bpm in (60.0, 130.0))
+    assert slow == ("'a' is danced at 0.50 times its 120 bpm; 0.7 to 1.4 looks natural: choose another --bpm",)
+    assert near == ()
+
+
 def test_dance_follows_path(tmp_path: Path) -> None:
     out = tmp_path / "out.bvh"
     arguments = ["sketches", "--sequence", "walk x8", "--path", "0,0, 2,0, 2,2", "--bpm", "100"]

@@ -78,6 +78,18 @@ def test_claps_without_music_give_tempo() -> None:
     assert sync_to_claps([]) is None
 
 
+@pytest.mark.parametrize(
+    "touches",
+    [
+        [2.0, 4.1, 9.35, 14.6, 15.65, 16.7, 19.85],  # seven of seventeen beats at 57 bpm
+        [3.0, 3.5, 3.66, 4.0, 4.22, 4.5, 4.7],  # as many touches off the beat as on it
+        [1.0, 1.56, 1.94, 2.56, 2.95],  # about a beat, but 60 ms off
+    ],
+)
+def test_touches_of_dance_are_no_count(touches: list[float]) -> None:
+    assert sync_to_claps(claps(touches)) is None
+
+
 def test_uneven_song_fixes_clap_offset() -> None:
     """A song that slows down and speeds up: the pattern of intervals fixes the offset, whichever beats are clapped."""
     random = np.random.default_rng(7)

@@ -13,7 +13,8 @@ from live.motion.formats.source_axes import (
     standing_pose,
 )
 from live.motion.formats.source_motion import SourceMotion
-from live.motion.retarget.joint_mapping import SourceBody, find_body
+from live.motion.retarget.joint_mapping import find_body
+from live.motion.retarget.source_body import SourceBody
 from tests.motion.formats.made_bvh import STANDING_CM, body_bvh, column, dance_values, still
 
 

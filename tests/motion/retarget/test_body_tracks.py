@@ -67,7 +67,8 @@ def test_wrong_format_unit_is_ignored() -> None:
 
 def test_motion_without_body_is_refused() -> None:
     motion = source(still(3), 60.0)
-    nameless = replace(motion, names=tuple(f"joint{n}" for n in range(len(NAMES))))
+    chain = replace(motion, parents=np.arange(-1, len(NAMES) - 1, dtype=np.int32))
+    nameless = replace(chain, names=tuple(f"joint{n}" for n in range(len(NAMES))))
     with pytest.raises(MotionFileError, match="no joints found"):
         body_tracks(nameless)
     with pytest.raises(MotionFileError, match="no length"):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from live.motion import quaternion
-from live.motion.retarget.joint_mapping import SourceBody
 from live.motion.retarget.rest_pose_alignment import SourcePoints
 from live.motion.retarget.retarget import SPINE, SPINE_FRACTIONS, neck_rotation, source_spine_fractions, spine_rotations
+from live.motion.retarget.source_body import SourceBody
 from live.motion.skeleton import SKELETON
 
 X = np.array((1.0, 0.0, 0.0))

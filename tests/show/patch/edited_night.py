@@ -44,7 +44,7 @@ class JournaledShow:
             offer=self.show.hot_swap.offer_graph,
             post=self.inbox.put,
             now=self.clock.now,
-            read=self.loaded.clips,
+            read=self.loaded.read_steps,
         )
         self._frame = 0
 

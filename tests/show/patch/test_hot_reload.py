@@ -296,7 +296,7 @@ def test_replay_starts_after_edits_of_patch_and_steps(patch):
     assert night.edit('["groove"]', '["side step"]', more="[locomotion]\ntransition_beats = 0.5\n")
     night.run(4.0)
     library = night.watch._library
-    library._read = night.loaded.clips
+    library._read = night.loaded.read_steps
     text = (STEPS / "samba.toml").read_text().replace('name = "samba"', 'name = "side step"')
     (patch.parent / "moves" / "side_step.toml").write_text(text)
     library.poll()

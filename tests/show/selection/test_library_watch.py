@@ -10,6 +10,7 @@ from live.show.journal.journal import read_journal
 from live.show.journal.replay import ReplayError, first_start, load_journal, replay
 from live.show.loader import load_show
 from live.show.selection.library_watch import same_clip
+from tests.motion.formats.made_bvh import body_bvh, still
 from tests.show.patch.edited_night import STEPS, JournaledShow, write_patch_folder
 
 PATCH = """
@@ -106,6 +107,23 @@ def test_step_of_another_meter_is_reported(patch):
     assert not night.library.poll()
     assert "march" in night.library.problem
     assert "4 beats" in night.library.problem
+
+
+def test_recording_that_fits_no_tempo_of_the_show_is_reported(patch):
+    """The show is at 112 bpm; a take at 30 would be danced four times too fast."""
+    night = JournaledShow(patch)
+    moves = patch.parent / "moves"
+    (moves / "slow.bvh").write_text(body_bvh(still(1200)))
+    (moves / "slow.toml").write_text('file = "slow.bvh"\nname = "slow"\nbpm = 30\nfirst_beat_s = 9\n')
+    night.library.poll()
+    assert not night.library.poll()
+    assert "new steps: step 'slow'" in night.library.problem
+    assert "was recorded at 30 bpm and the show is at 112 bpm" in night.library.problem
+    (moves / "slow.toml").write_text('file = "slow.bvh"\nname = "slow"\nbpm = 50\nfirst_beat_s = 9\n')
+    night.library.poll()
+    assert night.library.poll()
+    assert night.library.problem == ""
+    assert [clip.measures for clip in night.library.graph.library.clips if clip.step == "slow"] == [2]  # half time
 
 
 def test_steps_event_without_clips_is_refused(patch):
@@ -224,7 +242,7 @@ def test_invalid_steps_changed_event_is_refused(patch):
 
 
 def test_clip_comparison_is_bitwise(patch):
-    first, again = load_show(patch).clips(), load_show(patch).clips()
+    first, again = load_show(patch).read_steps().clips, load_show(patch).read_steps().clips
     assert all(same_clip(one, other) for one, other in zip(first, again, strict=True))
     assert not same_clip(first[0], first[1])
     moved = replace(first[0].clip, root_position=first[0].clip.root_position + np.float32(1e-6))
