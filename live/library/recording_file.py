@@ -46,6 +46,8 @@ class Recording(BaseModel):
     """Leading frames to remove; all times count from the first one kept."""
     repair: bool = False
     """Whether tracking faults are repaired where that is safe (T161)."""
+    plant_feet: bool = True
+    """Whether standing feet are kept in place, and swinging ones off the floor."""
     bpm: Annotated[float, Field(ge=20, le=400)]
     """Tempo of the recorded dance."""
     first_beat_s: Annotated[float, Field(ge=0, le=36_000)]

@@ -23,6 +23,7 @@ from live.library.recording_file import (
     StepFiles,
     combine_problems,
 )
+from live.motion.cleanup.foot_planting import PlantedClip, plant_feet
 from live.motion.cleanup.glitch_detection import Glitch, find_glitches
 from live.motion.cleanup.glitch_repair import repair
 from live.motion.clip import Clip
@@ -44,6 +45,7 @@ class RecordingReader:
         self._motions: dict[tuple[object, ...], SourceMotion] = {}
         self._clips: dict[tuple[object, ...], Clip] = {}
         self._glitches: dict[tuple[object, ...], list[Glitch]] = {}
+        self._feet: dict[tuple[object, ...], PlantedClip] = {}
 
     def clip(self, entry: RecordingEntry) -> Clip:
         """Return the whole recording on the engine's skeleton; RecordingError names file, line and field."""
@@ -53,8 +55,17 @@ class RecordingReader:
             if entry.recording.repair:
                 _check_frames(entry, motion)
                 motion, _ = repair(motion, self._faults(entry, motion), fps=entry.recording.fps)
-            self._clips[key] = _retarget(entry, motion)
+            clip = _retarget(entry, motion)
+            if entry.recording.plant_feet:
+                planted = plant_feet(clip)
+                clip, self._feet[key] = planted.clip, planted
+            self._clips[key] = clip
         return self._clips[key]
+
+    def feet(self, entry: RecordingEntry) -> PlantedClip | None:
+        """Return the recording with planted feet, and its faults before and after; None if they are left alone."""
+        self.clip(entry)
+        return self._feet.get(_reading_key(entry))
 
     def glitches(self, entry: RecordingEntry) -> list[Glitch]:
         """Return tracking faults, after the repair if requested; frames count from the file's first."""
@@ -98,8 +109,8 @@ class RecordingReader:
 
 def _reading_key(entry: RecordingEntry) -> tuple[object, ...]:
     recording = entry.recording
-    read = (recording.fps, recording.drop_frames, recording.unit_m, recording.up, recording.repair)
-    return (entry.path, entry.skeleton, *read)
+    read = (recording.fps, recording.drop_frames, recording.unit_m, recording.up)
+    return (entry.path, entry.skeleton, *read, recording.repair, recording.plant_feet)
 
 
 def _check_frames(entry: RecordingEntry, motion: SourceMotion) -> None:

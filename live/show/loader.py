@@ -38,12 +38,19 @@ from live.show.venue.venue_output import VenueProjector, with_venue_projector
 from live.show.view.render_scene import make_scene as make_scene
 
 
+RECORDING_LIMITS: Final = {"correction_m": 1.2, "turn_deg": 90.0}
+"""Limits of `[locomotion]` with recordings, unless the patch sets them."""
+
+
 def adapt_to_recordings(patch: Patch, clips: list[StepClip]) -> Patch:
-    """Return the patch with the most frequent metre of the recordings and blends of one beat. Recordings differ more
-    than sketches, and a short blend would move hands faster than they move in the clips."""
+    """Return the patch with the most frequent metre of the recordings, blends of one beat, and larger corrections
+    unless the patch limits them. Recordings differ more than sketches, and a short blend would move hands faster than
+    they move in the clips; they go where they were recorded, so more is left to the footstep plans."""
     metres = [clip.beats_per_measure for clip in clips]
     clock = patch.clock.model_copy(update={"beats_per_measure": max(metres, key=metres.count)})
-    return with_locomotion(patch.model_copy(update={"clock": clock}), transition_beats=1.0)
+    given = patch.locomotion.model_fields_set
+    limits = {name: value for name, value in RECORDING_LIMITS.items() if name not in given}
+    return with_locomotion(patch.model_copy(update={"clock": clock}), transition_beats=1.0, **limits)
 
 
 def with_connected_steps(patch: Patch, graph: MotionGraph) -> Patch:
@@ -83,7 +90,8 @@ def adapt_edited_patch(patch: Patch, graph: MotionGraph, running: Patch, *, reco
     if not recordings:
         return patch
     limits, clock = running.locomotion, running.clock.beats_per_measure
-    patch = with_locomotion(patch, threshold_m=limits.threshold_m, transition_beats=limits.transition_beats)
+    kept = ("threshold_m", "transition_beats", *RECORDING_LIMITS)
+    patch = with_locomotion(patch, **{name: getattr(limits, name) for name in kept})
     patch = patch.model_copy(update={"clock": patch.clock.model_copy(update={"beats_per_measure": clock})})
     return with_connected_steps(patch, graph)
 

@@ -58,6 +58,15 @@ def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, ref
         soft_wrap=True,
         markup=False,
     )
+    feet = reader.feet(entry)
+    if feet is not None:
+        console.print(
+            f"feet:    planted: the recording's own slide at {feet.before.slide:.3f} m/s (now {feet.after.slide:.3f}) and "
+            f"are fast and low in {feet.before.low_swing:.0%} of it (now {feet.after.low_swing:.0%}); they were moved by "
+            f"{100.0 * feet.largest_shift:.0f} cm at most",
+            soft_wrap=True,
+            markup=False,
+        )
     doubts = step_warnings(entry, step) + _untrimmed_warning(entry, reader) + reading_warnings(entry, reader)
     for field, words in doubts:
         option = entry.problem(field, words).field or "FILE"

@@ -30,7 +30,7 @@ class LocomotionSection(parameter_section("locomotion")):  # type: ignore[misc]
     """Length of the blend into the next step, before the measure line (T036)."""
     threshold_m: Annotated[float, Field(gt=0.01, le=2)] = 0.16
     """Largest distance of two poses (root mean square) for a transition."""
-    correction_m: Annotated[float, Field(ge=0, le=2)] = 0.35
+    correction_m: Annotated[float, Field(ge=0, le=2)] = 0.8
     """Largest correction of a dancer's position per measure, beyond the step's own travel."""
     turn_deg: Annotated[float, Field(ge=0, le=180)] = 50.0
     """Largest correction of a dancer's heading per measure."""
