@@ -10,13 +10,16 @@ from live.base.arrays import Bool, Float32, Int32
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.curve import smoothstep
+from live.motion.editing.foot_correction import LEG_LENGTH
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.forward_kinematics import forward_kinematics, local_rotations
 from live.motion.pose.foot_lock_kernels import (
     CLEARANCE,
     CLEARANCE_SOFTNESS,
+    DROP,
     FOLLOWED_COLUMNS,
     HELD,
+    HIP_DROP,
     LOCK_COLUMNS,
     extrapolate_feet,
     farthest_shift,
@@ -36,11 +39,11 @@ class FootLock:
 
     def __init__(self, dancer_count: int) -> None:
         self.state: Float32 = np.zeros((dancer_count, 2, LOCK_COLUMNS), np.float32)
-        """Columns of each foot as in `foot_lock_kernels`, shape (A, 2, 14)."""
+        """Columns of each foot as in `foot_lock_kernels`, shape (A, 2, 16)."""
 
     def tick(self, leg_position: npt.NDArray[Any], contact: Bool, dt: float) -> None:
         """Advance by `dt` [s]: unlocked `leg_position` (A, 9, 3) [m] of LEG_JOINTS, `contact` (A, 2)."""
-        update_lock(self.state, leg_position, contact, SOLE_BELOW_ANKLE, TOES_OVER_SOLE, dt)
+        update_lock(self.state, leg_position, contact, LEG_LENGTH, SOLE_BELOW_ANKLE, TOES_OVER_SOLE, dt)
 
     @property
     def max_shift(self) -> float:
@@ -58,7 +61,7 @@ class FootLock:
         return slid, stood
 
     def write_feet(self, feet: Float32, age: float) -> None:
-        """Write the columns for the pose kernels, (A, 2, 11), `age` [s] after the last tick; free feet are
+        """Write the columns for the pose kernels, (A, 2, 12), `age` [s] after the last tick; free feet are
         extrapolated."""
         extrapolate_feet(feet, self.state, age)
 
@@ -84,6 +87,7 @@ def lock_feet(clip: Clip) -> Clip:
     for sample in range(count):
         lock.tick(legs[sample : sample + 1], contact[sample : sample + 1], 1.0 / clip.sample_rate)
         pipeline.feet[sample, :, :FOLLOWED_COLUMNS] = lock.state[0, :, :FOLLOWED_COLUMNS]
+        pipeline.feet[sample, :, HIP_DROP] = lock.state[0, :, DROP]
     pipeline.feet[:, :, HELD] = 0.0  # each sample already has its own shifts
     pipeline.sample[0] = np.arange(count)
     pipeline.lock = True
@@ -127,7 +131,7 @@ class CutFootLift:
         return np.asarray(distance < np.where(self.lift > 0.0, ARRIVAL_DISTANCE, STAY_DISTANCE))
 
     def apply(self, feet: Float32, age: Float32) -> None:
-        """Lift the feet in the columns CLEAR and ROUND of `feet` (A, 2, 11), `age` (A,) [s] after the cut."""
+        """Lift the feet in the columns CLEAR and ROUND of `feet` (A, 2, 12), `age` (A,) [s] after the cut."""
         up = (
             smoothstep(age / LIFT_TIME)
             * smoothstep((DESCENT_TIMES[1] - age) / (DESCENT_TIMES[1] - DESCENT_TIMES[0]))

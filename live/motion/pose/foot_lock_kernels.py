@@ -23,24 +23,25 @@ LENGTH_BUFFER: Any = np.float32(0.015)
 """A leg is not stretched beyond its length minus this [m], unless the clip itself stretches it farther."""
 STRAIGHTENING_RANGE: Any = np.float32(0.03)
 """Over the last of this [m] a leg's extension is compressed, so that the knee does not snap straight."""
-PELVIS_DROP: Any = np.float32(0.03)
+PELVIS_DROP: Any = np.float32(0.05)
 """Maximum drop of the hips [m] so that both feet reach."""
 MAX_SHIFT: Any = np.float32(0.45)
 """Maximum distance [m] of a locked foot from its position in the clip."""
+DROP_RATE: Any = np.float32(18.0)
+"""Rate at which the hips sink and rise, critically damped [1/s]: a leg that lets go must not throw the body up."""
 KNEE_BIAS: Any = np.float32(0.04)
 """Forward bias of the knee direction [m], which decides for a straight knee and matters less for a bent one."""
-SHIFT_X, SHIFT_Z, CONTACT_X, CONTACT_Z, TOES, HELD, LIFT, SPEED_X, SPEED_Z, SPEED_Y, SLIDE, STAND_TIME, RAISE, RAISE_SPEED = (
-    range(14)
-)
+SHIFT_X, SHIFT_Z, CONTACT_X, CONTACT_Z, TOES, HELD, LIFT, SPEED_X, SPEED_Z, SPEED_Y, SLIDE, STAND_TIME = range(12)
+RAISE, RAISE_SPEED, DROP, DROP_SPEED = range(12, 16)
 """Columns of a foot: shift [m] at the last tick, the position [m] of the contact point in the clip then, weight of the
 toes in the contact point (the rest is the ankle), 1 while held and 0 while free, lift [m] that put the foot on the
 floor when it was held; and, internal to the lock, speeds of shift and lift [m/s], slide [m] during clip contact, its
-duration [s], and how high a fast foot is raised [m], with the speed of that [m/s]."""
-FOLLOWED_COLUMNS, LOCK_COLUMNS = 7, 14
-CLEARANCE, CLEARANCE_SOFTNESS, OFFSET_X, OFFSET_Z, FEET_COLUMNS = 7, 8, 9, 10, 11
-"""The first seven columns give the foot's target. Four more are for drawing: minimum height [m], because one of the
-blended clips has the foot in the air, the distance [m] over which that minimum sets in smoothly, and how far the
-footstep plan has the foot from its place in the clip [m]."""
+duration [s], how high a fast foot is raised, and by how much the hips sink for this leg [m], with their speeds [m/s]."""
+FOLLOWED_COLUMNS, LOCK_COLUMNS = 7, 16
+CLEARANCE, CLEARANCE_SOFTNESS, OFFSET_X, OFFSET_Z, HIP_DROP, FEET_COLUMNS = range(7, 13)
+"""The first seven columns give the foot's target. Five more are for drawing: minimum height [m], because one of the
+blended clips has the foot in the air, the distance [m] over which that minimum sets in smoothly, how far the footstep
+plan has the foot from its place in the clip [m], and by how much the hips sink for its leg [m]."""
 UNLOCK_DISTANCE: Any = np.float32(0.4)
 LOCK_DISTANCE: Any = np.float32(0.2)
 JUMP_DISTANCE: Any = np.float32(0.5)
@@ -123,22 +124,17 @@ def _ankle_goal(
         leg[_GOAL + 2, i] = az + asked[OFFSET_Z, i] + dz * scale
 
 
-@inline_kernel
-def _drop_pelvis(drop: Float32, leg: Float32, whole: float) -> None:
-    """Compute the hips' `drop` (BLOCK,) [m] such that a leg of length `whole` nearly reaches its goal.
+@kernel("f4(f4, f4, f4, f4, f4)")
+def hip_drop(leg: float, flat: float, height: float, own: float, room: float) -> float:
+    """Return by how much the hips must sink so that a leg of length `leg` nearly reaches its goal [m].
 
-    The drop starts smoothly and approaches PELVIS_DROP: with a hard limit it would stop abruptly and the knee would
-    snap.
+    The goal is `flat` [m] beside the hip and `height` [m] below it; `own` [m] is the leg's length in the clip. The drop
+    starts smoothly and approaches `room` [m]: with a hard limit it would stop abruptly and the knee would snap.
     """
-    for i in range(BLOCK):
-        hx, hy, hz = leg[_HIP + 4, i], leg[_HIP + 5, i], leg[_HIP + 6, i]
-        ex, ey, ez = leg[_ANKLE + 4, i] - hx, leg[_ANKLE + 5, i] - hy, leg[_ANKLE + 6, i] - hz
-        limit = max(whole - LENGTH_BUFFER - _HALF * STRAIGHTENING_RANGE, math.sqrt(ex * ex + ey * ey + ez * ez))
-        gx, gy, gz = leg[_GOAL, i] - hx, leg[_GOAL + 1, i] - hy, leg[_GOAL + 2, i] - hz
-        reach = math.sqrt(max(limit * limit - gx * gx - gz * gz, _ZERO))
-        missing = max(-gy - reach, _ZERO)
-        missing = missing * missing / (missing + _ONSET)
-        drop[i] = max(drop[i], missing * PELVIS_DROP / (missing + PELVIS_DROP))
+    limit = max(leg - LENGTH_BUFFER - _HALF * STRAIGHTENING_RANGE, own)
+    missing = max(height - math.sqrt(max(limit * limit - flat * flat, _ZERO)), _ZERO)
+    missing = missing * missing / (missing + _ONSET)
+    return missing * room / (missing + room)
 
 
 @inline_kernel
@@ -200,7 +196,7 @@ def lock_legs(
 ) -> None:
     """Apply the foot lock to a block: feet to their targets, hips slightly lowered if a leg is too short.
 
-    `feet` (A, 2, 11): targets; `legs` (8,): hip, knee, ankle and toes of the left and the right leg; `sole` and
+    `feet` (A, 2, 12): targets; `legs` (8,): hip, knee, ankle and toes of the left and the right leg; `sole` and
     `toes_over_sole` [m]: heights of ankle and toe joint of a standing foot. Unlock radius, length buffer and two-bone
     legs as in Holden's Motion-Matching; without branches and trigonometry, so that blocks are vectorized.
     """
@@ -214,8 +210,9 @@ def lock_legs(
     upper, lower = _length(offsets, legs[1]), _length(offsets, legs[2])
     _ankle_goal(left, asked, feet, 0, sole, toes_over_sole, start, stop)
     _ankle_goal(right, asked, feet, 1, sole, toes_over_sole, start, stop)
-    _drop_pelvis(drop, left, upper + lower)
-    _drop_pelvis(drop, right, upper + lower)
+    for i in range(BLOCK):
+        n = min(start + i, stop - 1)
+        drop[i] = max(max(feet[n, 0, HIP_DROP], feet[n, 1, HIP_DROP]), _ZERO)
     _solve_leg(left, drop, upper, lower)
     _solve_leg(right, drop, upper, lower)
     for j in range(world.shape[0]):
@@ -228,14 +225,14 @@ def lock_legs(
                 world[legs[4 + j], c, i] = right[7 * j + c, i]
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1], b1[:,::1], f4, f4, f4)")
+@kernel("void(f4[:,:,::1], f4[:,:,::1], b1[:,::1], f4, f4, f4, f4)")
 def update_lock(
-    lock: Float32, leg_position: Float32, contact: Bool, sole: float, toes_over_sole: float, dt: float
+    lock: Float32, leg_position: Float32, contact: Bool, leg: float, sole: float, toes_over_sole: float, dt: float
 ) -> None:
-    """Advance the foot lock of A dancers by one tick: `lock` (A, 2, 14) follows the unlocked feet.
+    """Advance the foot lock of A dancers by one tick: `lock` (A, 2, 16) follows the unlocked feet.
 
     `leg_position` (A, 9, 3) [m]: hips, then hip, knee, ankle and toes of the left and the right leg in the clips;
-    `contact` (A, 2): whether the clips have the foot on the floor. During contact the contact point is held: the shift
+    `contact` (A, 2): whether the clips have the foot on the floor; `leg` [m]: length of a leg. During contact the contact point is held: the shift
     compensates its movement exactly. The contact point is the lower one of ankle and toes, so the foot may roll from
     heel to ball. A foot shifted too far is released. Free feet return to their clip, critically damped from their
     current speed: horizontally, and downwards if a blended clip had to be lifted to stand on the floor.
@@ -277,6 +274,16 @@ def update_lock(
             bend = row[RAISE_SPEED] + (row[RAISE] - wanted) * RAISE_RATE
             row[RAISE] = wanted + fall * (row[RAISE] - wanted + bend * dt)
             row[RAISE_SPEED] = fall * (row[RAISE_SPEED] - bend * RAISE_RATE * dt)
+            hip = leg_position[n, 1 + 4 * side]
+            away_x, away_y, away_z = ankle[0] - hip[0], ankle[1] - hip[1], ankle[2] - hip[2]
+            own = math.sqrt(away_x * away_x + away_y * away_y + away_z * away_z)
+            away_x, away_z = away_x + row[SHIFT_X], away_z + row[SHIFT_Z]
+            flat = math.sqrt(away_x * away_x + away_z * away_z)
+            wanted = hip_drop(leg, flat, -away_y - row[RAISE], own, PELVIS_DROP)
+            fall = math.exp(-DROP_RATE * dt)
+            bend = row[DROP_SPEED] + (row[DROP] - wanted) * DROP_RATE
+            row[DROP] = wanted + fall * (row[DROP] - wanted + bend * dt)
+            row[DROP_SPEED] = fall * (row[DROP_SPEED] - bend * DROP_RATE * dt)
             followed = (
                 row[CONTACT_X] != _ZERO or row[CONTACT_Z] != _ZERO
             )  # false if this foot has not been followed yet
@@ -298,13 +305,14 @@ Float64 = npt.NDArray[np.float64]
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], f4)")
 def extrapolate_feet(feet: Float32, lock: Float32, age: float) -> None:
-    """Write `feet` (A, 2, 11) from the lock state `lock` (A, 2, 14), `age` [s] after its tick; free feet are
+    """Write `feet` (A, 2, 12) from the lock state `lock` (A, 2, 16), `age` [s] after its tick; free feet are
     extrapolated."""
     for n in range(lock.shape[0]):
         for side in range(2):
             row, out = lock[n, side], feet[n, side]
             for c in range(FOLLOWED_COLUMNS):
                 out[c] = row[c]
+            out[HIP_DROP] = row[DROP] + age * row[DROP_SPEED]
             free = age * (np.float32(1.0) - row[HELD])
             out[SHIFT_X] += free * row[SPEED_X]
             out[SHIFT_Z] += free * row[SPEED_Z]
@@ -313,7 +321,7 @@ def extrapolate_feet(feet: Float32, lock: Float32, age: float) -> None:
 
 @kernel("f4(f4[:,:,::1])")
 def farthest_shift(lock: Float32) -> float:
-    """Return the largest shift [m] of any foot of `lock` (A, 2, 14) along x or z."""
+    """Return the largest shift [m] of any foot of `lock` (A, 2, 16) along x or z."""
     most: float = np.float32(0.0)  # type: ignore[assignment]
     for n in range(lock.shape[0]):
         for side in range(2):

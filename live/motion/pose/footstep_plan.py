@@ -39,7 +39,7 @@ STANDING_MARGIN: Final = 0.08
 """Maximum correction [m] if no foot can be lifted: both are held against it."""
 LENGTH_BUFFER: Final = 0.015
 """A leg is never stretched beyond its length minus this [m] (as in the pose kernels)."""
-PELVIS_DROP: Final = 0.015
+PELVIS_DROP: Final = 0.025
 """Allowed drop of the hips [m]: half of what the pose kernels allow."""
 SLIDE_DISTANCE: Final = 0.2
 """A foot that moves this far [m] during annotated contact is not planted in the clip itself."""

@@ -265,8 +265,8 @@ def shift_feet(leg_position: Float32, foot_offset: Float32) -> None:
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4)")
 def set_steps(feet: Float32, foot_offset: Float32, lock: Float32, age: float) -> None:
-    """Write the `foot_offset` (A, 2, 3) of the footstep plans to the columns of `feet` (A, 2, 11), and the clearance of
-    feet that they lift or that the `lock` (A, 2, 14) raises, `age` [s] after its tick."""
+    """Write the `foot_offset` (A, 2, 3) of the footstep plans to the columns of `feet` (A, 2, 12), and the clearance of
+    feet that they lift or that the `lock` (A, 2, 16) raises, `age` [s] after its tick."""
     for n in range(feet.shape[0]):
         for foot in range(2):
             feet[n, foot, OFFSET_X], feet[n, foot, OFFSET_Z] = foot_offset[n, foot, 0], foot_offset[n, foot, 1]
@@ -298,7 +298,7 @@ def standing_feet(out: Bool, sample: Float64, share: Float32, contact: Bool, foo
 
 @kernel("void(f4[:,:,::1], f8[:,::1], f4[:,::1], f4[:,::1])")
 def set_clearance(feet: Float32, sample: Float64, share: Float32, height: Float32) -> None:
-    """Set the minimum foot heights where clips are mixed or blended: columns CLEAR and ROUND of `feet` (A, 2, 11).
+    """Set the minimum foot heights where clips are mixed or blended: columns CLEAR and ROUND of `feet` (A, 2, 12).
 
     The blend of a standing and a swinging foot would drag over the floor at a fraction of the swing's height. A foot is
     therefore as high as the highest of its clips, up to MAX_CLEARANCE, by the sole `height` (S, 2) [m] of all samples.

@@ -275,7 +275,7 @@ def desire_corrections(
 
 @kernel("void(f4[:,:,::1], f8[:,:,::1])")
 def held_foot_shifts(lock: Float32, held: Float64) -> None:
-    """Compute the shift of each held foot of the lock (A, 2, 14) from its clip, `held` (A, 2, 2) [m]; 0 for free
+    """Compute the shift of each held foot of the lock (A, 2, 16) from its clip, `held` (A, 2, 2) [m]; 0 for free
     feet."""
     for n in range(lock.shape[0]):
         for foot in range(2):
@@ -304,7 +304,7 @@ def limit_desired(
 ) -> None:
     """Limit wishes to the reach margin, as `limit_corrections` does, and keep dancers who are `on` the stage on it.
 
-    `placement` and `correction` (A, 3) of the current clips, `lock` (A, 2, 14) of the feet, `share` (A,) and the others
+    `placement` and `correction` (A, 3) of the current clips, `lock` (A, 2, 16) of the feet, `share` (A,) and the others
     as there; `state` (A,) and `room` (A, 2) as in `clamp_ends`.
     """
     yaw, held = np.empty(node.shape[0]), np.empty((node.shape[0], 2, 2))
