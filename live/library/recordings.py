@@ -18,6 +18,7 @@ from live.library.motion_file import MAX_BYTES, read_motion
 from live.library.motion_formats import companion_suffix, installed_formats
 from live.library.recording_file import (
     Problem,
+    Recording,
     RecordingEntry,
     RecordingError,
     StepFiles,
@@ -153,7 +154,10 @@ def cut_recording(entry: RecordingEntry, clip: Clip) -> list[StepClip]:
 
 
 def cut_stream(entry: RecordingEntry, clip: Clip) -> list[StepClip]:
-    """Return the measures of a stream from `start_measure` on: the number in `measures`, else all whole ones."""
+    """Return the measures of a stream from `start_measure` on: the number in `measures`, else all whole ones.
+
+    A first measure with less than a beat recorded before it is left out if others follow.
+    """
     recording = entry.recording
     for field in STEP_ONLY_FIELDS:
         if field in recording.model_fields_set:
@@ -162,10 +166,16 @@ def cut_stream(entry: RecordingEntry, clip: Clip) -> list[StepClip]:
     cut_step(
         _with_measures(entry, recording.start_measure, count), clip
     )  # raises the error for a stream that is too long as a whole
+    # a measure without a beat recorded before it would start from a standstill in every blend into it
+    bare = recording.first_beat_s + (recording.start_measure - 1) * _measure_s(recording) < 60.0 / recording.bpm - 1e-6
     return [
         replace(cut_step(_with_measures(entry, recording.start_measure + n, 1), clip), in_stream=True)
-        for n in range(count)
+        for n in range(1 if bare and count > 1 else 0, count)
     ]
+
+
+def _measure_s(recording: Recording) -> float:
+    return recording.beats_per_measure * 60.0 / recording.bpm
 
 
 def _whole_measures(entry: RecordingEntry, clip: Clip) -> int:
