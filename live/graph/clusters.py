@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from live.base.arrays import Bool, Float64, Int32
+from live.graph.build.components import largest_component, strong_components
 from live.graph.build.metric import FlatClouds
 from live.graph.build.transitions import Boundaries, JoinSettings, find_joins
-from live.graph.motion_graph import MotionGraph, largest_component, strong_components
+from live.graph.motion_graph import MotionGraph
 from live.graph.step_library import StepLibrary
 from live.graph.structure_rules import initial_side, may_follow_between, plain_pose
 

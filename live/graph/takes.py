@@ -1,12 +1,12 @@
 """Takes: other clips of the same step that may be mixed into a measure, live (T044-T047)."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
 
-from live.base.arrays import Float64, Int32
+from live.base.arrays import Float64, Int32, Int64
 from live.motion.step_clip import StepClip
 
 if TYPE_CHECKING:
@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 
 NO_TAKE = -1
+MAX_TAKES: Final = 64
+"""Takes of one node. Of a measure with more, each has others, evenly over all, so that all of them are mixed in."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -61,6 +63,9 @@ def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = N
         if len(group) < 2 or place[group[0]] < 0:
             continue
         own = clip[group]
+        if len(group) > MAX_TAKES + 1:
+            pairs += _spread_pairs(group, 2 * foot[own] + mirrored[own])
+            continue
         left, right, side = foot[own] == 1, foot[own] == 2, mirrored[own]
         told = (left | right)[:, None] & (left | right)[None]
         same = np.where(told, left[:, None] == left[None], side[:, None] == side[None])
@@ -68,6 +73,19 @@ def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = N
     node, take = np.concatenate(pairs, axis=1)
     start = np.searchsorted(np.sort(node), np.arange(library.node_count + 1))
     return Takes(start.astype(np.int32), take[np.lexsort((take, node))].astype(np.int32))
+
+
+def _spread_pairs(group: Int64, structure: Int64) -> list[Int64]:
+    """Return pairs of node and take (2, n) for each structure in a large group of takes: MAX_TAKES for each at most."""
+    found = []
+    for code in np.unique(structure):
+        nodes = group[structure == code]
+        count = min(MAX_TAKES, len(nodes) - 1)
+        if count:
+            apart = (np.arange(count) * (len(nodes) - 1)) // count + 1
+            other = nodes[(np.arange(len(nodes))[:, None] + apart) % len(nodes)]
+            found.append(np.stack([np.repeat(nodes, count), other.reshape(-1)]))
+    return found
 
 
 def _kind(clip: StepClip) -> tuple[object, ...]:

@@ -1,11 +1,11 @@
 """Blend feasibility of joins: point clouds do not show limb twist or the direction in which a body turns."""
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from live.base.arrays import Bool, Float32, Float64, Int32
-from live.graph.build.blend_kernels import find_blendable
+from live.base.arrays import Float32, Float64, Int64
 
 if TYPE_CHECKING:
     from live.graph.step_library import StepLibrary
@@ -21,33 +21,37 @@ MIN_CHORD: Final = 0.5
 and 0 if they are opposite quaternions mixed half and half."""
 
 
-def can_blend(library: "StepLibrary", window: float, source: Int32, target: Int32, yaw: Float64) -> Bool:
-    """Whether measure `target` can follow `source` (E,) without a joint that spins in the blend, (E,).
+@dataclass(frozen=True, slots=True, eq=False)
+class Blends:
+    """Local rotations of N measures that end and of M that begin, at the K MOMENTS of a blend."""
 
-    `window`: length of the blend as a share of the measure; `yaw` (E,) [rad]: rotation of the target's clip (K001).
-    """
-    out = np.ones(len(source), np.bool_)
-    if not len(source):
-        return out
-    before = (MOMENTS - 1.0) * window
-    weight = MOMENTS * MOMENTS * (3.0 - 2.0 * MOMENTS)
-    find_blendable(
-        _rotations(library, library.node_last, before),
-        _rotations(library, library.node_first, before),
-        np.ascontiguousarray(source, np.int32),
-        np.ascontiguousarray(target, np.int32),
-        np.ascontiguousarray(yaw, np.float64),
-        weight,
-        MIN_ROOT_COSINE,
-        MIN_CHORD,
-        out,
-    )
-    return out
+    end: Float32
+    """Shape (N, K, J, 4)."""
+    start: Float32
+    """Shape (M, K, J, 4)."""
+    weight: Float64
+    """Weight of the measure that begins, (K,)."""
+
+    @classmethod
+    def of(cls, library: "StepLibrary", window: float, first: Int64, second: Int64) -> "Blends":
+        """Those of the nodes `first` (N,) and `second` (M,); `window`: length of a blend as a share of the measure."""
+        before = (MOMENTS - 1.0) * window
+        return cls(
+            _rotations(library, first, library.node_last, before),
+            _rotations(library, second, library.node_first, before),
+            MOMENTS * MOMENTS * (3.0 - 2.0 * MOMENTS),
+        )
+
+    @classmethod
+    def none(cls, first: int, second: int) -> "Blends":
+        """No moments: every pair of `first` and `second` measures can be blended."""
+        return cls(np.empty((first, 0, 1, 4), np.float32), np.empty((second, 0, 1, 4), np.float32), np.empty(0))
 
 
-def _rotations(library: "StepLibrary", line: Float64, before: Float64) -> Float32:
-    """Return local rotations at the samples nearest to `before` (K,) measures from the `line` (N,), (N, K, J, 4)."""
-    length = (library.node_last - library.node_first)[:, None]
-    sample = np.maximum(line[:, None] + before * length, library.node_lead[:, None])
+def _rotations(library: "StepLibrary", nodes: Int64, line: Float64, before: Float64) -> Float32:
+    """Return local rotations of `nodes` (n,) at the samples nearest to `before` (K,) measures from the `line` (N,), (n,
+    K, J, 4)."""
+    length = (library.node_last[nodes] - library.node_first[nodes])[:, None]
+    sample = np.maximum(line[nodes, None] + before * length, library.node_lead[nodes, None])
     rows = np.clip(np.round(sample).astype(np.int64), 0, len(library.clip_rotation) - 1)
     return np.ascontiguousarray(library.clip_rotation[rows])

@@ -10,7 +10,6 @@ from live.agents.separation.path_separation import Paths, PathSeparation
 from live.base.arrays import Float64, Int64
 from live.base.motion_parameters import OBEDIENCE
 from live.clock.ticks import TICK
-from live.motion.pose.root_warp import MAX_HELD_SHIFT
 from live.motion.pose.root_warp_kernels import (
     DESIRED,
     PLAN,
@@ -21,6 +20,7 @@ from live.motion.pose.root_warp_kernels import (
     follow_goals,
     limit_desired,
 )
+from live.motion.pose.warp_curve_kernels import MAX_HELD_SHIFT
 from live.show.dancers.hip_path_prediction import trace_paths
 from live.show.dancers.measure_state import MIN_REMAINING_WARP
 from live.show.dancers.root_correction import MIN_CORRECTION_SHARE, RootCorrection, consecutive_slices

@@ -16,8 +16,8 @@ from live.agents.separation.path_separation import PathSeparation
 from live.base.arrays import Float32, Float64
 from live.base.motion_parameters import OBEDIENCE
 from live.motion.capture.capture_blend_kernels import translate_plans
-from live.motion.pose.root_warp import MAX_HELD_SHIFT
 from live.motion.pose.root_warp_kernels import compute_corrections, compute_references, end_distances
+from live.motion.pose.warp_curve_kernels import MAX_HELD_SHIFT
 from live.show.dancers.collision_avoidance import ContactResolver
 from live.show.dancers.correction_update import CorrectionUpdate, NextCorrection
 from live.show.dancers.root_correction import MIN_CORRECTION_SHARE, RootCorrection
