@@ -22,7 +22,7 @@ def varied_measures(shared: Path | None, count: int, seed: int = 1) -> list[Step
     folder = shared or Path(__file__).resolve().parents[2] / "shared"
     own = [measure for each in recordings(folder, FILES) for measure in single_measures(each)]
     chance = np.random.default_rng(seed)
-    return [_varied(own[n % len(own)], chance) for n in range(count)] if own else []
+    return [varied(own[n % len(own)], chance, bool(chance.random() < 0.5)) for n in range(count)] if own else []
 
 
 def single_measures(material: Material) -> list[StepClip]:
@@ -33,9 +33,10 @@ def single_measures(material: Material) -> list[StepClip]:
     return [replace(step, direction=measured_direction(step)) for step in cut]
 
 
-def _varied(step: StepClip, chance: np.random.Generator) -> StepClip:
+def varied(step: StepClip, chance: np.random.Generator, mirrored: bool) -> StepClip:
+    """Return a measure warped in time, its joints held a little differently, and mirrored or not."""
     step = warp_step(step, draw_measure_warps(chance, 1))
-    if chance.random() < 0.5:
+    if mirrored:
         step = mirror_step(step)
     axis = chance.normal(size=(JOINT_COUNT, 3))
     axis /= np.linalg.norm(axis, axis=1)[:, None]

@@ -25,7 +25,7 @@ from live.graph.build.metric import WINDOW_SAMPLES, FlatClouds, Metric, joint_we
 from live.graph.build.nearest_pairs import EdgeLimits, PairCodes, aligned, kept_edges, near_pairs
 from live.graph.step_library import StepLibrary, travel_of, window_samples
 from live.graph.structure_rules import StructureCodes, may_follow_between, structure_codes, variation_codes
-from live.motion.pose.pose_pipeline import PosePipeline
+from live.motion.pose.pose_pipeline import ClipStore, PosePipeline
 from live.motion.skeleton import SKELETON
 
 __all__ = [
@@ -57,13 +57,18 @@ _POSED: Final = 1 << 14
 
 def clouds(library: StepLibrary, samples: Float64) -> Float64:
     """Return world positions of the joints at fractional samples (N, K) of the library, shape (N, K, J, 3) [m]."""
+    return posed(library.store, samples)
+
+
+def posed(store: ClipStore, samples: Float64) -> Float64:
+    """Return world positions of the joints at fractional samples (N, K) of clips, shape (N, K, J, 3) [m]."""
     flat = samples.reshape(-1)
     position = np.empty((len(flat), SKELETON.joint_count, 3))
     pipeline = PosePipeline(min(_POSED, max(len(flat), 1)))
     for begin in range(0, len(flat), _POSED):
         part = flat[begin : begin + _POSED]
         pipeline.sample[0, : len(part)] = part
-        position[begin : begin + len(part)] = pipeline.run(library.store)[0][: len(part)]
+        position[begin : begin + len(part)] = pipeline.run(store)[0][: len(part)]
     return position.reshape(*samples.shape, SKELETON.joint_count, 3)
 
 

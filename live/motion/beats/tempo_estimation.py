@@ -145,8 +145,10 @@ def _fit_landings(rhythm: Rhythm, period: float, fine: float) -> tuple[float, fl
     if they agree.
     """
     time = np.arange(rhythm.foot_deceleration.size) / rhythm.rate
-    tries = period * (1.0 + np.linspace(-fine, fine, 81 if fine else 1))
-    vectors = np.array([np.exp(-2j * np.pi * time / one) @ rhythm.foot_deceleration for one in tries])
+    # neighbours differ by an eighth of a beat over the whole clip at most, or the best would lie between them
+    count = 1 + 2 * max(40, int(8.0 * fine * rhythm.seconds / period)) if fine else 1
+    tries = period * (1.0 + np.linspace(-fine, fine, count))
+    vectors = np.array([np.exp((-2j * np.pi / one) * time) @ rhythm.foot_deceleration for one in tries])
     vectors /= max(float(rhythm.foot_deceleration.sum()), 1e-9)
     lengths = np.abs(vectors)
     best = int(np.argmax(lengths))
@@ -180,6 +182,49 @@ def _first_beat(rhythm: Rhythm, period: float, phase: float, beats_per_measure: 
     contrast = float(means.var()) / total if total > 1e-12 else 0.0
     first = (int(np.argmin(means)) + 1) % beats_per_measure
     return float(beats[first]), contrast
+
+
+STEADY_SECONDS: Final = 60.0
+"""A recording up to this long [s] is taken to keep its tempo."""
+LINE_SMOOTHING: Final = 12.0
+"""Standard deviation of the window in which the phase of the beats is tracked [s]."""
+MAX_TEMPO_CHANGE: Final = 0.08
+"""Largest relative change of tempo that is followed."""
+FOLLOWER_INTERVAL: Final = 0.1
+"""Interval at which the tempo is limited [s]."""
+MIN_LINE_SHIFT: Final = 0.1
+"""Distance from an even grid [beats] up to which the grid is kept."""
+
+
+def track_lines(clip: Clip, reference: MusicReference, beats_per_measure: int) -> Float64:
+    """Return the measure lines [s] of a recording whose tempo was guessed from its feet, (measures + 1,).
+
+    Nobody keeps a tempo for half an hour: in a long recording the phase of the landings is followed. The lines are even
+    in a short one, in one that does keep its tempo, and in one where there is nothing to follow.
+    """
+    period = 60.0 / reference.bpm
+    even = np.arange(reference.first_beat_s, clip.seconds + 1e-9, period)
+    if clip.seconds > STEADY_SECONDS:
+        tracked = _tracked_beats(find_rhythm(clip), reference.first_beat_s, period)
+        count = min(len(even), len(tracked))
+        if count and np.abs(tracked[:count] - even[:count]).max() > MIN_LINE_SHIFT * period:
+            even = tracked
+    return np.asarray(even[: (len(even) - 1) // beats_per_measure * beats_per_measure + 1 : beats_per_measure])
+
+
+def _tracked_beats(rhythm: Rhythm, first: float, period: float) -> Float64:
+    """Return beats [s] from `first` on that follow the landings, as a wave of about `period` [s] would."""
+    time = np.arange(rhythm.foot_deceleration.size) / rhythm.rate
+    wave = rhythm.foot_deceleration * np.exp((-2j * np.pi / period) * time)
+    wide = LINE_SMOOTHING * rhythm.rate
+    read = gaussian_smooth(wave.real, wide) + 1j * gaussian_smooth(wave.imag, wide)
+    heard = time / period + np.unwrap(np.angle(read)) / (2.0 * np.pi)
+    at = np.arange(first, time[-1], FOLLOWER_INTERVAL)
+    turns = np.interp(at, time, heard)
+    least, most = (FOLLOWER_INTERVAL / period * (1.0 + sign * MAX_TEMPO_CHANGE) for sign in (-1, 1))
+    for n in range(1, len(turns)):  # where the phase jumps the beats go over to it, no faster than a tempo changes
+        turns[n] = turns[n - 1] + min(max(turns[n] - turns[n - 1], least), most)
+    return np.asarray(np.interp(np.arange(turns[0], turns[-1], 1.0), turns, at)) if len(turns) else np.zeros(0)
 
 
 SHORTEST_TWO_BEATS: Final = 0.6
