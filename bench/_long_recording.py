@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from bench._recorded_measures import varied
-from live.base.arrays import Int32
+from live.base.arrays import Bool, Float, Int32
 from live.motion import quaternion
 from live.motion.clip import Clip, read_clip
 from live.motion.step_clip import StepClip
@@ -35,7 +35,8 @@ def long_recording(dances: Sequence[Sequence[StepClip]], measures: int, bpm: flo
     first = np.cumsum([0, *map(len, dances)])
     samples = round(240.0 / bpm * RATE)
     bpm = 240.0 / samples * RATE  # a whole number of samples, so that the tempo is exact
-    parts, identity = [], []
+    parts: list[tuple[Float, Float, Bool]] = []
+    identity: list[int] = []
     place, yaw = np.zeros(3), 0.0
     while len(parts) < measures:
         dance = int(chance.integers(len(dances)))

@@ -54,8 +54,8 @@ def measures_of(clips: Sequence[Clip], lines: Sequence[Float64], beats: int) -> 
     total = sum(len(line) - 1 for line in lines)
     if total > MAX_MEASURES:
         raise ValueError(f"{total} measures; at most {MAX_MEASURES} can be compared with each other")
-    arrays = (np.concatenate(part) for part in zip(*parts, strict=True))
-    return Measures(*arrays, beats=beats)
+    recording, number, pose, contact, seconds = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return Measures(recording, number, pose, contact, seconds, beats)
 
 
 def _measures(number: int, clip: Clip, lines: Float64, beats: int) -> tuple[Int32, Int32, Float64, Bool, Float64]:

@@ -15,7 +15,7 @@ ALIKE: Final = 0.11
 """Measures nearer than this on average [m] are the same."""
 LONGEST: Final = 4
 """Most measures of a step."""
-BOUND_SHARE: Final = 0.6
+BOUND_SHARE: Final = 0.75
 """Share of the occurrences of two steps that must follow each other if they are to be one."""
 
 
