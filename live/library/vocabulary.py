@@ -119,14 +119,12 @@ def find_vocabulary(
     `fields` are those of every recording; `beats` finds what they do not say. Names of steps in the `library` are not
     used. PersonError names the file that cannot be read or has no whole measure.
     """
-    reader = RecordingReader()
     takes = []
-    for file in files:
+    for file in {file.resolve(): file for file in files}.values():
         told, comments, guess = beats(file, {"name": "found", **fields})
         entry = request_entry(file, told)
-        clip = reader.clip(entry)
+        clip = RecordingReader().clip(entry)
         takes.append(Take(entry, comments, clip, _measure_lines(entry, clip, guess)))
-        reader = RecordingReader()  # the file's motion is not kept
     try:
         measures = measures_of([take.clip for take in takes], [take.lines for take in takes], _beats_of(takes))
     except ValueError as error:

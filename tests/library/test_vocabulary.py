@@ -21,6 +21,7 @@ from live.motion.formats.bvh_writer import write_bvh
 from live.motion.mirror import mirror_step
 from live.show.patch.patch_search_path import PATCHES
 from tests.cli.command import run_live
+from tests.motion.formats.made_bvh import body_bvh, dance_values
 
 RATE, BPM = 60.0, 120.0
 SAMPLES = 120
@@ -159,6 +160,17 @@ def test_two_recordings_share_their_steps(tmp_path: Path, sketches, take: Path) 
     added = add_vocabulary(tmp_path / "library", found, found.steps)
     assert [toml.name for toml in added.tomls] == ["rehearsal.toml", "second.toml"]
     assert len(load_folder(tmp_path / "library")) == added.cuts
+
+
+def test_dancers_of_unlike_skeletons_are_one_vocabulary(tmp_path: Path, take: Path) -> None:
+    """Another program's joints, names and units; a file that is given twice counts once."""
+    other = tmp_path / "other.bvh"
+    other.write_text(body_bvh(dance_values(601)))
+    found = find_vocabulary([take, other, take], {}, on_the_beat)
+    assert [len(one.lines) - 1 for one in found.takes] == [10, 5]
+    assert sum(step.found.measures * len(step.found.starts) for step in found.steps) == 15
+    add_vocabulary(tmp_path / "library", found, found.steps)
+    assert {clip.clip.rotation.shape[1] for clip in load_folder(tmp_path / "library")} == {22}
 
 
 def test_a_recording_shorter_than_a_measure_is_refused(tmp_path: Path, take: Path) -> None:

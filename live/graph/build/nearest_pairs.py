@@ -5,7 +5,7 @@ node `EdgeLimits` keeps the nearest way into every step first, then into every v
 of travel), then the second nearest into each, and so on: variety before number. So a step that could follow directly
 still can, and a dancer still finds a way in every direction. Of each node also the nearest ways *into* it are kept, so
 that none is left out because better ones lie beside it. What the whole graph connects and these edges do not is
-connected by `transitions.find_links`.
+connected by links (`find_joins`).
 
 The rule needs no memory of what it left out: an edge that it refuses among some nodes it refuses among more. So nodes
 can be inserted later with the same result.
