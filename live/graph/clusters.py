@@ -130,7 +130,7 @@ class Successor:
     distance_m: float
     """Distance of the nearest pair of measures [m] (T034)."""
     pairs: int
-    """Joins between variations of the two steps."""
+    """Joins between variations of the two steps, as many as a graph keeps."""
 
 
 def successors(library: StepLibrary, step: int, *, window: float = 0.1875, threshold: float = 0.16) -> list[Successor]:

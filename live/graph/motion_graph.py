@@ -67,7 +67,7 @@ class MotionGraph:
     missing: tuple[str, ...]
     """Steps that cannot be both entered and left, as texts."""
     joins: Joins
-    """All pairs that may follow each other, those of pruned nodes included; used when the graph grows."""
+    """The pairs that may follow each other and are kept, those of pruned nodes included; used when the graph grows."""
     boundaries: Boundaries
     """The point clouds at both ends of each measure, kept for the same purpose."""
     rule: JoinSettings
