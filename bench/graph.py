@@ -3,6 +3,7 @@
 import gc
 import math
 import time
+import tracemalloc
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from bench._recorded_measures import varied_measures
 from bench._show import crowd
 from live.base.event_queue import EventQueue
 from live.base.jit import kernel
@@ -18,18 +20,19 @@ from live.cli.bench import Row
 from live.clock.time_source import ManualClock
 from live.control.events.events import ControlEvent
 from live.graph.build.bridges import BASE_RATE, PosedRecording, find_bridges
+from live.graph.build.components import strong_components
 from live.graph.build.metric import FlatClouds, Metric
-from live.graph.build.nearest_pairs import near_pairs
+from live.graph.build.nearest_pairs import PairCodes, near_pairs
 from live.graph.build.transitions import transition_windows
 from live.graph.library_insert import insert_clips
-from live.graph.motion_graph import MotionGraph, build_graph, strong_components
+from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.step_library import StepLibrary, build_library
 from live.library.step_folder import load_folder
 from live.motion import quaternion
 from live.motion.skeleton import JOINT_COUNT
 from live.motion.step_clip import StepClip
 from live.show.engine import Engine
-from live.show.loader import load_show
+from live.show.loader import RECORDING_THRESHOLDS_M, load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH, PATCHES
 from live.show.view.status import Status
 
@@ -55,6 +58,7 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     take = _measures(1, seed=7)
     joining = _best(lambda: insert_clips(graph, take), 3 * repeats)
     rows.append(Row("a take joins 1,000 measures", 1e3 * joining, "ms", 100.0))
+    rows += _recorded(shared, full)
     rows.append(Row("10,000 measures, all pairs, components", _many(graph, 2 if full else 1), "s", 8.0))
     rows.append(Row("bridge over 30 min of motion, a pair of steps", _bridge(graph, repeats), "s", 1.0))
     for dancers, bar in ((200, 5.0), (1000, 25.0)):
@@ -103,11 +107,10 @@ def _metric(repeats: int) -> list[Row]:
     table = np.empty((300, 300))
     loop = _best(lambda: plain_loop(few, few, metric.points, table), repeats) / table.size
     threshold = math.sqrt(float(np.quantile(table, 0.02)))
-    free = np.full((len(clouds), 2), -1, np.int32)
 
     def ours(count: int) -> int:
         flat = FlatClouds.of(clouds[:count], metric)
-        return len(near_pairs(flat, flat, threshold, (free[:count], free[:count])).row)
+        return len(near_pairs(flat, flat, threshold, PairCodes.free(count, count)).row)
 
     if ours(300) != np.count_nonzero(table <= threshold**2):
         raise AssertionError("the two do not agree")
@@ -146,6 +149,41 @@ def _measures(count: int, seed: int = 1) -> list[StepClip]:
     return found
 
 
+def _recorded(shared: Path | None, full: bool) -> list[Row]:
+    """Graphs of recorded measures, which are all alike: what they cost."""
+    named = {2000: ("2,000 recorded measures", 2.0), 10_000: ("10,000 recorded measures", 15.0)}
+    rows = []
+    for count, (name, bar) in named.items():
+        if count > 2000 and not full:
+            continue
+        clips = varied_measures(shared, count)
+        if not clips:
+            rows.append(Row(f"{name}, clips to edges, CPU (no recordings here)", None, "s", bar))
+            continue
+        times = []
+        for _ in range(1 if count > 2000 else 3):
+            gc.collect()
+            begin = time.process_time()
+            library = build_library(clips)
+            graph = build_graph(library, window=0.25, threshold=max(RECORDING_THRESHOLDS_M))
+            times.append(time.process_time() - begin)
+        rows.append(Row(f"{name}, clips to edges, CPU", min(times), "s", bar))
+        rows.append(Row("its edges", float(graph.edge_count), ""))
+        if count > 2000:
+            continue
+        begin = time.process_time()
+        insert_clips(graph, clips[:1])
+        rows.append(Row(f"a take joins {name}, CPU", 1e3 * (time.process_time() - begin), "ms"))
+        del graph
+        tracemalloc.start()
+        build_graph(library, window=0.25, threshold=max(RECORDING_THRESHOLDS_M))
+        rows.append(
+            Row(f"{name}, the graph's memory at its peak", tracemalloc.get_traced_memory()[1] / 1e6, "MB", 200.0)
+        )
+        tracemalloc.stop()
+    return rows
+
+
 def _library_and_graph(clips: list[StepClip]) -> tuple[StepLibrary, MotionGraph]:
     library = build_library(clips)
     return library, build_graph(library)
@@ -161,10 +199,10 @@ def _many(graph: MotionGraph, repeats: int) -> float:
         return FlatClouds.of(cloud, graph.rule.metric)
 
     ends, starts = (ten(windows) for windows in transition_windows(graph.library, graph.window))
-    free = np.full((len(ends), 2), -1, np.int32)
+    free = PairCodes.free(len(ends), len(starts))
 
     def whole() -> None:
-        pairs = near_pairs(ends, starts, 0.5 * graph.rule.threshold, (free, free))
+        pairs = near_pairs(ends, starts, 0.5 * graph.rule.threshold, free, graph.rule.limits)
         strong_components(len(ends), pairs.row, pairs.column)
 
     return _best(whole, repeats)

@@ -70,7 +70,8 @@ def cache_name(path: Path) -> str:
         digest.update(b"bounds")
     for source in sources_of(path):
         digest.update(source.read_bytes())
-    name = ".".join(path.relative_to(_PACKAGE).with_suffix("").parts)
+    inside = path.relative_to(_PACKAGE) if path.is_relative_to(_PACKAGE) else Path(path.name)  # a bench's kernel is not
+    name = ".".join(inside.with_suffix("").parts)
     return f"{name}-{digest.hexdigest()[:16]}"
 
 

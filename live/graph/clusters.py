@@ -9,9 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from live.base.arrays import Bool, Float64, Int32
+from live.graph.build.components import largest_component, strong_components
 from live.graph.build.metric import FlatClouds
 from live.graph.build.transitions import Boundaries, JoinSettings, find_joins
-from live.graph.motion_graph import MotionGraph, largest_component, strong_components
+from live.graph.motion_graph import MotionGraph
 from live.graph.step_library import StepLibrary
 from live.graph.structure_rules import initial_side, may_follow_between, plain_pose
 
@@ -129,7 +130,7 @@ class Successor:
     distance_m: float
     """Distance of the nearest pair of measures [m] (T034)."""
     pairs: int
-    """Joins between variations of the two steps."""
+    """Joins between variations of the two steps, as many as a graph keeps."""
 
 
 def successors(library: StepLibrary, step: int, *, window: float = 0.1875, threshold: float = 0.16) -> list[Successor]:

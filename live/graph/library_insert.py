@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Int32
-from live.graph.build.transitions import Boundaries, extend_joins
+from live.graph.build.transitions import Boundaries, extend_joins, reduce_joins
 from live.graph.motion_graph import MotionGraph, graph_of
 from live.graph.node_features import NodeFacts, node_facts
 from live.graph.step_library import build_library, joined_library
@@ -42,7 +42,8 @@ def without_clips(graph: MotionGraph, clips: Iterable[int]) -> MotionGraph:
     A dancer in one of them finishes the step and continues as before. Indices stay. ValueError if nothing is left.
     """
     leaving = graph.leaving | np.isin(graph.library.node_clip, list(clips))
-    return graph_of(graph.library, graph.boundaries, graph.joins, facts_of(graph), graph.rule, leaving)
+    joins = reduce_joins(graph.library, graph.boundaries, graph.joins, leaving, graph.rule)
+    return graph_of(graph.library, graph.boundaries, joins, facts_of(graph), graph.rule, leaving)
 
 
 def facts_of(graph: MotionGraph) -> NodeFacts:

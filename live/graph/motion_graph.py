@@ -5,7 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from live.base.arrays import Bool, Float64, Int32
+from live.graph.build.components import largest_component
 from live.graph.build.metric import Metric
+from live.graph.build.nearest_pairs import EdgeLimits
 from live.graph.build.transitions import Boundaries, Joins, JoinSettings, find_joins, retime_library
 from live.graph.distance_kernels import count_hops, reverse_edges
 from live.graph.node_features import Moments, NodeFacts, node_facts
@@ -67,7 +69,7 @@ class MotionGraph:
     missing: tuple[str, ...]
     """Steps that cannot be both entered and left, as texts."""
     joins: Joins
-    """All pairs that may follow each other, those of pruned nodes included; used when the graph grows."""
+    """The pairs that may follow each other and are kept, those of pruned nodes included; used when the graph grows."""
     boundaries: Boundaries
     """The point clouds at both ends of each measure, kept for the same purpose."""
     rule: JoinSettings
@@ -100,6 +102,7 @@ def build_graph(
     metric: Metric | None = None,
     prune: bool = True,
     interval: float = 0.0,
+    limits: EdgeLimits | None = None,
 ) -> MotionGraph:
     """Connect the measures of a library.
 
@@ -108,10 +111,12 @@ def build_graph(
     the next, without cost (T039). Named poses in which steps begin and end must agree (T136), and a step that transfers
     the weight is repeated on the other side (T135). Dead ends are pruned (T037); with `prune` False they stay, for
     searches that fix the end of a dance (T064). `interval`: share of a measure by which steps may end and begin off its
-    line (T140); the graph's library has the moved lines. ValueError if no two measures connect, unless nothing is
-    pruned, or for more edges than fit into memory.
+    line (T140); the graph's library has the moved lines. `limits`: how many of each node's edges are kept, the nearest.
+    ValueError if no two measures connect, unless nothing is pruned.
     """
-    rule = JoinSettings(window, threshold, Metric.of() if metric is None else metric, prune)
+    rule = JoinSettings(
+        window, threshold, Metric.of() if metric is None else metric, EdgeLimits() if limits is None else limits, prune
+    )
     library = retime_library(library, rule, interval)
     boundaries = Boundaries.of(library, rule)
     joins = find_joins(library, boundaries, rule)
@@ -184,25 +189,6 @@ def _missing(library: StepLibrary, alive: Bool, threshold: float) -> tuple[str, 
         for name, lively in zip(library.steps, lives, strict=True)
         if not lively
     )
-
-
-def strong_components(count: int, source: Int32, target: Int32) -> Int32:
-    """Return the strongly connected component of each of `count` nodes (N,), for edges sorted by source (T037)."""
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import connected_components
-
-    start = np.searchsorted(source, np.arange(count + 1)).astype(np.int32)
-    table = csr_array((np.ones(len(source)), target.astype(np.int32), start), shape=(count, count))
-    return np.asarray(connected_components(table, directed=True, connection="strong")[1], np.int32)
-
-
-def largest_component(count: int, source: Int32, target: Int32) -> Bool:
-    """Return the nodes of the largest strongly connected component, shape (N,): dead ends are pruned (T037)."""
-    label = strong_components(count, source, target)
-    size = np.bincount(label)
-    lives = np.zeros(len(size), np.bool_)  # a single node without a self-loop is a component, but allows no dance
-    lives[label[source[label[source] == label[target]]]] = True
-    return np.asarray(label == np.argmax(size + lives * len(label)), np.bool_)
 
 
 def _hops(library: StepLibrary, edges: Joins, alive: Bool) -> Int32:

@@ -5,21 +5,20 @@ Motion-Matching) compares a body with all frames. Here only frames of the same p
 stay on the beat. Features are relative to the hips and the body's heading.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from live.base.arrays import Bool, Float, Float32, Float64, Int32
 from live.graph.build.metric import WINDOW_SAMPLES
-from live.graph.build.transitions import clouds, transition_windows
+from live.graph.build.transitions import clouds
 from live.graph.step_library import StepLibrary, window_samples
-from live.motion.editing.foot_correction import ANKLES, BALLS, Feet
+from live.motion.editing.foot_correction import ANKLES, BALLS
 from live.motion.editing.turn_insertion import support_turn_rows
-from live.motion.pose.pose_pipeline import PosePipeline, PoseSkeleton
+from live.motion.pose.foot_lock import LEG_JOINTS, leg_positions
 from live.motion.pose.footstep_plan import MeasurePlans, plan_measures
 from live.motion.skeleton import SKELETON
-from live.motion.step_clip import StepClip
 
 MOMENTS_PER_BEAT: Final = 4
 """Moments per beat."""
@@ -78,17 +77,25 @@ class Moments:
         return out
 
 
+_NODES: Final = 256
+"""Nodes that are posed at a time."""
+
+
 def moments_of(library: StepLibrary) -> Moments:
     """Return the moments of all nodes of a library."""
     count = MOMENTS_PER_BEAT * library.beats_per_measure + 1
     size = ((library.node_last - library.node_first) * SPEED_INTERVAL)[:, None]
     sample = window_samples(library.node_first, library.node_last, count)
     back = np.where(np.arange(count)[None] > 0, -size, size)  # before the moment, but not before the measure begins
-    now, then = clouds(library, sample), clouds(library, sample + back)
     per_measure = np.where(np.arange(count) > 0, 1.0, -1.0)[None, :, None, None] / SPEED_INTERVAL
     stands = library.clip_contact[np.rint(sample).astype(np.int64)]
-    feature, hips, facing = body_features(now, (now - then) * per_measure, stands)
-    return Moments(np.ascontiguousarray(feature, np.float32), hips, facing)
+    parts = []
+    for begin in range(0, library.node_count, _NODES):
+        own = slice(begin, begin + _NODES)
+        now, then = clouds(library, sample[own]), clouds(library, sample[own] + back[own])
+        feature, hips, facing = body_features(now, (now - then) * per_measure, stands[own])
+        parts.append((feature.astype(np.float32), hips, facing))
+    return Moments(*(np.concatenate(part) for part in zip(*parts, strict=True)))
 
 
 def body_features(position: Float, speed: Float, stands: Bool) -> tuple[Float64, Float64, Float64]:
@@ -126,7 +133,10 @@ def _turned(vectors: Float, yaw: Float64) -> Float64:
     return np.stack([x * c + z * s, vectors[..., 1], z * c - x * s], axis=-1)
 
 
-TURN_SOFTNESS = 0.3
+HIPS: Final = tuple(SKELETON.index(f"{side}UpperLeg") for side in ("left", "right"))
+MOVED: Final = 1e-3
+"""A measure line that differs by more samples from the cut was moved."""
+TURN_SOFTNESS: Final = 0.3
 """Share of a support phase over which a live turn accelerates, and decelerates."""
 
 
@@ -159,8 +169,13 @@ class NodeFacts:
 def node_facts(library: StepLibrary, window: float) -> NodeFacts:
     """Measure all nodes; `window` is the length of a transition as a share of the measure (T036)."""
     facing_start, facing_end, facing_mean = _facing(library, window)
-    turns, quickest = _turns(library, window)
-    plans = _plans(library, window)
+    legs = leg_positions(library.leg_store)
+    hip, ankle, ball = (
+        np.ascontiguousarray(legs[:, np.searchsorted(LEG_JOINTS, own)]) for own in (HIPS, ANKLES, BALLS)
+    )
+    del legs
+    turns, quickest = _turns(library, ankle, ball, window)
+    plans = _plans(library, hip, ankle, window)
     return NodeFacts(
         start=_root_at(library, library.node_first),
         end=_root_at(library, library.node_last),
@@ -177,50 +192,26 @@ def node_facts(library: StepLibrary, window: float) -> NodeFacts:
     )
 
 
-def _turns(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
-    """Return the support turns of every node, (N, 8, 8), and their peak speeds, (N,)."""
-    feet = _feet(library)
-    measures = [(*_measure(library, node), feet[clip]) for node, clip in enumerate(library.node_clip)]
-    return support_turn_rows(measures, window=min(window, 0.9), softness=TURN_SOFTNESS)
+def _turns(library: StepLibrary, ankle: Float32, ball: Float32, window: float) -> tuple[Float64, Float64]:
+    """Return the support turns of every node, (N, 8, 8), and their peak speeds, (N,).
+
+    Measure lines are those of the cut, unless they were moved (T140).
+    """
+    cut = np.array([(clip.first, clip.samples_per_measure) for clip in library.clips])[library.node_clip]
+    first = library.node_lead + cut[:, 0] + library.node_measure * cut[:, 1]
+    size = library.node_last - library.node_first
+    moved = (np.abs(first - library.node_first) > MOVED) | (np.abs(size - cut[:, 1]) > MOVED)
+    first, size = np.where(moved, library.node_first, first), np.where(moved, size, cut[:, 1])
+    return support_turn_rows(
+        library.clips, library.node_clip, first, size, ankle, ball, window=min(window, 0.9), softness=TURN_SOFTNESS
+    )
 
 
-def _plans(library: StepLibrary, window: float) -> MeasurePlans:
+def _plans(library: StepLibrary, hip: Float32, ankle: Float32, window: float) -> MeasurePlans:
     """Return the footstep plan of every node."""
-    legs = _legs(library)
-    hip, ankle = legs[:, (1, 5)], legs[:, (3, 7)]
     measures = list(zip(library.node_first.tolist(), library.node_last.tolist(), strict=True))
     beats, last = library.beats_per_measure, 1.0 - min(window, 0.9)
     return plan_measures(hip, ankle, library.clip_contact, measures, beats=beats, last=last)
-
-
-def _legs(library: StepLibrary) -> Float64:
-    """Return hips, and hip, knee, ankle and toes of both legs at all samples [m], (S, 9, 3), in one pipeline run."""
-    pipeline = PosePipeline(len(library.clip_root), PoseSkeleton.legs_only()[0])
-    pipeline.sample[0] = np.arange(len(library.clip_root))
-    return np.asarray(pipeline.run(library.leg_store)[0], np.float64)
-
-
-def _measure(library: StepLibrary, node: int) -> tuple[StepClip, int]:
-    """Return clip and measure of a node, or the node as a clip of its own if its lines were moved (T140)."""
-    step, measure = library.clips[library.node_clip[node]], int(library.node_measure[node])
-    first = library.node_first[node] - library.node_lead[node]
-    size = library.node_last[node] - library.node_first[node]
-    as_cut = step.first + measure * step.samples_per_measure, step.samples_per_measure
-    if np.allclose((first, size), as_cut, rtol=0.0, atol=1e-3):
-        return step, measure
-    return replace(step, first=float(first), samples_per_measure=float(size), measures=1), 0
-
-
-def _feet(library: StepLibrary) -> list[Feet]:
-    """Return the feet of every clip, in one run of the pose pipeline over all samples."""
-    joints, position = PoseSkeleton.legs_only()[1], _legs(library)
-    ankles, balls = (position[:, np.searchsorted(joints, names)] for names in (ANKLES, BALLS))
-    feet, begin = [], 0
-    for clip in library.clips:
-        own = slice(begin, begin + clip.clip.sample_count)
-        feet.append(Feet(ankles[own], balls[own]))
-        begin = own.stop
-    return feet
 
 
 def _root_at(library: StepLibrary, sample: Float64) -> Float64:
@@ -237,16 +228,26 @@ def _facing(library: StepLibrary, window: float) -> tuple[Float64, Float64, Floa
     The line from the right to the left upper leg and that between the shoulders are averaged, because hips alone sway
     with every step. Means of angles are means of unit vectors.
     """
-    end, start = transition_windows(library, window)
-    whole = clouds(library, window_samples(library.node_first, library.node_last, 4 * WINDOW_SAMPLES))
+    parts = []
+    for begin in range(0, library.node_count, _NODES):
+        first, last, lead = (
+            array[begin : begin + _NODES] for array in (library.node_first, library.node_last, library.node_lead)
+        )
+        length = (last - first) * window
+        start = np.maximum(window_samples(first - length, first, WINDOW_SAMPLES), lead[:, None])
+        end = window_samples(last - length, last, WINDOW_SAMPLES)
+        whole = window_samples(first, last, 4 * WINDOW_SAMPLES)
+        parts.append([_mean_heading(clouds(library, samples)) for samples in (start, end, whole)])
+    at_start, at_end, over_all = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return at_start, at_end, over_all
 
-    def mean(cloud: Float64) -> Float64:
-        total = np.zeros(len(cloud), np.complex128)
-        for left, right in _ACROSS:
-            across = cloud[:, :, left] - cloud[:, :, right]
-            direction = across[..., 0] + 1j * across[..., 2]
-            total += (direction / np.maximum(np.abs(direction), 1e-9)).mean(axis=1)
-        # facing +z, the left side is at +x: heading 0 is direction 1 + 0i, and yaw turns it by exp(-i yaw)
-        return np.ascontiguousarray(-np.angle(total), np.float64)
 
-    return mean(start), mean(end), mean(whole)
+def _mean_heading(cloud: Float64) -> Float64:
+    """Return the mean heading [rad] of clouds (n, K, J, 3), (n,)."""
+    total = np.zeros(len(cloud), np.complex128)
+    for left, right in _ACROSS:
+        across = cloud[:, :, left] - cloud[:, :, right]
+        direction = across[..., 0] + 1j * across[..., 2]
+        total += (direction / np.maximum(np.abs(direction), 1e-9)).mean(axis=1)
+    # facing +z, the left side is at +x: heading 0 is direction 1 + 0i, and yaw turns it by exp(-i yaw)
+    return np.ascontiguousarray(-np.angle(total), np.float64)

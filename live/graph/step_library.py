@@ -125,7 +125,7 @@ def build_library(clips: Sequence[StepClip], refused: Mapping[str, str] | None =
     align_signs(rotation, starts)
     node = np.array(rows, np.float64).T
     begins, ends = np.ascontiguousarray(node[4]), np.ascontiguousarray(node[5])
-    legs = ClipStore.of(root, rotation[:, LEG_JOINTS])
+    legs = ClipStore.of(root, np.take(rotation, LEG_JOINTS, axis=1))
     mean = mean_poses(rotation, begins.astype(np.int64), ends.astype(np.int64))
     return StepLibrary(
         steps=tuple(steps),

@@ -39,6 +39,13 @@ def structure_codes(library: "StepLibrary") -> StructureCodes:
     return StructureCodes(*(np.ascontiguousarray(codes[:, columns]) for columns in ((0, 2), (1, 2))))
 
 
+def variation_codes(library: "StepLibrary") -> Int32:
+    """Return a number for the variation that each of N nodes belongs to: its step, side and direction of travel."""
+    numbers: dict[tuple[str, bool, str], int] = {}
+    codes = [numbers.setdefault((c.step, c.mirrored, c.direction), len(numbers)) for c in library.clips]
+    return np.array(codes, np.int32)[library.node_clip]
+
+
 def may_follow_between(library: "StepLibrary", first: Int64, second: Int64) -> Bool:
     """The same for the nodes `first` (R,) and `second` (M,), shape (R, M)."""
     codes = structure_codes(library)

@@ -26,6 +26,8 @@ neither, and near 180 degrees it flips from one side to the other."""
 MAX_ROOT_ANGLE: Final = np.radians(45.0)
 """The same for how far the hips have turned since the beginning of the measure [rad]: feet that stand in both takes
 would go round in their mixture."""
+MAX_TAKES: Final = 64
+"""Takes of one node. Of a measure with more, each has others, evenly over all, so that all of them are mixed in."""
 BLOCK: Final = 256
 """Measures compared at a time with all others."""
 
@@ -88,6 +90,10 @@ def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = N
                 int(MAX_CONTACTS_DIFFERING * 2 * MOMENTS), np.float32(np.cos(0.5 * MAX_JOINT_ANGLE)),
                 np.float32(np.cos(0.5 * MAX_ROOT_ANGLE)), same,
             )  # fmt: skip
+            for row in np.flatnonzero(same.sum(axis=1) > MAX_TAKES):
+                found = np.flatnonzero(same[row])
+                same[row] = False
+                same[row, found[np.linspace(0, len(found) - 1, MAX_TAKES).astype(np.int64)]] = True
             one, other = np.nonzero(same)
             pairs.append(np.stack([group[first + one], group[other]]))
     node, take = np.concatenate(pairs, axis=1)

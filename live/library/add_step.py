@@ -14,7 +14,7 @@ from typing import Any, Final
 from pydantic import ValidationError
 
 from live.base.errors import PersonError
-from live.library.beat_alignment import GUESS_COMMENT, guessed_fields
+from live.library.beat_alignment import GUESS_COMMENT, SyncRequest, SyncResult, find_sync, guessed_fields
 from live.library.cut_step import cut_step
 from live.library.motion_file import read_bytes
 from live.library.motion_formats import format_by_suffix, format_of
@@ -106,7 +106,7 @@ def known_fields(library: Path, source: Path, given: Mapping[str, Any]) -> tuple
     try:
         files = read_step_files(library)
         entries = [entry for group in files.recordings.values() for entry in group]
-        entry = next((entry for entry in entries if _same_file(entry.path, source)), None)
+        entry = next((entry for entry in entries if same_file(entry.path, source)), None)
     except (OSError, ValueError, PersonError):
         return {}, {}
     known = None if entry is None else entry.recording
@@ -127,6 +127,50 @@ def known_fields(library: Path, source: Path, given: Mapping[str, Any]) -> tuple
     return told, {key: GUESS_COMMENT for key in guessed_fields(entry, files.texts[entry.toml]) if key in told}
 
 
+def with_beats(
+    file: Path,
+    fields: Mapping[str, Any],
+    *,
+    click: float | None = None,
+    count: int | None = None,
+    song: Path | None = None,
+) -> tuple[dict[str, Any], dict[str, str], SyncResult]:
+    """Return the fields with tempo and first beat found, comments for the TOML file on how, and what was found.
+
+    `click`, `count` and `song` as in SyncRequest. PersonError if nothing is found.
+    """
+    by_hand = {key for key in ("bpm", "first_beat_s") if key in fields}
+    recording = request_entry(file, {"bpm": 120.0, "first_beat_s": 0.0, **fields}).recording
+    # a given anchor counts from the file's first frame, unless the dropped frames are given too
+    kept = recording.drop_frames if "drop_frames" in fields or "first_beat_s" in by_hand else None
+    found = find_sync(
+        SyncRequest(
+            file=file,
+            skeleton=None if recording.skeleton is None else Path(recording.skeleton),
+            fps=recording.fps,
+            up=recording.up,
+            drop_frames=kept,
+            click_bpm=click,
+            count=count,
+            song=song,
+            anchor_s=recording.first_beat_s if "first_beat_s" in by_hand else None,
+            bpm=recording.bpm if "bpm" in by_hand else None,
+            beats_per_measure=recording.beats_per_measure,
+        )
+    )
+    told, comments = dict(fields), {}
+    for key, value in (
+        ("bpm", round(found.reference.bpm, 3)),
+        ("first_beat_s", round(found.reference.first_beat_s, 4)),
+    ):
+        if key not in by_hand:
+            told[key], comments[key] = value, found.comment
+    if kept is None and found.drop_frames:
+        told["drop_frames"] = found.drop_frames
+        comments["drop_frames"] = "found: a T-pose was put before the dance"
+    return told, comments, found
+
+
 def refuse_duplicate(library: Path, requested: RequestedEntry) -> None:
     """Raise PersonError if the library already has this cut of this recording under this name."""
     try:
@@ -136,7 +180,7 @@ def refuse_duplicate(library: Path, requested: RequestedEntry) -> None:
             for entry in entries
             if all(_field_value(entry, key) == _field_value(requested, key) for key in CUT_FIELDS)
         ]
-        there = next((entry for entry in same if _same_file(entry.path, requested.path)), None)
+        there = next((entry for entry in same if same_file(entry.path, requested.path)), None)
     except (OSError, ValueError, PersonError):
         return
     if there is not None:
@@ -150,7 +194,8 @@ def _field_value(entry: RecordingEntry, key: str) -> object:
     return getattr(entry.recording, key)
 
 
-def _same_file(path: Path, source: Path) -> bool:
+def same_file(path: Path, source: Path) -> bool:
+    """Whether two files are one, or have the same contents."""
     if path.resolve() == source.resolve():
         return True
     return path.is_file() and path.stat().st_size == source.stat().st_size and path.read_bytes() == source.read_bytes()
@@ -186,29 +231,29 @@ def add_step(
     """
     step = cut_step(entry, (reader or RecordingReader()).clip(entry))
     if not entry.path.resolve().is_relative_to(library.resolve()):
-        _refuse_external_files(entry)
+        refuse_external_files(entry)
     try:
         library.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise PersonError(f"cannot make the library {library}: {error.strerror}", "--library DIR") from None
     made: list[Path] = []
     try:
-        file = _import_file(library, entry.path, made)
+        file = import_file(library, entry.path, made)
         fields = entry.recording.model_dump(exclude_unset=True, exclude_none=True)
         fields["file"] = file.relative_to(library.resolve()).as_posix()
         if entry.skeleton is not None:
-            fields["skeleton"] = _import_file(library, entry.skeleton, made).relative_to(library.resolve()).as_posix()
+            fields["skeleton"] = import_file(library, entry.skeleton, made).relative_to(library.resolve()).as_posix()
         toml = _write_description(library, Path(entry.path.name).stem, fields, comments, made)
     except OSError as error:
-        _remove_files(made)
+        remove_files(made)
         raise PersonError(f"cannot write into the library {library}: {error.strerror}", "--library DIR") from None
     except BaseException:
-        _remove_files(made)
+        remove_files(made)
         raise
     return AddedStep(step, entry, toml, file, copied=file in made)
 
 
-def _refuse_external_files(entry: RequestedEntry) -> None:
+def refuse_external_files(entry: RequestedEntry) -> None:
     """Raise RecordingError for a file with its motion in other files, which would not be copied."""
     file = MotionFile(entry.path, read_bytes(entry.path), read_bytes)
     external = format_of(file.path, file.data).external
@@ -218,24 +263,24 @@ def _refuse_external_files(entry: RequestedEntry) -> None:
         raise entry.error("file", words)
 
 
-def _remove_files(made: list[Path]) -> None:
+def remove_files(made: list[Path]) -> None:
     for path in made:
         path.unlink(missing_ok=True)
 
 
-def _candidate_paths(folder: Path, stem: str, ending: str) -> Iterator[Path]:
+def candidate_paths(folder: Path, stem: str, ending: str) -> Iterator[Path]:
     yield folder / f"{stem}{ending}"
     for number in range(2, MAX_NAMES):
         yield folder / f"{stem}-{number}{ending}"
 
 
-def _import_file(library: Path, source: Path, made: list[Path]) -> Path:
+def import_file(library: Path, source: Path, made: list[Path]) -> Path:
     """Return the file for `source` in the library: itself, one with the same contents, or a copy with a free name."""
     inside, whole = library.resolve(), source.resolve()
     if whole.is_relative_to(inside):
         return whole
     contents = whole.read_bytes()
-    for path in _candidate_paths(inside, source.stem, source.suffix):
+    for path in candidate_paths(inside, source.stem, source.suffix):
         try:
             with path.open("xb") as file:
                 made.append(path)
@@ -251,7 +296,7 @@ def _write_description(
     library: Path, stem: str, fields: Mapping[str, Any], comments: Mapping[str, str] | None, made: list[Path]
 ) -> Path:
     """Write the description to the first of the stem's TOML files that can take it, and return that file."""
-    for path in _candidate_paths(library, stem, ".toml"):
+    for path in candidate_paths(library, stem, ".toml"):
         before = path.read_bytes().decode("utf-8", errors="replace") if path.is_file() else ""
         if path.exists() and ("\ufffd" in before or not path.is_file()):
             continue

@@ -47,6 +47,13 @@ def test_kernels_are_cached_in_the_folder_of_their_file():
     assert jit.JIT_DISABLED or list(folder.rglob("*.nbi"))
 
 
+def test_a_kernel_outside_of_the_package_is_cached_by_its_own_name(tmp_path):
+    """Those of a bench, for example."""
+    file = tmp_path / "bench.py"
+    file.write_text("")
+    assert re.fullmatch(r"bench-[0-9a-f]{16}", jit.cache_name(file))
+
+
 def test_every_kernel_file_is_counted():
     assert kernels.__file__ in [str(path) for path in jit.kernel_files()]
     assert jit.kernel_count() >= 20

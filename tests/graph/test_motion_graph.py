@@ -8,9 +8,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from live.graph.build.components import largest_component
 from live.graph.build.metric import Metric
 from live.graph.build.transitions import all_pairs, transition_windows
-from live.graph.motion_graph import UNREACHABLE, build_graph, largest_component
+from live.graph.motion_graph import UNREACHABLE, build_graph
 from live.graph.step_library import build_library
 from live.graph.structure_rules import may_follow_between
 from tests.fixtures.made_steps import made_clip, made_steps

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from live.graph.step_library import build_library
-from live.graph.takes import NO_TAKE, find_takes
+from live.graph.takes import MAX_TAKES, NO_TAKE, find_takes
+from live.motion.mirror import mirror_step
 from live.motion.step_clip import check_same_structure
 from tests.fixtures.made_steps import made_clip, made_steps
 
@@ -68,3 +69,17 @@ def test_takes_match_pairs_accepted_by_structure_check():
 def test_stream_measures_are_not_takes_of_each_other():
     library = build_library([replace(made_clip("stream"), in_stream=True) for _ in range(3)])
     assert find_takes(library).count(np.arange(3, dtype=np.int32)).tolist() == [0, 0, 0]
+
+
+def test_takes_of_a_step_danced_often_are_some_evenly_over_all():
+    """A hundred alike and forty mirrored: each has so many takes of its side, and each is a take of another."""
+    clips = [made_clip("groove") for _ in range(100)] + [mirror_step(made_clip("groove")) for _ in range(40)]
+    library = build_library(clips)
+    takes = find_takes(library)
+    assert takes.count(np.arange(140, dtype=np.int32)).tolist() == [MAX_TAKES] * 100 + [39] * 40
+    for node in range(140):
+        own = takes.node[takes.start[node] : takes.start[node + 1]].tolist()
+        assert len(set(own)) == len(own)
+        assert node not in own
+        assert all((other < 100) == (node < 100) for other in own)
+    assert set(takes.node.tolist()) == set(range(140))

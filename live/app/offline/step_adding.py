@@ -10,8 +10,15 @@ from rich.console import Console
 from live.app.offline.step_listing import user_library
 from live.app.option_values import check_range
 from live.base.errors import PersonError
-from live.library.add_step import RequestedEntry, add_step, known_fields, refuse_duplicate, request_entry
-from live.library.beat_alignment import SyncRequest, SyncResult, find_sync
+from live.library.add_step import (
+    RequestedEntry,
+    add_step,
+    known_fields,
+    refuse_duplicate,
+    request_entry,
+    with_beats,
+)
+from live.library.beat_alignment import SyncResult
 from live.library.library_check import reading_warnings, step_warnings
 from live.library.recordings import RecordingReader
 from live.motion.cleanup.trim_start import find_recording_start
@@ -35,7 +42,7 @@ def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, ref
     """
     console = Console(highlight=False)
     comments: dict[str, str] = {}
-    _check(fields, reference)
+    check_beat_options(fields, reference)
     folder = user_library() if library is None else library
     if folder.is_dir() and reference == ClapReference():
         known, comments = known_fields(folder, file, fields)
@@ -43,8 +50,11 @@ def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, ref
         if comments:
             _print_known_guess(console, fields, comments)
     if "bpm" not in fields or "first_beat_s" not in fields:
-        fields, heard = _with_beats(console, file, fields, reference)
+        fields, heard, found = with_beats(
+            file, fields, click=reference.click, count=reference.count, song=reference.song
+        )
         comments = comments | heard
+        print_beats(console, found)
     reader = RecordingReader()
     entry = request_entry(file, fields)
     refuse_duplicate(folder, entry)
@@ -58,17 +68,7 @@ def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, ref
         soft_wrap=True,
         markup=False,
     )
-    feet = reader.feet(entry)
-    if feet is not None:
-        console.print(
-            f"feet:    planted: the recording's own slide at {feet.before.slide:.3f} m/s (now {feet.after.slide:.3f}) and "
-            f"are fast and low in {feet.before.low_swing:.0%} of it (now {feet.after.low_swing:.0%}); they were moved by "
-            f"{100.0 * feet.largest_shift:.0f} cm at most",
-            soft_wrap=True,
-            markup=False,
-        )
-    doubts = step_warnings(entry, step) + _untrimmed_warning(entry, reader) + reading_warnings(entry, reader)
-    for field, words in doubts:
+    for field, words in step_warnings(entry, step) + _untrimmed_warning(entry, reader):
         option = entry.problem(field, words).field or "FILE"
         console.print(f"doubtful: {option}: {words}", style="yellow", soft_wrap=True, markup=False)
     console.print(f"written: {added.toml}", soft_wrap=True, markup=False)
@@ -78,7 +78,8 @@ def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, ref
     console.print(f"see it:  live steps play {quote(step.step)}{where}", style="dim", soft_wrap=True, markup=False)
 
 
-def _check(fields: dict[str, Any], listening: ClapReference) -> None:
+def check_beat_options(fields: dict[str, Any], listening: ClapReference) -> None:
+    """Raise PersonError for options about the beat that are out of range or exclude each other."""
     check_range(listening.click, "--click", 20, 400)
     check_range(listening.count, "--count", 1, 1000)
     if listening.click is not None and listening.song is not None:
@@ -92,42 +93,8 @@ def _check(fields: dict[str, Any], listening: ClapReference) -> None:
         )
 
 
-def _with_beats(
-    console: Console, file: Path, fields: dict[str, Any], listening: ClapReference
-) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the fields with tempo and first beat found, and comments for the TOML file on how they were found."""
-    by_hand = {key for key in ("bpm", "first_beat_s") if key in fields}
-    recording = request_entry(file, {"bpm": 120.0, "first_beat_s": 0.0} | fields).recording
-    # a given anchor counts from the file's first frame, unless the dropped frames are given too
-    kept = recording.drop_frames if "drop_frames" in fields or "first_beat_s" in by_hand else None
-    found = find_sync(
-        SyncRequest(
-            file=file,
-            skeleton=None if recording.skeleton is None else Path(recording.skeleton),
-            fps=recording.fps,
-            up=recording.up,
-            drop_frames=kept,
-            click_bpm=listening.click,
-            count=listening.count,
-            song=listening.song,
-            anchor_s=recording.first_beat_s if "first_beat_s" in by_hand else None,
-            bpm=recording.bpm if "bpm" in by_hand else None,
-            beats_per_measure=recording.beats_per_measure,
-        )
-    )
-    reference = found.reference
-    comments: dict[str, str] = {}
-    for key, value in (("bpm", round(reference.bpm, 3)), ("first_beat_s", round(reference.first_beat_s, 4))):
-        if key not in by_hand:
-            fields, comments = fields | {key: value}, comments | {key: found.comment}
-    if kept is None and found.drop_frames:
-        fields = fields | {"drop_frames": found.drop_frames}
-        comments["drop_frames"] = "found: a T-pose was put before the dance"
-    _say(console, found)
-    return fields, comments
-
-
-def _say(console: Console, found: SyncResult) -> None:
+def print_beats(console: Console, found: SyncResult) -> None:
+    """Print tempo and first beat, with how they were found."""
     reference, guessed = found.reference, found.guessed
     console.print(
         f"{'guess, to be confirmed' if guessed else 'music found'}: {reference.bpm:.2f} bpm, first beat at "

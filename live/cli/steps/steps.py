@@ -5,6 +5,8 @@ from typing import Annotated, Literal
 
 import typer
 
+from live.cli.steps.cut import cut
+
 app = typer.Typer(
     help="The step library: recordings and sketches, with their annotations and previews.",
     no_args_is_help=True,
@@ -121,6 +123,9 @@ def add(
     }  # fmt: skip
     fields = {key: value for key, value in given.items() if value is not None}
     add_to_library(file, fields, library, ClapReference(click=click, count=count, song=song))
+
+
+app.command("cut")(cut)
 
 
 @app.command("list")

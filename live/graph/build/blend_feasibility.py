@@ -1,11 +1,12 @@
 """Blend feasibility of joins: point clouds do not show limb twist or the direction in which a body turns."""
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from live.base.arrays import Bool, Float32, Float64, Int32, Int64
-from live.graph.build.blend_kernels import find_blendable
+from live.base.arrays import Float32, Float64, Int64, UInt8
+from live.graph.build.blend_kernels import NOT_ASKED
 
 if TYPE_CHECKING:
     from live.graph.step_library import StepLibrary
@@ -21,63 +22,54 @@ MIN_CHORD: Final = 0.7
 and 0 if they are opposite quaternions mixed half and half."""
 
 
-def can_blend(library: "StepLibrary", window: float, source: Int32, target: Int32, yaw: Float64) -> Bool:
-    """Whether measure `target` can follow `source` (E,) without a joint that spins in the blend, (E,).
+@dataclass(frozen=True, slots=True, eq=False)
+class Blends:
+    """Local rotations and contacts of N measures that end and of M that begin, at the K MOMENTS of a blend."""
 
-    `window`: length of the blend as a share of the measure; `yaw` (E,) [rad]: rotation of the target's clip (K001).
-    """
-    out = np.ones(len(source), np.bool_)
-    if not len(source):
-        return out
-    before = (MOMENTS - 1.0) * window
-    weight = MOMENTS * MOMENTS * (3.0 - 2.0 * MOMENTS)
-    find_blendable(
-        _rotations(library, library.node_last, before),
-        _rotations(library, library.node_first, before),
-        np.ascontiguousarray(source, np.int32),
-        np.ascontiguousarray(target, np.int32),
-        np.ascontiguousarray(yaw, np.float64),
-        weight,
-        MIN_ROOT_COSINE,
-        MIN_CHORD,
-        out,
-    )
-    return out & can_stand(library, window, source, target)
+    end: Float32
+    """Shape (N, K, J, 4)."""
+    start: Float32
+    """Shape (M, K, J, 4)."""
+    weight: Float64
+    """Weight of the measure that begins, (K,)."""
+    end_stands: UInt8
+    """Contacts of the feet as in `is_blendable`, shape (N, K, 2)."""
+    start_stands: UInt8
+    """Shape (M, K, 2)."""
 
+    @classmethod
+    def of(cls, library: "StepLibrary", window: float, first: Int64, second: Int64) -> "Blends":
+        """Those of the nodes `first` (N,) and `second` (M,); `window`: length of a blend as a share of the measure."""
+        before = (MOMENTS - 1.0) * window
+        ends = _rows(library, first, library.node_last, before)
+        starts = _rows(library, second, library.node_first, before)
+        return cls(
+            np.ascontiguousarray(library.clip_rotation[ends]),
+            np.ascontiguousarray(library.clip_rotation[starts]),
+            MOMENTS * MOMENTS * (3.0 - 2.0 * MOMENTS),
+            _stands(library, first, ends),
+            _stands(library, second, starts),
+        )
 
-def can_stand(library: "StepLibrary", window: float, source: Int32, target: Int32) -> Bool:
-    """Whether a dancer has something to stand on in the blend from recorded measures `source` to `target` (E,), (E,).
-
-    Somewhere in it a foot stands in both, or both are in the air. Else the dancer would float from one foot to the
-    other, or out of a jump onto the floor. Sketched measures are not asked.
-    """
-    before = (MOMENTS - 1.0) * window
-    ends, starts = (_contacts(library, line, before) for line in (library.node_last, library.node_first))
-    recorded = np.array([clip.recorded for clip in library.clips], np.bool_)[library.node_clip]
-    good = np.ones(len(source), np.bool_)
-    for rows in np.array_split(np.flatnonzero(recorded[source] & recorded[target]), 1 + len(source) // _PAIRS):
-        one, other = ends[source[rows]], starts[target[rows]]
-        common = (one & other).any(axis=-1) | ~(one.any(axis=-1) | other.any(axis=-1))
-        good[rows] = common.any(axis=-1)
-    return good
+    @classmethod
+    def none(cls, first: int, second: int) -> "Blends":
+        """No moments: every pair of `first` and `second` measures can be blended."""
+        return cls(
+            np.empty((first, 0, 1, 4), np.float32), np.empty((second, 0, 1, 4), np.float32), np.empty(0),
+            np.empty((first, 0, 2), np.uint8), np.empty((second, 0, 2), np.uint8),
+        )  # fmt: skip
 
 
-_PAIRS: Final = 100_000
-"""Pairs whose contacts are compared at a time."""
-
-
-def _contacts(library: "StepLibrary", line: Float64, before: Float64) -> Bool:
-    """Return contacts at the samples nearest to `before` (K,) measures from the `line` (N,), (N, K, 2)."""
-    return np.ascontiguousarray(library.clip_contact[_rows(library, line, before)])
-
-
-def _rotations(library: "StepLibrary", line: Float64, before: Float64) -> Float32:
-    """Return local rotations at those samples, (N, K, J, 4)."""
-    return np.ascontiguousarray(library.clip_rotation[_rows(library, line, before)])
-
-
-def _rows(library: "StepLibrary", line: Float64, before: Float64) -> Int64:
-    """Return the samples nearest to `before` (K,) measures from the `line` (N,), (N, K)."""
-    length = (library.node_last - library.node_first)[:, None]
-    sample = np.maximum(line[:, None] + before * length, library.node_lead[:, None])
+def _rows(library: "StepLibrary", nodes: Int64, line: Float64, before: Float64) -> Int64:
+    """Return the samples of `nodes` (n,) nearest to `before` (K,) measures from the `line` (N,), (n, K)."""
+    length = (library.node_last[nodes] - library.node_first[nodes])[:, None]
+    sample = np.maximum(line[nodes, None] + before * length, library.node_lead[nodes, None])
     return np.clip(np.round(sample).astype(np.int64), 0, len(library.clip_rotation) - 1)
+
+
+def _stands(library: "StepLibrary", nodes: Int64, rows: Int64) -> UInt8:
+    """Return the contacts of `nodes` (n,) at the samples `rows` (n, K), NOT_ASKED for sketched ones, (n, K, 2)."""
+    stands = library.clip_contact[rows].astype(np.uint8)
+    recorded = np.array([clip.recorded for clip in library.clips], np.bool_)
+    stands[~recorded[library.node_clip[nodes]]] = NOT_ASKED
+    return stands

@@ -1,33 +1,57 @@
-"""All pairs of clouds within a threshold, for libraries of any size (K003).
+"""The pairs of clouds that become edges, for libraries of any size (K003): within a threshold, and the nearest of each.
+
+A recorded library has a thousand ways on from each measure, nearly all alike. A graph needs those that differ. Of each
+node `EdgeLimits` keeps the nearest way into every step first, then into every variation of a step (side and direction
+of travel), then the second nearest into each, and so on: variety before number. So a step that could follow directly
+still can, and a dancer still finds a way in every direction. Of each node also the nearest ways *into* it are kept, so
+that none is left out because better ones lie beside it. What the whole graph connects and these edges do not is
+connected by links (`find_joins`).
+
+The rule needs no memory of what it left out: an edge that it refuses among some nodes it refuses among more. So nodes
+can be inserted later with the same result.
 
 Blocks of rows pass a filter in single precision: one complex and one real matrix product of coarse clouds (parabolas in
-time, a quarter of the numbers), and a kernel that keeps the pairs that can be near enough. Coarse clouds are never
-farther apart than the clouds themselves. Only those pairs are computed in double precision, one by one, or as a block
-where many pass. No array of size N × M is held, only a block and the remaining pairs.
+time, a quarter of the numbers). Coarse clouds are never farther apart than the clouds themselves, so only pairs that
+may be among the nearest are computed in double precision, and tested for the blend. No array of size N × M is held.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from live.base.arrays import Bool, Float64, Int32
+from live.base.arrays import Bool, Complex64, Float32, Float64, Int32
+from live.graph.build.blend_feasibility import MIN_CHORD, MIN_ROOT_COSINE, Blends
 from live.graph.build.metric import FlatClouds
-from live.graph.build.metric_kernels import filter_block, pair_products
+from live.graph.build.metric_kernels import keep_nearest, nearest_in_block
 
 Complex = npt.NDArray[np.complex128]
 
-MAX_PAIRS: Final = 16_000_000
-"""Maximum edges of a graph: more would fill the memory (36 bytes each, twice during construction)."""
-_BLOCK_PAIRS: Final = 1 << 21
-"""Pairs of a block: about 24 MB in single precision."""
+_BLOCK_PAIRS: Final = 1 << 20
+"""Pairs of a block: about 12 MB in single precision."""
 _TOLERANCE: Final = 4e-6
 """Error of the filter's squared distances as a share of the clouds' sizes: 30 times that of single precision."""
-_DENSE_SHARE: Final = 0.1
-"""If a larger share of a block passes, a full product in double precision is cheaper than single pairs."""
-_MAX_UNFILTERED: Final = 1 << 16
-"""Up to this many pairs are computed one by one, so that inserting a take does not start BLAS threads."""
+_MAX_PLAIN: Final = 1 << 16
+"""Up to this many pairs are multiplied without BLAS, so that inserting a take does not start its threads."""
+_BUFFER: Final = 1 << 15
+"""Pairs that the kernel returns at a time."""
+
+
+@dataclass(frozen=True, slots=True)
+class EdgeLimits:
+    """How many edges a graph keeps. Sketched steps, of which there are few, keep all that are within the threshold."""
+
+    per_node: int = 384
+    """Edges out of a node: the nearest step of each name first, then of each variation, then the second nearest ..."""
+    per_variation: int = 4
+    """Edges from a node into one variation of a step: its side and direction of travel."""
+    into: int = 2
+    """The nearest edges into each node, which are kept in any case."""
+
+
+ALL_EDGES: Final = EdgeLimits(1 << 30, 1 << 30, 0)
+"""No limits: every pair within the threshold."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,94 +66,137 @@ class Pairs:
     """x, z [m] and yaw [rad] that bring the second cloud nearest to the first, shape (E, 3)."""
 
 
-def near_pairs(first: FlatClouds, second: FlatClouds, threshold: float, codes: tuple[Int32, Int32]) -> Pairs:
-    """Return pairs of `first` (N clouds) and `second` (M) within `threshold` [m] whose `codes` (N, 2), (M, 2) agree.
+@dataclass(frozen=True, slots=True, eq=False)
+class PairCodes:
+    """What decides, besides the distance, which of N clouds may be followed by which of M, and which are kept."""
 
-    Codes as in `structure_rules.StructureCodes`. ValueError if there are more than sixteen million.
+    leaving: Int32
+    """See `structure_rules.StructureCodes`, (N, 2)."""
+    entering: Int32
+    """(M, 2)."""
+    step: Int32
+    """Step of each second cloud, (M,)."""
+    variation: Int32
+    """Variation of its step, (M,)."""
+    apart: tuple[Int32, Int32] | None = None
+    """Codes (N,) and (M,) that must differ in a pair, if both are 0 or more."""
+
+    @classmethod
+    def free(cls, first: int, second: int) -> "PairCodes":
+        """Codes with which each of `first` clouds may be followed by each of `second`, all of one step."""
+        one = np.zeros(second, np.int32)
+        return cls(np.full((first, 2), -1, np.int32), np.full((second, 2), -1, np.int32), one, one)
+
+
+def near_pairs(
+    first: FlatClouds,
+    second: FlatClouds,
+    threshold: float,
+    codes: PairCodes,
+    limits: EdgeLimits = ALL_EDGES,
+    blends: Blends | None = None,
+) -> Pairs:
+    """Return the pairs of `first` (N clouds) and `second` (M) within `threshold` [m] that `limits` keep.
+
+    `codes` must allow them; with `blends` they must be blendable, too.
     """
     if not (len(first) and len(second)):
         return Pairs(np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros(0), np.zeros((0, 3)))
-    if len(first) * len(second) <= _MAX_UNFILTERED:
-        row, column = (one.reshape(-1).astype(np.int32) for one in np.indices((len(first), len(second))))
-        fits = _agree(codes[0][row], codes[1][column])
-        row, column = row[fits], column[fits]
-        return _within(first, second, row, column, threshold, *_pair_products(first, second, row, column))
-    rows = max(1, _BLOCK_PAIRS // len(second))
-    sieve = _PairFilter(first, second, threshold, codes, min(rows, len(first)))
-    parts = []
-    total = 0
-    for begin in range(0, len(first), rows):
-        part = sieve.block(begin, min(begin + rows, len(first)))
-        parts.append(part)
-        total += len(part.row)
-        if total > MAX_PAIRS:
-            raise ValueError(
-                f"more than {MAX_PAIRS:,} pairs of measures are within {threshold:g} m of each other: "
-                "lower the threshold, or leave measures out that are alike"
-            )
-    return Pairs(*(np.concatenate([getattr(part, name) for part in parts]) for name in Pairs.__slots__))
+    near = _search(
+        first, second, threshold, codes, limits, Blends.none(len(first), len(second)) if blends is None else blends
+    )
+    order = np.argsort(near.row.astype(np.int64) * len(second) + near.column)
+    near = near.select(order)
+    near = near.select(
+        kept_edges(near.row, near.column, near.distance, codes.step, codes.variation, len(first), limits)
+    )
+    motion = aligned(near.product, first.centre[near.row], second.centre[near.column])
+    return Pairs(near.row, near.column, near.distance, motion)
 
 
-class _PairFilter:
-    """The second clouds in single precision, and buffers for the pairs of one block of the first."""
+def kept_edges(
+    row: Int32, column: Int32, distance: Float64, step: Int32, variation: Int32, rows: int, limits: EdgeLimits
+) -> Bool:
+    """Return which of E pairs, sorted by row (below `rows`), then column, `limits` keep, (E,).
 
-    def __init__(
-        self, first: FlatClouds, second: FlatClouds, threshold: float, codes: tuple[Int32, Int32], rows: int
-    ) -> None:
-        self._first, self._second, self._threshold, self._codes = first, second, threshold, codes
-        self._floor = np.ascontiguousarray(second.coarse_floor.T)
-        self._height = np.ascontiguousarray(second.coarse_height.T)
-        self._out = np.zeros((2, rows * len(second)), np.int32)
+    `step` and `variation` (M,) of each column. A pair that is refused among these is refused among more.
+    """
+    out = np.zeros(len(row), np.bool_)
+    first = np.searchsorted(row, np.arange(rows + 1)).astype(np.int64)
+    most = min(limits.per_variation, len(variation))
+    keep_nearest(
+        first, column, distance, _compact(variation), _compact(step), limits.per_node, most, limits.into, out
+    )  # fmt: skip
+    return out
 
-    def block(self, begin: int, end: int) -> Pairs:
-        """Return pairs of the rows `begin` to `end` (exclusive)."""
-        a, b, part = self._first, self._second, slice(begin, end)
-        count = filter_block(
-            a.coarse_floor[part].conj() @ self._floor,
-            a.coarse_height[part] @ self._height,
-            a.coarse_size[part],
-            b.coarse_size,
-            self._threshold**2,
-            _TOLERANCE,
-            np.ascontiguousarray(self._codes[0][part]),
-            self._codes[1],
-            self._out[0],
-            self._out[1],
+
+def _compact(codes: Int32) -> Int32:
+    """Return codes (M,) as numbers from 0 without gaps, so that none is as large as M."""
+    return np.asarray(np.unique(codes, return_inverse=True)[1], np.int32)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Near:
+    """Pairs with the products of their clouds, in no order."""
+
+    row: Int32
+    column: Int32
+    distance: Float64
+    product: Complex
+
+    @classmethod
+    def empty(cls, count: int) -> "_Near":
+        return cls(
+            np.empty(count, np.int32), np.empty(count, np.int32), np.empty(count), np.empty(count, np.complex128)
         )
-        row, column = self._out[0, :count].copy() + np.int32(begin), self._out[1, :count].copy()
-        return _within(a, b, row, column, self._threshold, *self._exact(row, column, part))
 
-    def _exact(self, row: Int32, column: Int32, part: slice) -> tuple[Complex, Float64]:
-        a, b = self._first, self._second
-        if len(row) > _DENSE_SHARE * (part.stop - part.start) * len(b):
-            own = row - np.int32(part.start)
-            product = (a.floor[part].conj() @ b.floor.T)[own, column]
-            return product, (a.height[part] @ b.height.T)[own, column]
-        return _pair_products(a, b, row, column)
+    @classmethod
+    def joined(cls, parts: list["_Near"]) -> "_Near":
+        return cls(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(cls)))
+
+    def select(self, index: npt.NDArray[np.integer] | Bool | slice) -> "_Near":
+        return _Near(*(getattr(self, field.name)[index] for field in fields(_Near)))
 
 
-def _agree(leaving: Int32, entering: Int32) -> Bool:
-    """Return the same decision on codes as the filter kernel, for pairs (E, 2) and (E, 2)."""
-    poses = (leaving[:, 0] == entering[:, 0]) | (leaving[:, 0] < 0) | (entering[:, 0] < 0)
-    return np.asarray(poses & ~((leaving[:, 1] == entering[:, 1]) & (leaving[:, 1] >= 0)))
+def _search(
+    first: FlatClouds, second: FlatClouds, threshold: float, codes: PairCodes, limits: EdgeLimits, blends: Blends
+) -> _Near:
+    """Return all pairs that `limits` may keep, and some others."""
+    count = len(second)
+    apart = (np.full(len(first), -1, np.int32), np.full(count, -1, np.int32)) if codes.apart is None else codes.apart
+    variation = _compact(codes.variation)
+    ranked = np.empty((int(variation.max()) + 1, min(limits.per_variation, count)))
+    into = np.full((count, limits.into), np.inf)
+    worst = np.full(count, np.inf if limits.into else -1.0)
+    parts = [_Near.empty(0)]
+    buffer = _Near.empty(max(_BUFFER, count))
+    rows = max(1, _BLOCK_PAIRS // count)
+    for begin in range(0, len(first), rows):
+        own = slice(begin, min(begin + rows, len(first)))
+        product, height = _coarse_products(first, second, own)
+        done = 0
+        while done < len(product):
+            done, found = nearest_in_block(
+                done, product, height, first.coarse_size[own], second.coarse_size, threshold, _TOLERANCE,
+                np.ascontiguousarray(codes.leaving[own]), codes.entering, variation, apart[0][own], apart[1],
+                limits.per_node, first.floor[own], first.height[own], first.size[own], second.floor, second.height,
+                second.size, blends.end[own], blends.start, blends.weight, blends.end_stands[own], blends.start_stands,
+                MIN_ROOT_COSINE, MIN_CHORD,
+                ranked, np.zeros(len(ranked), np.int32), into, worst,
+                buffer.row, buffer.column, buffer.distance, buffer.product,
+            )  # fmt: skip
+            part = buffer.select(slice(0, found))
+            parts.append(
+                _Near(part.row + np.int32(begin), part.column.copy(), part.distance.copy(), part.product.copy())
+            )
+    return _Near.joined(parts)
 
 
-def _pair_products(a: FlatClouds, b: FlatClouds, row: Int32, column: Int32) -> tuple[Complex, Float64]:
-    product, height = np.empty(len(row), np.complex128), np.empty(len(row))
-    pair_products(a.floor, a.height, b.floor, b.height, row, column, product, height)
-    return product, height
-
-
-def _within(
-    a: FlatClouds, b: FlatClouds, row: Int32, column: Int32, threshold: float, product: Complex, height: Float64
-) -> Pairs:
-    """Return those of the pairs (row, column) with these products that are within `threshold` [m]."""
-    squared = a.size[row] + b.size[column] - 2.0 * np.abs(product) - 2.0 * height
-    distance = np.sqrt(np.maximum(squared, 0.0))
-    near = distance <= threshold
-    if not near.all():
-        row, column, distance, product = row[near], column[near], distance[near], product[near]
-    return Pairs(row, column, distance, aligned(product, a.centre[row], b.centre[column]))
+def _coarse_products(first: FlatClouds, second: FlatClouds, own: slice) -> tuple[Complex64, Float32]:
+    floor, height = first.coarse_floor[own].conj(), first.coarse_height[own]
+    if len(floor) * len(second) <= _MAX_PLAIN:
+        return np.einsum("ip,jp->ij", floor, second.coarse_floor), np.einsum("ip,jp->ij", height, second.coarse_height)
+    return floor @ second.coarse_floor.T, height @ second.coarse_height.T
 
 
 def aligned(product: Complex, centre_a: Complex, centre_b: Complex) -> Float64:

@@ -19,13 +19,14 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Bool, Float64, Int32, Int64
-from live.graph.build.blend_feasibility import can_blend
+from live.graph.build.blend_feasibility import Blends
+from live.graph.build.components import strong_components
 from live.graph.build.metric import WINDOW_SAMPLES, FlatClouds, Metric, joint_weights, window_weights
-from live.graph.build.nearest_pairs import aligned, near_pairs
+from live.graph.build.nearest_pairs import EdgeLimits, PairCodes, aligned, kept_edges, near_pairs
 from live.graph.step_library import StepLibrary, travel_of, window_samples
-from live.graph.structure_rules import StructureCodes, may_follow_between, structure_codes
+from live.graph.structure_rules import StructureCodes, may_follow_between, structure_codes, variation_codes
 from live.graph.takes import take_kinds
-from live.motion.pose.pose_pipeline import PosePipeline
+from live.motion.pose.pose_pipeline import ClipStore, PosePipeline
 from live.motion.skeleton import SKELETON
 
 __all__ = [
@@ -51,13 +52,25 @@ class Transitions:
     """Translation that follows it (x, z) [m], shape (N, N, 2)."""
 
 
+_POSED: Final = 1 << 14
+"""Samples that are posed at a time."""
+
+
 def clouds(library: StepLibrary, samples: Float64) -> Float64:
     """Return world positions of the joints at fractional samples (N, K) of the library, shape (N, K, J, 3) [m]."""
-    flat = np.ascontiguousarray(samples.reshape(-1))
-    pipeline = PosePipeline(len(flat))
-    pipeline.sample[0] = flat
-    position, _ = pipeline.run(library.store)
-    return np.asarray(position.reshape(*samples.shape, SKELETON.joint_count, 3), np.float64)
+    return posed(library.store, samples)
+
+
+def posed(store: ClipStore, samples: Float64) -> Float64:
+    """Return world positions of the joints at fractional samples (N, K) of clips, shape (N, K, J, 3) [m]."""
+    flat = samples.reshape(-1)
+    position = np.empty((len(flat), SKELETON.joint_count, 3))
+    pipeline = PosePipeline(min(_POSED, max(len(flat), 1)))
+    for begin in range(0, len(flat), _POSED):
+        part = flat[begin : begin + _POSED]
+        pipeline.sample[0, : len(part)] = part
+        position[begin : begin + len(part)] = pipeline.run(store)[0][: len(part)]
+    return position.reshape(*samples.shape, SKELETON.joint_count, 3)
 
 
 def transition_windows(library: StepLibrary, window: float) -> tuple[Float64, Float64]:
@@ -95,6 +108,8 @@ class JoinSettings:
     threshold: float = 0.16
     """Largest distance of the aligned clouds [m] (T034)."""
     metric: Metric = field(default_factory=Metric.of)
+    limits: EdgeLimits = field(default_factory=EdgeLimits)
+    """How many edges a node keeps."""
     prune: bool = True
     """Whether dead ends are removed from the graph (T037); the joins keep them."""
 
@@ -141,15 +156,15 @@ class Boundaries:
 
 
 def find_joins(library: StepLibrary, boundaries: Boundaries, rule: JoinSettings) -> Joins:
-    """Return all joins of a library; within a step of several measures each leads only to the next (T039), of its own
-    clip or of another take."""
+    """Return the joins of a library that the rule's limits keep, and the links between them.
+
+    Within a step of several measures each leads only to the next (T039), of its own clip or of another take.
+    """
     everything = np.arange(library.node_count)
-    codes = structure_codes(library)
-    inner = _merged(
-        _between_takes(library, boundaries, rule, everything, everything),
-        _inner(library, everything), library.node_count,
-    )  # fmt: skip
-    return _merged(_between(library, boundaries, codes, rule, everything, everything), inner, library.node_count)
+    search = _JoinSearch(library, boundaries, rule)
+    joins = _united(search.between(everything, everything), _inner(library, everything), library.node_count)
+    joins = _united(joins, search.between_takes(everything, everything), library.node_count)
+    return search.linked(joins)
 
 
 def extend_joins(library: StepLibrary, boundaries: Boundaries, joins: Joins, old: int, rule: JoinSettings) -> Joins:
@@ -158,12 +173,112 @@ def extend_joins(library: StepLibrary, boundaries: Boundaries, joins: Joins, old
     Only pairs with a new node are compared: 2N distances per new node instead of N² in all.
     """
     before, new = np.arange(old), np.arange(old, library.node_count)
-    codes = structure_codes(library)
-    more = _inner(library, new)
+    search = _JoinSearch(library, boundaries, rule)
+    joins = _united(joins, _inner(library, new), library.node_count)
     for first, second in ((before, new), (new, np.arange(library.node_count))):
-        more = _merged(more, _between_takes(library, boundaries, rule, first, second), library.node_count)
-        more = _merged(more, _between(library, boundaries, codes, rule, first, second), library.node_count)
-    return _merged(joins, more, library.node_count)
+        joins = _united(joins, search.between(first, second), library.node_count)
+        joins = _united(joins, search.between_takes(first, second), library.node_count)
+    return search.linked(search.kept(joins))
+
+
+def reduce_joins(
+    library: StepLibrary, boundaries: Boundaries, joins: Joins, leaving: Bool, rule: JoinSettings
+) -> Joins:
+    """Return `joins` without those that begin a step at a node that is `leaving` (N,).
+
+    A node that loses some has others that the limits left out before; they are searched again.
+    """
+    lost = leaving[joins.target] & (library.node_measure[joins.target] == 0)
+    rows = np.unique(joins.source[lost]).astype(np.int64)
+    search = _JoinSearch(library, boundaries, rule)
+    more = search.between(rows, np.flatnonzero(~leaving))
+    joins = _united(joins.select(~lost), more, library.node_count)
+    return search.linked(search.kept(joins), leaving)
+
+
+class _JoinSearch:
+    """Search for joins between the steps of a library."""
+
+    def __init__(self, library: StepLibrary, boundaries: Boundaries, rule: JoinSettings) -> None:
+        self._library, self._boundaries, self._rule = library, boundaries, rule
+        self._codes: StructureCodes = structure_codes(library)
+        self._variation = variation_codes(library)
+        self._leaves = library.node_measure == library.node_measures - 1
+        self._enters = library.node_measure == 0
+
+    def between(
+        self, first: Int64, second: Int64, label: Int32 | None = None, limits: EdgeLimits | None = None
+    ) -> Joins:
+        """Return joins from those of the nodes `first` that end a step to those of `second` that begin one.
+
+        With a `label` (N,) they must differ in it, and the nearest of each label count instead of steps.
+        """
+        library, boundaries, rule = self._library, self._boundaries, self._rule
+        leaves, enters = first[self._leaves[first]], second[self._enters[second]]
+        codes = PairCodes(
+            self._codes.leaving[leaves],
+            self._codes.entering[enters],
+            library.node_step[enters] if label is None else label[enters],
+            self._variation[enters] if label is None else label[enters],
+            None if label is None else (label[leaves], label[enters]),
+        )
+        pairs = near_pairs(
+            boundaries.ends.select(leaves), boundaries.starts.select(enters), rule.threshold, codes,
+            rule.limits if limits is None else limits, Blends.of(library, rule.window, leaves, enters),
+        )  # fmt: skip
+        source, target = leaves[pairs.row].astype(np.int32), enters[pairs.column].astype(np.int32)
+        return Joins(source, target, pairs.distance, pairs.motion)
+
+    def between_takes(self, first: Int64, second: Int64) -> Joins:
+        """Return joins from those of the nodes `first` inside a step to the next measure of its other takes in
+        `second`."""
+        library, boundaries, rule = self._library, self._boundaries, self._rule
+        kind = take_kinds(library)[library.node_clip]
+        leaves, enters = first[~self._leaves[first] & (kind[first] >= 0)], second[~self._enters[second]]
+        size = int(library.node_measure.max(initial=0)) + 2
+        place = (kind * size + library.node_measure).astype(np.int32)
+        leaving, entering = np.full((len(leaves), 2), -1, np.int32), np.full((len(enters), 2), -1, np.int32)
+        leaving[:, 0], entering[:, 0] = place[leaves] + 1, place[enters]
+        entering[kind[enters] < 0, 0] = np.iinfo(np.int32).max  # a measure of a stream is nobody's take
+        codes = PairCodes(
+            leaving, entering, library.node_step[enters], self._variation[enters],
+            (library.node_clip[leaves], library.node_clip[enters]),
+        )  # fmt: skip
+        pairs = near_pairs(
+            boundaries.ends.select(leaves), boundaries.starts.select(enters), rule.threshold, codes, rule.limits,
+            Blends.of(library, rule.window, leaves, enters),
+        )  # fmt: skip
+        source, target = leaves[pairs.row].astype(np.int32), enters[pairs.column].astype(np.int32)
+        return Joins(source, target, pairs.distance, pairs.motion)
+
+    def kept(self, joins: Joins) -> Joins:
+        """Return those of some joins, of which none is missing that the limits keep."""
+        library = self._library
+        return joins.select(
+            kept_edges(
+                joins.source, joins.target, joins.cost, library.node_step, self._variation, library.node_count,
+                self._rule.limits,
+            )
+        )  # fmt: skip
+
+    def linked(self, joins: Joins, leaving: Bool | None = None) -> Joins:
+        """Return joins with the links that the limits left out: the graph is connected as without limits (T037).
+
+        The nearest join from each node to each other strongly connected component is added. So whatever leads from one
+        component to another with all joins does so with these. `leaving` (N,): nodes that nothing is linked to.
+        """
+        library = self._library
+        label = strong_components(library.node_count, joins.source, joins.target)
+        inside = label == np.argmax(np.bincount(label))
+        open_ = np.ones(library.node_count, np.bool_) if leaving is None else ~leaving
+        for first, second in ((~inside, open_), (inside, open_ & ~inside)):
+            links = self.between(np.flatnonzero(first), np.flatnonzero(second), label, _LINKS)
+            joins = _united(joins, links, library.node_count)
+        return joins
+
+
+_LINKS: Final = EdgeLimits(per_node=1 << 30, per_variation=1, into=0)
+"""One edge from a node to each component."""
 
 
 def _inner(library: StepLibrary, nodes: Int64) -> Joins:
@@ -173,45 +288,18 @@ def _inner(library: StepLibrary, nodes: Int64) -> Joins:
     return Joins(source, source + np.int32(1), np.zeros(count), np.zeros((count, 3)))
 
 
-def _between_takes(
-    library: StepLibrary, boundaries: Boundaries, rule: JoinSettings, first: Int64, second: Int64
-) -> Joins:
-    """Return joins from the nodes `first` inside steps to the next measure of other takes among `second`; ranges."""
-    inside = first[library.node_measure[first] < library.node_measures[first] - 1]
-    begun = second[library.node_measure[second] > 0]
-    kind = take_kinds(library)
-    found = [Joins(np.zeros(0, np.int32), np.zeros(0, np.int32), np.zeros(0), np.zeros((0, 3)))]
-    place = np.stack([kind[library.node_clip], library.node_measure], axis=1)
-    for own in np.unique(place[inside], axis=0) if len(begun) else ():
-        leaves = inside[(place[inside] == own).all(axis=1) & (own[0] >= 0)]
-        enters = begun[(place[begun] == own + (0, 1)).all(axis=1)]
-        if len(leaves) and len(enters):
-            free = np.full((len(leaves), 2), -1, np.int32), np.full((len(enters), 2), -1, np.int32)
-            pairs = near_pairs(boundaries.ends.select(leaves), boundaries.starts.select(enters), rule.threshold, free)
-            source, target = leaves[pairs.row].astype(np.int32), enters[pairs.column].astype(np.int32)
-            good = library.node_clip[source] != library.node_clip[target]
-            good &= can_blend(library, rule.window, source, target, np.ascontiguousarray(pairs.motion[:, 2]))
-            found.append(Joins(source[good], target[good], pairs.distance[good], pairs.motion[good]))
-    all_ = Joins(*(np.concatenate([getattr(part, name) for part in found]) for name in Joins.__slots__))
-    order = np.lexsort((all_.target, all_.source))
-    return Joins(*(getattr(all_, name)[order] for name in Joins.__slots__))
-
-
-def _between(
-    library: StepLibrary, boundaries: Boundaries, codes: StructureCodes, rule: JoinSettings, first: Int64, second: Int64
-) -> Joins:
-    """Return joins from the nodes `first` that end a step to the nodes `second` that begin one; both are ranges."""
-    leaves = first[library.node_measure[first] == library.node_measures[first] - 1]
-    enters = second[library.node_measure[second] == 0]
-    pairs = near_pairs(
-        boundaries.ends.select(leaves),
-        boundaries.starts.select(enters),
-        rule.threshold,
-        (codes.leaving[leaves], codes.entering[enters]),
-    )
-    source, target = leaves[pairs.row].astype(np.int32), enters[pairs.column].astype(np.int32)
-    good = can_blend(library, rule.window, source, target, pairs.motion[:, 2])
-    return Joins(source[good], target[good], pairs.distance[good], pairs.motion[good])
+def _united(many: Joins, few: Joins, nodes: int) -> Joins:
+    """Return both, sorted, each pair once; `nodes` is the total number of nodes."""
+    key, more = (joins.source.astype(np.int64) * nodes + joins.target for joins in (many, few))
+    place = np.searchsorted(key, more)
+    new = np.ones(len(more), np.bool_)
+    there = place < len(key)
+    new[there] = key[place[there]] != more[there]
+    if not new.any():
+        return many
+    order = np.argsort(more[new])
+    arrays = ((getattr(many, name), getattr(few, name)[new][order]) for name in Joins.__slots__)
+    return Joins(*(np.insert(old, place[new][order], added, axis=0) for old, added in arrays))
 
 
 def window_clouds(library: StepLibrary, line: Float64, rule: JoinSettings) -> FlatClouds:
@@ -224,17 +312,6 @@ def window_clouds(library: StepLibrary, line: Float64, rule: JoinSettings) -> Fl
         samples = np.maximum(samples, library.node_lead[own, None])
         parts.append(FlatClouds.of(clouds(library, samples), rule.metric))
     return parts[0] if len(parts) == 1 else FlatClouds.joined(parts)
-
-
-def _merged(many: Joins, few: Joins, nodes: int) -> Joins:
-    """Return both, sorted; `nodes` is the total number of nodes."""
-    if not len(few.source):
-        return many
-    key, more = (joins.source.astype(np.int64) * nodes + joins.target for joins in (many, few))
-    order = np.argsort(more)
-    place = np.searchsorted(key, more[order])
-    arrays = ((getattr(many, name), getattr(few, name)[order]) for name in Joins.__slots__)
-    return Joins(*(np.insert(old, place, new, axis=0) for old, new in arrays))
 
 
 OFFSETS: Final = 5

@@ -165,8 +165,10 @@ def _fit_landings(rhythm: Rhythm, period: float, fine: float) -> tuple[float, fl
     if they agree.
     """
     time = np.arange(rhythm.foot_deceleration.size) / rhythm.rate
-    tries = period * (1.0 + np.linspace(-fine, fine, 81 if fine else 1))
-    vectors = np.array([np.exp(-2j * np.pi * time / one) @ rhythm.foot_deceleration for one in tries])
+    # neighbours differ by an eighth of a beat over the whole clip at most, or the best would lie between them
+    count = 1 + 2 * max(40, int(8.0 * fine * rhythm.seconds / period)) if fine else 1
+    tries = period * (1.0 + np.linspace(-fine, fine, count))
+    vectors = np.array([np.exp((-2j * np.pi / one) * time) @ rhythm.foot_deceleration for one in tries])
     vectors /= max(float(rhythm.foot_deceleration.sum()), 1e-9)
     lengths = np.abs(vectors)
     best = int(np.argmax(lengths))
@@ -200,6 +202,91 @@ def _first_beat(rhythm: Rhythm, period: float, phase: float, beats_per_measure: 
     contrast = float(means.var()) / total if total > 1e-12 else 0.0
     first = (int(np.argmin(means)) + 1) % beats_per_measure
     return float(beats[first]), contrast
+
+
+STEADY_SECONDS: Final = 60.0
+"""A recording up to this long [s] is taken to keep its tempo."""
+LINE_SMOOTHING: Final = 8.0
+"""Standard deviation of the window in which the phase of the beats is tracked [s]."""
+MAX_TEMPO_CHANGE: Final = 0.08
+"""Largest relative change of tempo that is followed."""
+TRIED_PERIODS: Final = 33
+WINDOW_HALF: Final = 10.0
+WINDOW_STEP: Final = 2.5
+"""Periods tried in each window, half its length and the distance of windows [s]."""
+CHANGE_COST: Final = 4.0
+"""What a change of the period between windows costs: a tenth of a wave's strength for 2.5 per cent."""
+FOLLOWER_INTERVAL: Final = 0.1
+"""Interval at which the tempo is limited [s]."""
+MIN_GAIN: Final = 0.1
+"""How much better landings have to fit the followed beats than even ones (length of the mean phase vector)."""
+
+
+def track_lines(clip: Clip, reference: MusicReference, beats_per_measure: int) -> Float64:
+    """Return the measure lines [s] of a recording whose tempo was guessed from its feet, (measures + 1,).
+
+    Nobody keeps a tempo for half an hour: in a long recording the phase of the landings is followed. The lines are even
+    in a short one, in one that does keep its tempo, and in one where there is nothing to follow.
+    """
+    period = 60.0 / reference.bpm
+    even = np.arange(reference.first_beat_s, clip.seconds + 1e-9, period)
+    if clip.seconds > STEADY_SECONDS:
+        rhythm = find_rhythm(clip)
+        tracked = _tracked_beats(rhythm, reference.first_beat_s, period)
+        if len(tracked) > 1 and _strength(rhythm, tracked) > _strength(rhythm, even) + MIN_GAIN:
+            even = tracked
+    return np.asarray(even[: (len(even) - 1) // beats_per_measure * beats_per_measure + 1 : beats_per_measure])
+
+
+def _strength(rhythm: Rhythm, beats: Float64) -> float:
+    """Return how well feet land on `beats` [s], or always as far from them: the mean phase vector's length, 0 to 1."""
+    time = np.arange(rhythm.foot_deceleration.size) / rhythm.rate
+    inside = (time >= beats[0]) & (time <= beats[-1])
+    landing = rhythm.foot_deceleration[inside]
+    phase = np.interp(time[inside], beats, np.arange(len(beats)))
+    return float(np.abs(landing @ np.exp(-2j * np.pi * phase)) / max(float(landing.sum()), 1e-9))
+
+
+def _tracked_beats(rhythm: Rhythm, first: float, period: float) -> Float64:
+    """Return beats [s] from `first` on that follow the landings, as a wave of about `period` [s] would."""
+    time = np.arange(rhythm.foot_deceleration.size) / rhythm.rate
+    near = np.cumsum(1.0 / _local_periods(rhythm, time, period)) / rhythm.rate
+    wave = rhythm.foot_deceleration * np.exp(-2j * np.pi * near)
+    wide = LINE_SMOOTHING * rhythm.rate
+    read = gaussian_smooth(wave.real, wide) + 1j * gaussian_smooth(wave.imag, wide)
+    heard = near + np.unwrap(np.angle(read)) / (2.0 * np.pi)
+    at = np.arange(first, time[-1], FOLLOWER_INTERVAL)
+    turns = np.interp(at, time, heard)
+    least, most = (FOLLOWER_INTERVAL / period * (1.0 + sign * MAX_TEMPO_CHANGE) for sign in (-1, 1))
+    for n in range(1, len(turns)):  # where the phase jumps the beats go over to it, no faster than a tempo changes
+        turns[n] = turns[n - 1] + min(max(turns[n] - turns[n - 1], least), most)
+    return np.asarray(np.interp(np.arange(turns[0], turns[-1], 1.0), turns, at)) if len(turns) else np.zeros(0)
+
+
+def _local_periods(rhythm: Rhythm, time: Float64, period: float) -> Float64:
+    """Return the period of the beats [s] at each `time` (T,), within MAX_TEMPO_CHANGE of `period`.
+
+    Of all ways through periods whose waves fit the landings in windows, the best that changes little (Viterbi).
+    """
+    share = np.linspace(-MAX_TEMPO_CHANGE, MAX_TEMPO_CHANGE, TRIED_PERIODS)
+    middles = np.arange(0.0, time[-1] + WINDOW_STEP, WINDOW_STEP)
+    fit = np.zeros((len(middles), TRIED_PERIODS))
+    for n, middle in enumerate(middles):
+        own = slice(*np.searchsorted(time, (middle - WINDOW_HALF, middle + WINDOW_HALF)))
+        part = rhythm.foot_deceleration[own] * np.cos(0.5 * np.pi * (time[own] - middle) / WINDOW_HALF)
+        waves = np.exp((-2j * np.pi / period) * time[own, None] / (1.0 + share))
+        fit[n] = np.abs(part @ waves) / max(float(part.sum()), 1e-9)
+    change = CHANGE_COST * np.abs(share[:, None] - share)
+    best, back = fit[0], np.zeros(fit.shape, np.int64)
+    for n in range(1, len(fit)):
+        ways = best[:, None] - change
+        back[n] = ways.argmax(axis=0)
+        best = ways.max(axis=0) + fit[n]
+    chosen = np.zeros(len(fit), np.int64)
+    chosen[-1] = int(best.argmax())
+    for n in range(len(fit) - 1, 0, -1):
+        chosen[n - 1] = back[n, chosen[n]]
+    return np.asarray(np.interp(time, middles, period * (1.0 + share[chosen])))
 
 
 SHORTEST_TWO_BEATS: Final = 0.6

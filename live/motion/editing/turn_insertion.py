@@ -14,10 +14,13 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.arrays import Bool, Float, Float64
+from live.base.arrays import Bool, Float, Float32, Float64, Int32
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.editing.foot_correction import Feet, find_feet
+from live.motion.editing.support_kernels import support_rows
+from live.motion.foot_contact import TOES_OVER_SOLE
+from live.motion.skeleton import SOLE_BELOW_ANKLE
 from live.motion.step_clip import StepClip, measured_direction, measured_distance
 
 LIFT_THRESHOLD: Final = 0.20
@@ -284,17 +287,36 @@ def support_turns(
 
 
 def support_turn_rows(
-    measures: Sequence[tuple[StepClip, int, Feet]], *, window: float, softness: float
+    clips: Sequence[StepClip],
+    clip: Int32,
+    begin: Float64,
+    size: Float64,
+    ankle: Float32,
+    ball: Float32,
+    *,
+    window: float,
+    softness: float,
 ) -> tuple[Float64, Float64]:
-    """Return the support turns of N measures (step, measure, feet) as rows, (N, 8, 8), and their peak speeds, (N,).
+    """Return the support turns of N measures as rows, (N, 8, 8), and their peak speeds, (N,).
 
-    See `support_turns` and `SupportTurns.rows`.
+    See `support_turns` and `SupportTurns.rows`. Measure n is in `clips`[`clip`[n]]; it begins at the sample begin[n] of
+    all clips one after another, and lasts size[n] samples. `ankle` and `ball` (S, 2, 3) [m] of both feet: all samples.
     """
-    turns = [
-        support_turns(step, measure, window=window, softness=softness, feet=feet) for step, measure, feet in measures
-    ]
-    rows = np.ascontiguousarray(np.stack([turn.rows() for turn in turns]))
-    return rows, np.array([float(turn.max_speed) for turn in turns])
+    starts = np.cumsum([0, *(step.clip.sample_count for step in clips)])
+    contact = np.concatenate([step.clip.contact for step in clips])
+    rate = np.array([step.clip.sample_rate for step in clips])
+    rows, found = np.zeros((len(clip), MAX_SEGMENTS, 8)), np.zeros(len(clip), np.bool_)
+    support_rows(
+        ankle, ball, contact, SOLE_BELOW_ANKLE, TOES_OVER_SOLE, begin, size, MIN_SUPPORT_SECONDS * rate[clip],
+        MIN_LIFT, LIFT_THRESHOLD, window, softness, rows, found,
+    )  # fmt: skip
+    for n in np.flatnonzero(~found):  # turned by the speed of both feet
+        step, own = clips[clip[n]], slice(starts[clip[n]], starts[clip[n] + 1])
+        alone = replace(step, first=float(begin[n] - own.start), samples_per_measure=float(size[n]), measures=1)
+        feet = Feet(ankle[own].astype(np.float64), ball[own].astype(np.float64))
+        rows[n] = support_turns(alone, 0, window=window, softness=softness, feet=feet).rows()
+    span = np.maximum(rows[..., 1] - rows[..., 0], 1e-12)
+    return rows, np.asarray(np.max(rows[..., 2] / span / (1.0 - rows[..., 7]), axis=-1))
 
 
 def _line_through(points: Float) -> tuple[Float, Float]:

@@ -66,11 +66,25 @@ class FootLock:
         extrapolate_feet(feet, self.state, age)
 
 
+_POSED: Final = 1 << 14
+"""Samples that are posed at a time."""
+
+
+def leg_positions(store: ClipStore) -> Float32:
+    """Return world positions of LEG_JOINTS [m] at all samples of a legs-only store, (S, 9, 3)."""
+    count = len(store.root)
+    position = np.empty((count, len(LEG_JOINTS), 3), np.float32)
+    pipeline = PosePipeline(min(_POSED, count), PoseSkeleton.legs_only()[0])
+    for begin in range(0, count, _POSED):
+        part = position[begin : begin + _POSED]
+        pipeline.sample[0] = np.minimum(np.arange(begin, begin + len(pipeline.age)), count - 1)
+        part[:] = pipeline.run(store)[0][: len(part)]
+    return position
+
+
 def foot_heights(store: ClipStore) -> Float32:
     """Return sole heights of both feet over the floor [m] at all samples of a legs-only store, (S, 2): heel or ball."""
-    pipeline = PosePipeline(len(store.root), PoseSkeleton.legs_only()[0])
-    pipeline.sample[0] = np.arange(len(store.root))
-    position, _ = pipeline.run(store)
+    position = leg_positions(store)
     sole = np.minimum(position[:, 3::4, 1] - SOLE_BELOW_ANKLE, position[:, 4::4, 1] - TOES_OVER_SOLE)
     return np.ascontiguousarray(np.maximum(sole, 0.0), np.float32)
 

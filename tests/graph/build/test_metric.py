@@ -9,8 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.graph.build import nearest_pairs as near
+from live.graph.build.blend_feasibility import MIN_CHORD, MIN_ROOT_COSINE, Blends
+from live.graph.build.blend_kernels import is_blendable
 from live.graph.build.metric import WINDOW_SAMPLES, FlatClouds, Metric, joint_weights, window_weights
-from live.graph.build.nearest_pairs import near_pairs
+from live.graph.build.nearest_pairs import EdgeLimits, PairCodes, near_pairs
 from live.graph.build.transitions import all_pairs
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
@@ -37,11 +39,11 @@ def _codes(chance, count):
     sizes=st.tuples(st.integers(1, 40), st.integers(1, 40)),
     spread=st.floats(0.02, 0.2),
     block=st.sampled_from([1, 7, 100, 1 << 21]),
-    dense=st.sampled_from([0.0, 2.0]),
-    few=st.sampled_from([0, 1 << 16]),
+    plain=st.sampled_from([0, 1 << 16]),
+    buffer=st.sampled_from([1, 1 << 15]),
 )
-def test_near_pairs_equal_pairs_of_dense_table(seed, sizes, spread, block, dense, few):
-    """Any block size, pair by pair or dense: the same pairs as the full table within the threshold."""
+def test_near_pairs_equal_pairs_of_dense_table(seed, sizes, spread, block, plain, buffer):
+    """Any size of block and buffer, with BLAS or without: the same pairs as the full table within the threshold."""
     chance = np.random.default_rng(seed)
     first, second = _clouds(seed, sizes[0], spread), _clouds(seed + 1, sizes[1], spread)
     codes = _codes(chance, sizes[0]), _codes(chance, sizes[1])
@@ -49,10 +51,15 @@ def test_near_pairs_equal_pairs_of_dense_table(seed, sizes, spread, block, dense
     threshold = float(np.quantile(table.distance, 0.5)) * (1 + 1e-9)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(near, "_BLOCK_PAIRS", block)
-        patch.setattr(near, "_DENSE_SHARE", dense)
-        patch.setattr(near, "_MAX_UNFILTERED", few)
+        patch.setattr(near, "_MAX_PLAIN", plain)
+        patch.setattr(near, "_BUFFER", buffer)
         metric = Metric.of()
-        found = near_pairs(FlatClouds.of(first, metric), FlatClouds.of(second, metric), threshold, codes)
+        found = near_pairs(
+            FlatClouds.of(first, metric),
+            FlatClouds.of(second, metric),
+            threshold,
+            replace(PairCodes.free(*sizes), leaving=codes[0], entering=codes[1]),
+        )
     expected = []
     for i, j in np.argwhere(table.distance <= threshold):
         (end, own), (begin, other) = codes[0][i], codes[1][j]
@@ -70,8 +77,7 @@ def test_identical_clouds_are_found_at_millimeter_threshold():
     cloud = _clouds(1, 300, 0.1) + np.array((400.0, 0.0, -300.0))
     metric = Metric.of()
     flat = FlatClouds.of(cloud, metric)
-    free = np.full((300, 2), -1, np.int32)
-    found = near_pairs(flat, flat, 0.001, (free, free))
+    found = near_pairs(flat, flat, 0.001, PairCodes.free(300, 300))
     assert found.row.tolist() == found.column.tolist() == list(range(300))
 
 
@@ -87,21 +93,70 @@ def test_coarse_distances_are_lower_bounds(seed, spread, emphasis):
     assert (coarse <= all_pairs(cloud, cloud, metric).distance ** 2 + 1e-5).all()
 
 
-def test_too_many_pairs_are_refused_with_message(monkeypatch):
-    monkeypatch.setattr(near, "MAX_PAIRS", 10)
-    monkeypatch.setattr(near, "_MAX_UNFILTERED", 0)
-    flat = FlatClouds.of(_clouds(1, 4, 0.01), Metric.of())
-    free = np.full((4, 2), -1, np.int32)
-    with pytest.raises(ValueError, match=r"more than 10 pairs of measures.*lower the threshold"):
-        near_pairs(flat, flat, 10.0, (free, free))
+def chosen_by_the_rule(distance, step, variation, limits):
+    """The rule of EdgeLimits, word by word, on a whole table of distances (N, M), inf where there is no pair."""
+    kept = set()
+    for i, row in enumerate(distance):
+        order = [j for j in np.argsort(row, kind="stable") if np.isfinite(row[j])]
+        ranked = []
+        for place, j in enumerate(order):
+            rank = 1 + sum(variation[k] == variation[j] for k in order[:place])
+            if not any(step[k] == step[j] for k in order[:place]):
+                rank = 0
+            if rank <= limits.per_variation:
+                ranked.append((rank, row[j], j))
+        kept |= {(i, int(j)) for _, _, j in sorted(ranked)[: limits.per_node]}
+    for j, column in enumerate(distance.T):
+        order = [i for i in np.argsort(column, kind="stable") if np.isfinite(column[i])]
+        kept |= {(int(i), j) for i in order[: limits.into]}
+    return sorted(kept)
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    sizes=st.tuples(st.integers(1, 30), st.integers(1, 60)),
+    limits=st.builds(EdgeLimits, st.integers(1, 40), st.integers(1, 9), st.integers(0, 3)),
+    steps=st.integers(1, 6),
+    block=st.sampled_from([1, 100, 1 << 21]),
+    share=st.sampled_from([0.2, 0.7, 1.0]),
+)
+def test_kept_pairs_are_those_of_the_rule(seed, sizes, limits, steps, block, share):
+    """The nearest of each step, then of each variation, and so on, and the nearest into each; among blendable pairs."""
+    chance = np.random.default_rng(seed)
+    first, second = _clouds(seed, sizes[0], 0.1), _clouds(seed + 1, sizes[1], 0.1)
+    step = chance.integers(0, steps, sizes[1]).astype(np.int32)
+    variation = (3 * step + chance.integers(0, 3, sizes[1])).astype(np.int32)
+    codes = replace(PairCodes.free(*sizes), step=step, variation=variation)
+    # a hip that is upright or upside down, so that half of the pairs cannot be blended, wherever the bodies face
+    turned = [(chance.integers(0, 2, count) * np.array(share < 1.0)).astype(np.float32) for count in sizes]
+    ends, starts = (np.stack([1 - t, t, 0 * t, 0 * t], axis=1).reshape(-1, 1, 1, 4) for t in turned)
+    blends = Blends(ends, starts, np.array([0.5]))
+    table = all_pairs(first, second)
+    threshold = float(np.quantile(table.distance, share)) * (1 + 1e-9)
+    blendable = [
+        [
+            is_blendable(a, b, yaw, blends.weight, MIN_ROOT_COSINE, MIN_CHORD)
+            for b, yaw in zip(starts, yaws, strict=True)
+        ]
+        for a, yaws in zip(ends, table.yaw, strict=True)
+    ]
+    allowed = np.where(np.array(blendable) & (table.distance <= threshold), table.distance, np.inf)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(near, "_BLOCK_PAIRS", block)
+        metric = Metric.of()
+        flat = FlatClouds.of(first, metric), FlatClouds.of(second, metric)
+        found = near_pairs(*flat, threshold, codes, limits, blends)
+    assert list(zip(found.row.tolist(), found.column.tolist(), strict=True)) == chosen_by_the_rule(
+        allowed, step, variation, limits
+    )
 
 
 def test_empty_clouds_have_no_pairs():
     flat = FlatClouds.of(_clouds(1, 3, 0.01), Metric.of())
     none = flat.select(np.zeros(0, np.int64))
-    free = np.full((3, 2), -1, np.int32)
-    assert len(near_pairs(none, flat, 1.0, (free[:0], free)).row) == 0
-    assert len(near_pairs(flat, none, 1.0, (free, free[:0])).row) == 0
+    assert len(near_pairs(none, flat, 1.0, PairCodes.free(0, 3)).row) == 0
+    assert len(near_pairs(flat, none, 1.0, PairCodes.free(3, 0)).row) == 0
 
 
 def test_weights_change_distance():

@@ -5,18 +5,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.motion.pose.root_warp import (
-    LEG_LENGTH,
+from live.motion.pose.root_warp import LEG_LENGTH, compute_reach_margin, compute_warp_curve, initial_hold_shares
+from live.motion.pose.root_warp_kernels import DIRECTIONS, KNOTS, WARP_RATE, WARP_SHARE, margin_towards, warp_share
+from live.motion.pose.warp_curve_kernels import (
     LENGTH_BUFFER,
     MAX_HELD_SHIFT,
     PELVIS_DROP,
     STANDING_MARGIN,
-    compute_reach_margin,
-    compute_warp_curve,
-    initial_hold_shares,
-    stances,
 )
-from live.motion.pose.root_warp_kernels import DIRECTIONS, KNOTS, WARP_RATE, WARP_SHARE, margin_towards, warp_share
 
 LAST = 0.8125
 COUNT = 4 * (KNOTS - 1) + 1
@@ -29,6 +25,15 @@ def contacts_of(*swings):
     for foot, begin, end in swings:
         contact[(begin <= PLACES) & (end > PLACES), foot] = False
     return contact
+
+
+def stances(contact):
+    """Foot, first sample and end of all contact intervals."""
+    found = []
+    for foot in range(2):
+        edges = np.flatnonzero(np.diff(contact[:, foot].astype(np.int8), prepend=0, append=0))
+        found += [(foot, begin, end) for begin, end in zip(edges[::2], edges[1::2], strict=True)]
+    return found
 
 
 WALK = contacts_of((0, 0.05, 0.2), (1, 0.3, 0.45), (0, 0.55, 0.7), (1, 0.8, 0.95))
