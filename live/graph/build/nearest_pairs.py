@@ -44,7 +44,7 @@ class EdgeLimits:
 
     per_node: int = 384
     """Edges out of a node: the nearest step of each name first, then of each variation, then the second nearest ..."""
-    per_variation: int = 4
+    per_variation: int = 12
     """Edges from a node into one variation of a step: its side and direction of travel."""
     into: int = 2
     """The nearest edges into each node, which are kept in any case."""
