@@ -1,265 +1,170 @@
-"""Arm clearance: pushes arms out of the own trunk, and turns arms so that elbow and wrist are where they were pushed.
+"""Arm clearance: arms keep off other dancers (`neighbour_clearance_kernels`) and off the own trunk
+(`trunk_clearance_kernels`); only arms that may need it are looked at more closely."""
 
-The trunk is the capsule of `live.motion.body_capsules`. Points along forearm and palm are pushed out the shortest way, in
-blocks of dancers with one row per number (see `sample_kernels`); then two-bone IK restores the lengths, with the elbow
-towards where it was pushed. There is no state, so everything is continuous in the poses: an arm is moved the more the
-farther it is in, beginning a little before it touches.
-"""
-
-import math
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import inline_kernel, kernel
-from live.motion.body_capsules import TRUNK_AXIS_SHARE, TRUNK_END, TRUNK_HALF_DEPTH, TRUNK_HALF_WIDTH
-from live.motion.pose.hand_hold_kernels import PALM, multiply, rotate_vector, shortest_rotation
+from live.motion.body_capsules import TRUNK_AXIS_SHARE, TRUNK_HALF_WIDTH
+from live.motion.pose.hand_hold_kernels import PALM
+from live.motion.pose.neighbour_clearance_kernels import (
+    BACK,
+    BOX_PAD,
+    FRONT,
+    LEFT,
+    RIGHT,
+    TRUNK_BOX,
+    draw_back_arms,
+    find_pairs,
+)
 from live.motion.pose.sample_kernels import BLOCK
+from live.motion.pose.trunk_clearance_kernels import ARM_GAP, HIPS, MARGIN, NECK, move_arms
 
 Float32 = npt.NDArray[np.float32]
+Bool = npt.NDArray[np.bool_]
 Int32 = npt.NDArray[np.int32]
 
-ARM_GAP: Any = np.float32(0.03)
-"""A forearm's axis stays this far [m] from the own trunk's surface: its radius."""
-PALM_GAP: Any = np.float32(0.015)
-"""... and the palm's middle this far."""
-MARGIN: Any = np.float32(0.02)
-"""The push begins this far [m] before the gap is reached, and is whole as far behind it."""
-ELBOW_BIAS: Any = np.float32(0.5)
-"""Backward bias of the elbow in the upper arm's axes, as a share of the way of the hand: it decides for straight arms."""
-LENGTH_BUFFER: Any = np.float32(0.003)
-"""An arm is not stretched beyond its length minus this [m], unless the clip itself stretches it farther."""
-ROUNDS = 2
-"""Pushes out of the own trunk, each followed by IK."""
-HIPS, CHEST, NECK, LEFT_LEG, RIGHT_LEG, LEFT_SHOULDER, RIGHT_SHOULDER = range(7)
-"""Entries of `trunk`."""
-_AXIS, _BEND, _LOW, _HIGH, _PER, TRUNK_ROWS = 3, 6, 9, 12, 15, 16
-"""Rows of a trunk: hips, axis, bend of the axis, wide side below and above, 1 / squared length of the axis."""
-_ELBOW, _WRIST, _PALM, _BACK, _UPPER, _LOWER, _REACH, _SHARE, _MOVED, ARM_ROWS = 3, 6, 9, 12, 15, 16, 17, 18, 19, 20
-"""Rows of an arm: shoulder, elbow, wrist, from wrist to palm, backward direction of the upper arm; lengths of upper arm
-and forearm, the farthest the wrist may be from the shoulder, share of the push, and how far points were pushed so far."""
+DRAWN_WHOLLY: Any = np.float32(0.02)
+"""An arm that draws back again by this [m] is also pushed out of the own trunk again, wholly; by less, in part."""
+TRUNK_BEND: Any = np.float32(0.06)
+"""The trunk's axis is bent away from the line between hips and neck by at most this [m]."""
+_NEAR: Any = np.float32((TRUNK_HALF_WIDTH + 0.06 + float(ARM_GAP) + float(MARGIN)) ** 2)
+_HIPS, _NECK, _ARMS, _ROWS = 0, 3, 6, 24
+"""Rows of a block: hips and neck, then elbow, wrist and palm of the left and the right arm."""
+_AXIS_SHARE: Any = np.float32(TRUNK_AXIS_SHARE)
 _ZERO: Any = np.float32(0.0)
+_HALF: Any = np.float32(0.5)
 _ONE: Any = np.float32(1.0)
 _TWO: Any = np.float32(2.0)
-_THREE: Any = np.float32(3.0)
-_FOUR: Any = np.float32(4.0)
 _TINY: Any = np.float32(1e-12)
-_LEAST_PUSH: Any = np.float32(1e-6)
-_AXIS_SHARE: Any = np.float32(TRUNK_AXIS_SHARE)
-_WIDE, _DEEP, _END = (np.float32(1.0 / size**2) for size in (TRUNK_HALF_WIDTH, TRUNK_HALF_DEPTH, TRUNK_END))
-_CORE: Any = np.float32(0.16)
-"""Squared share of the trunk's size within which pushes fade to nothing: at the axis no way out is the shortest."""
 
 
 @inline_kernel
-def soft(x: Any) -> Any:
-    """Return about max(x, 0), with a continuous slope: a parabola within MARGIN of 0."""
-    q = min(max(x + MARGIN, _ZERO), _TWO * MARGIN)
-    return q * q / (_FOUR * MARGIN) + max(x - MARGIN, _ZERO)
-
-
-@inline_kernel
-def _gather_trunks(rows: Float32, position: Float32, trunk: Int32, start: int, stop: int) -> None:
-    """Compute the trunks of the block; lanes beyond the last dancer repeat the last one."""
-    for i in range(BLOCK):
-        n = min(start + i, stop - 1)
-        for c in range(3):
-            hips = position[n, trunk[HIPS], c]
-            rows[c, i] = hips
-            rows[_AXIS + c, i] = _AXIS_SHARE * (position[n, trunk[NECK], c] - hips)
-            rows[_BEND + c, i] = position[n, trunk[CHEST], c] - hips
-            rows[_LOW + c, i] = position[n, trunk[LEFT_LEG], c] - position[n, trunk[RIGHT_LEG], c]
-            rows[_HIGH + c, i] = position[n, trunk[LEFT_SHOULDER], c] - position[n, trunk[RIGHT_SHOULDER], c]
-    for i in range(BLOCK):
-        ax, ay, az = rows[_AXIS, i], rows[_AXIS + 1, i], rows[_AXIS + 2, i]
-        rows[_PER, i] = _ONE / max(ax * ax + ay * ay + az * az, _TINY)
-    for first in (_BEND, _LOW, _HIGH):
-        for i in range(BLOCK):
-            ax, ay, az = rows[_AXIS, i], rows[_AXIS + 1, i], rows[_AXIS + 2, i]
-            x, y, z = rows[first, i], rows[first + 1, i], rows[first + 2, i]
-            on = (x * ax + y * ay + z * az) * rows[_PER, i]
-            x, y, z = x - on * ax, y - on * ay, z - on * az
-            scale = _ONE if first == _BEND else _ONE / math.sqrt(max(x * x + y * y + z * z, _TINY))
-            rows[first, i], rows[first + 1, i], rows[first + 2, i] = x * scale, y * scale, z * scale
-
-
-@inline_kernel
-def _gather_arms(
-    arm: Float32, position: Float32, rotation: Float32, drawn: Float32, share: Float32, held: Float32, side: int,
-    arms: Int32, start: int, stop: int,
-) -> None:  # fmt: skip
-    """Copy one side's arms of the block into rows, elbow and wrist displaced by `drawn`."""
-    palm = PALM if side == 0 else -PALM
-    for i in range(BLOCK):
-        n = min(start + i, stop - 1)
-        upper, lower, hand = arms[side, 0], arms[side, 1], arms[side, 2]
-        for c in range(3):
-            arm[c, i] = position[n, upper, c]
-            arm[_ELBOW + c, i] = position[n, lower, c]
-            arm[_WRIST + c, i] = position[n, hand, c]
-        w, x, y, z = rotation[n, hand, 0], rotation[n, hand, 1], rotation[n, hand, 2], rotation[n, hand, 3]
-        arm[_PALM, i] = palm * (_ONE - _TWO * (y * y + z * z))
-        arm[_PALM + 1, i] = palm * _TWO * (x * y + w * z)
-        arm[_PALM + 2, i] = palm * _TWO * (x * z - w * y)
-        w, x, y, z = rotation[n, upper, 0], rotation[n, upper, 1], rotation[n, upper, 2], rotation[n, upper, 3]
-        arm[_BACK, i] = -_TWO * (x * z + w * y)
-        arm[_BACK + 1, i] = -_TWO * (y * z - w * x)
-        arm[_BACK + 2, i] = _TWO * (x * x + y * y) - _ONE
-        arm[_SHARE, i] = share[n] * (_ONE - held[n, side])
-    for i in range(BLOCK):
-        sx, sy, sz = arm[0, i], arm[1, i], arm[2, i]
-        ux, uy, uz = arm[_ELBOW, i] - sx, arm[_ELBOW + 1, i] - sy, arm[_ELBOW + 2, i] - sz
-        ex, ey, ez = arm[_WRIST, i] - sx, arm[_WRIST + 1, i] - sy, arm[_WRIST + 2, i] - sz
-        lx, ly, lz = ex - ux, ey - uy, ez - uz
-        upper = math.sqrt(ux * ux + uy * uy + uz * uz)
-        lower = math.sqrt(lx * lx + ly * ly + lz * lz)
-        own = math.sqrt(ex * ex + ey * ey + ez * ez)
-        arm[_UPPER, i], arm[_LOWER, i] = upper, lower
-        arm[_REACH, i] = max(upper + lower - LENGTH_BUFFER, own)
-        arm[_MOVED, i] = _ZERO
-    for i in range(BLOCK):
-        n = min(start + i, stop - 1)
-        for c in range(3):
-            elbow, wrist = drawn[n, side, 0, c], drawn[n, side, 1, c]
-            arm[_ELBOW + c, i] += elbow
-            arm[_WRIST + c, i] += wrist
-            arm[_MOVED, i] += abs(elbow) + abs(wrist)
-
-
-@inline_kernel
-def _push_out(arm: Float32, rows: Float32, at: Any, beyond: Any, gap: Any) -> None:
-    """Push one point of each arm out of the own trunk the shortest way: at the share `at` of the forearm, and the share
-    `beyond` of the way from the wrist to the palm. Elbow and wrist take as much of it as moves the point by all of it.
-
-    The distance to an ellipse is that of first order, |p| (|p| - 1) / |grad|, p in units of the trunk's size.
-    """
-    to_elbow, to_wrist = (_ONE - at), at
-    norm = to_elbow * to_elbow + to_wrist * to_wrist
-    to_elbow, to_wrist = to_elbow / norm, to_wrist / norm
-    for i in range(BLOCK):
-        x = arm[_ELBOW, i] + at * (arm[_WRIST, i] - arm[_ELBOW, i]) + beyond * arm[_PALM, i] - rows[0, i]
-        y = arm[_ELBOW + 1, i] + at * (arm[_WRIST + 1, i] - arm[_ELBOW + 1, i]) + beyond * arm[_PALM + 1, i]
-        z = arm[_ELBOW + 2, i] + at * (arm[_WRIST + 2, i] - arm[_ELBOW + 2, i]) + beyond * arm[_PALM + 2, i]
-        y, z = y - rows[1, i], z - rows[2, i]
-        ax, ay, az = rows[_AXIS, i], rows[_AXIS + 1, i], rows[_AXIS + 2, i]
-        per = rows[_PER, i]
-        t = min(max((x * ax + y * ay + z * az) * per, _ZERO), _ONE)
-        bent = _FOUR * t * (_ONE - t)
-        x, y, z = (
-            x - t * ax - bent * rows[_BEND, i],
-            y - t * ay - bent * rows[_BEND + 1, i],
-            z - t * az - bent * rows[_BEND + 2, i],
-        )
-        sx = rows[_LOW, i] + t * (rows[_HIGH, i] - rows[_LOW, i])
-        sy = rows[_LOW + 1, i] + t * (rows[_HIGH + 1, i] - rows[_LOW + 1, i])
-        sz = rows[_LOW + 2, i] + t * (rows[_HIGH + 2, i] - rows[_LOW + 2, i])
-        scale = _ONE / math.sqrt(max(sx * sx + sy * sy + sz * sz, _TINY))
-        sx, sy, sz = sx * scale, sy * scale, sz * scale
-        scale = math.sqrt(per)
-        ax, ay, az = ax * scale, ay * scale, az * scale
-        fx, fy, fz = ay * sz - az * sy, az * sx - ax * sz, ax * sy - ay * sx
-        u, v, w = x * sx + y * sy + z * sz, x * fx + y * fy + z * fz, x * ax + y * ay + z * az
-        gu, gv, gw = u * _WIDE, v * _DEEP, w * _END
-        square = u * gu + v * gv + w * gw
-        gradient = _ONE / math.sqrt(max(gu * gu + gv * gv + gw * gw, _TINY))
-        outside = (square - math.sqrt(square)) * gradient
-        core = min(square / _CORE, _ONE)
-        push = arm[_SHARE, i] * core * core * (_THREE - _TWO * core) * soft(gap - outside)
-        arm[_MOVED, i] += push
-        push *= gradient
-        x = push * (gu * sx + gv * fx + gw * ax)
-        y = push * (gu * sy + gv * fy + gw * ay)
-        z = push * (gu * sz + gv * fz + gw * az)
-        arm[_ELBOW, i] += to_elbow * x
-        arm[_ELBOW + 1, i] += to_elbow * y
-        arm[_ELBOW + 2, i] += to_elbow * z
-        arm[_WRIST, i] += to_wrist * x
-        arm[_WRIST + 1, i] += to_wrist * y
-        arm[_WRIST + 2, i] += to_wrist * z
-
-
-@inline_kernel
-def _restore_lengths(arm: Float32) -> None:
-    """Two-bone IK of positions: the wrist within reach, the elbow where the lengths allow it nearest to where it is.
-
-    Both places are unchanged where nothing was pushed, but for rounding.
-    """
-    for i in range(BLOCK):
-        sx, sy, sz = arm[0, i], arm[1, i], arm[2, i]
-        gx, gy, gz = arm[_WRIST, i] - sx, arm[_WRIST + 1, i] - sy, arm[_WRIST + 2, i] - sz
-        px, py, pz = arm[_ELBOW, i] - sx, arm[_ELBOW + 1, i] - sy, arm[_ELBOW + 2, i] - sz
-        upper, lower, moved = arm[_UPPER, i], arm[_LOWER, i], arm[_MOVED, i]
-        size = math.sqrt(max(gx * gx + gy * gy + gz * gz, _TINY))
-        length = min(max(size, abs(upper - lower) + LENGTH_BUFFER), arm[_REACH, i])
-        gx, gy, gz = gx / size, gy / size, gz / size
-        along = (upper * upper - lower * lower + length * length) / (_TWO * length)
-        aside = math.sqrt(max(upper * upper - along * along, _ZERO))
-        px += ELBOW_BIAS * moved * arm[_BACK, i]
-        py += ELBOW_BIAS * moved * arm[_BACK + 1, i]
-        pz += ELBOW_BIAS * moved * arm[_BACK + 2, i]
-        on = px * gx + py * gy + pz * gz
-        px, py, pz = px - on * gx, py - on * gy, pz - on * gz
-        scale = aside / math.sqrt(max(px * px + py * py + pz * pz, _TINY))
-        arm[_ELBOW, i] = sx + along * gx + scale * px
-        arm[_ELBOW + 1, i] = sy + along * gy + scale * py
-        arm[_ELBOW + 2, i] = sz + along * gz + scale * pz
-        arm[_WRIST, i] = sx + length * gx
-        arm[_WRIST + 1, i] = sy + length * gy
-        arm[_WRIST + 2, i] = sz + length * gz
-
-
-@inline_kernel
-def _write_arms(
-    arm: Float32, position: Float32, rotation: Float32, side: int, arms: Int32, start: int, stop: int
+def _gather_block(
+    rows: Float32, position: Float32, rotation: Float32, trunk: Int32, arms: Int32, start: int, stop: int
 ) -> None:
-    """Turn the arms of the block that were pushed; the others keep every bit. The hand keeps its angle to the forearm."""
-    upper, lower, hand = arms[side, 0], arms[side, 1], arms[side, 2]
-    for i in range(stop - start):
-        if arm[_MOVED, i] <= _LEAST_PUSH:
-            continue
-        n = start + i
-        ex, ey, ez = position[n, lower, 0], position[n, lower, 1], position[n, lower, 2]
-        wx, wy, wz = position[n, hand, 0] - ex, position[n, hand, 1] - ey, position[n, hand, 2] - ez
-        ex, ey, ez = ex - arm[0, i], ey - arm[1, i], ez - arm[2, i]
-        raised = shortest_rotation(
-            ex, ey, ez, arm[_ELBOW, i] - arm[0, i], arm[_ELBOW + 1, i] - arm[1, i], arm[_ELBOW + 2, i] - arm[2, i]
-        )
-        bent = shortest_rotation(
-            wx, wy, wz,
-            arm[_WRIST, i] - arm[_ELBOW, i],
-            arm[_WRIST + 1, i] - arm[_ELBOW + 1, i],
-            arm[_WRIST + 2, i] - arm[_ELBOW + 2, i],
-        )  # fmt: skip
-        for j, turn in ((upper, raised), (lower, bent), (hand, bent)):
-            q = multiply(turn, (rotation[n, j, 0], rotation[n, j, 1], rotation[n, j, 2], rotation[n, j, 3]))
-            rotation[n, j, 0], rotation[n, j, 1], rotation[n, j, 2], rotation[n, j, 3] = q
+    """Copy the joints of the block's dancers; lanes beyond the last dancer repeat the last one."""
+    for i in range(BLOCK):
+        n = min(start + i, stop - 1)
         for c in range(3):
-            position[n, lower, c] = arm[_ELBOW + c, i]
-            position[n, hand, c] = arm[_WRIST + c, i]
+            rows[_HIPS + c, i], rows[_NECK + c, i] = position[n, trunk[HIPS], c], position[n, trunk[NECK], c]
+        for side in range(2):
+            first, hand = _ARMS + 9 * side, arms[side, 2]
+            w, x, y, z = rotation[n, hand, 0], rotation[n, hand, 1], rotation[n, hand, 2], rotation[n, hand, 3]
+            palm = PALM if side == 0 else -PALM
+            for c in range(3):
+                rows[first + c, i] = position[n, arms[side, 1], c]
+                rows[first + 3 + c, i] = position[n, hand, c]
+            rows[first + 6, i] = position[n, hand, 0] + palm * (_ONE - _TWO * (y * y + z * z))
+            rows[first + 7, i] = position[n, hand, 1] + palm * _TWO * (x * y + w * z)
+            rows[first + 8, i] = position[n, hand, 2] + palm * _TWO * (x * z - w * y)
+
+
+@inline_kernel
+def _find_boxes(rows: Float32, edges: Float32) -> None:
+    """Compute the edges of what the block's dancers fill on the floor (4, BLOCK), with the pad."""
+    for axis in range(2):  # x, z
+        c = 2 * axis
+        for i in range(BLOCK):
+            hips, neck = rows[_HIPS + c, i], rows[_NECK + c, i]
+            low, high = min(hips, neck) - TRUNK_BOX, max(hips, neck) + TRUNK_BOX
+            for k in range(6):
+                low, high = min(low, rows[_ARMS + 3 * k + c, i]), max(high, rows[_ARMS + 3 * k + c, i])
+            edges[2 * axis, i], edges[2 * axis + 1, i] = low - BOX_PAD, high + BOX_PAD
+
+
+@inline_kernel
+def _find_distances(rows: Float32, square: Float32, side: int) -> None:
+    """Compute the squared distance of the arms of one side to the line from hips to neck (BLOCK,), by the points that
+    are pushed out of the trunk."""
+    first = _ARMS + 9 * side
+    for i in range(BLOCK):
+        hx, hy, hz = rows[_HIPS, i], rows[_HIPS + 1, i], rows[_HIPS + 2, i]
+        ax, ay, az = rows[_NECK, i] - hx, rows[_NECK + 1, i] - hy, rows[_NECK + 2, i] - hz
+        ax, ay, az = _AXIS_SHARE * ax, _AXIS_SHARE * ay, _AXIS_SHARE * az
+        per = _ONE / max(ax * ax + ay * ay + az * az, _TINY)
+        nearest = _ONE
+        for k in range(4):
+            ex, ey, ez = rows[first, i] - hx, rows[first + 1, i] - hy, rows[first + 2, i] - hz
+            wx, wy, wz = rows[first + 3, i] - hx, rows[first + 4, i] - hy, rows[first + 5, i] - hz
+            px, py, pz = rows[first + 6, i] - hx, rows[first + 7, i] - hy, rows[first + 8, i] - hz
+            elbow = _HALF if k == 1 else (_ONE if k == 0 else _ZERO)
+            wrist = _HALF if k == 1 else (_ONE if k == 2 else _ZERO)
+            palm = _ONE if k == 3 else _ZERO
+            x = elbow * ex + wrist * wx + palm * px
+            y = elbow * ey + wrist * wy + palm * py
+            z = elbow * ez + wrist * wz + palm * pz
+            t = min(max((x * ax + y * ay + z * az) * per, _ZERO), _ONE)
+            x, y, z = x - t * ax, y - t * ay, z - t * az
+            nearest = min(nearest, x * x + y * y + z * z)
+        square[i] = nearest
+
+
+@inline_kernel
+def _find_arms(
+    position: Float32, rotation: Float32, box: Float32, near: Bool, amount: Float32, trunk: Int32, arms: Int32
+) -> None:
+    """Compute all dancers' boxes (4, A), and which arms may be pushed out of the own trunk (2 A,)."""
+    rows, edges = np.empty((_ROWS, BLOCK), np.float32), np.empty((4, BLOCK), np.float32)
+    square = np.empty(BLOCK, np.float32)
+    for start in range(0, len(position), BLOCK):
+        stop = min(start + BLOCK, len(position))
+        _gather_block(rows, position, rotation, trunk, arms, start, stop)
+        _find_boxes(rows, edges)
+        for k in range(4):
+            for i in range(stop - start):
+                box[k, start + i] = edges[k, i]
+        for side in range(2):
+            _find_distances(rows, square, side)
+            for i in range(stop - start):
+                m = 2 * (start + i) + side
+                near[m] = square[i] < _NEAR and amount[m] > _ZERO
+
+
+@inline_kernel
+def _size(drawn: Float32, m: int) -> Any:
+    """Return about how far arm `m` draws back [m]."""
+    return abs(drawn[m, 0, 0]) + abs(drawn[m, 0, 2]) + abs(drawn[m, 1, 0]) + abs(drawn[m, 1, 2])
 
 
 @kernel(
-    "void(f4[:,:,::1], f4[:,:,::1], f4[:,:,:,::1], f4[::1], f4[:,::1], i4[::1], i4[:,::1])"
+    "void(f4[:,:,::1], f4[:,:,::1], f4[::1], f4[:,::1], i4[::1], f4[::1], b1[::1], i4[::1], i4[:,::1])"
 )
 def clear_arms(
-    position: Float32, rotation: Float32, drawn: Float32, share: Float32, held: Float32, trunk: Int32, arms: Int32
-) -> None:
-    """Displace the arms by `drawn` and push them out of the own trunks, in poses (A, J, 3) [m] and (A, J, 4), in place.
+    position: Float32, rotation: Float32, share: Float32, held: Float32, partner: Int32, together: Float32,
+    visible: Bool, trunk: Int32, arms: Int32,
+) -> None:  # fmt: skip
+    """Keep the arms of all dancers off others and out of the own trunks, in poses (A, J, 3) [m] and (A, J, 4), in place.
 
-    `drawn` (A, 2, 2, 3): displacement of elbow and wrist of both arms [m]; `share` (A,): how much of the push is
-    applied, 0 to 1; `held` (A, 2): how far each hand is in a hold, which keeps the arm; `trunk` (7,), `arms` (2, 3):
-    joints as in `body_capsules`.
+    `share` (A,): how far, 0 to 1; `held` (A, 2), `partner` (A,), `together` (A,) as in `HeldArms`, or all empty; others
+    than `visible` dancers (A,) are in nobody's way; `trunk` (7,), `arms` (2, 3): joints as in `body_capsules`.
     """
-    rows, arm = np.empty((TRUNK_ROWS, BLOCK), np.float32), np.empty((ARM_ROWS, BLOCK), np.float32)
-    for start in range(0, len(position), BLOCK):
-        stop = min(start + BLOCK, len(position))
-        _gather_trunks(rows, position, trunk, start, stop)
-        for side in range(2):
-            _gather_arms(arm, position, rotation, drawn, share, held, side, arms, start, stop)
-            for _ in range(ROUNDS):
-                for k in range(4):
-                    _push_out(arm, rows, np.float32(k) / _THREE, _ZERO, ARM_GAP)
-                _push_out(arm, rows, _ONE, _ONE, PALM_GAP)
-                _restore_lengths(arm)
-            _write_arms(arm, position, rotation, side, arms, start, stop)
+    count = len(position)
+    amount, near = np.empty(2 * count, np.float32), np.empty(2 * count, np.bool_)
+    drawn, box = np.empty((2 * count, 2, 3), np.float32), np.empty((4, count), np.float32)
+    which = np.empty(2 * count, np.int32)
+    for m in range(2 * count):
+        amount[m] = share[m // 2] * (_ONE - held[m // 2, m % 2]) if len(held) else share[m // 2]
+    _find_arms(position, rotation, box, near, amount, trunk, arms)
+    pairs = find_pairs(box, visible)
+    draw_back_arms(position, rotation, drawn, pairs, amount, held, partner, together, trunk, arms)
+    moving = 0
+    for m in range(2 * count):
+        if near[m] or _size(drawn, m) > _ZERO:
+            which[moving] = m
+            moving += 1
+    move_arms(position, rotation, drawn, amount, which, moving, trunk, arms)
+    if not len(pairs):
+        return
+    # a bent elbow may have come near somebody, too
+    draw_back_arms(position, rotation, drawn, pairs, amount, held, partner, together, trunk, arms)
+    moving = 0
+    for m in range(2 * count):
+        size = _size(drawn, m)
+        if size > _ZERO:
+            amount[m] *= min(size / DRAWN_WHOLLY, _ONE)
+            which[moving] = m
+            moving += 1
+    move_arms(position, rotation, drawn, amount, which, moving, trunk, arms)
