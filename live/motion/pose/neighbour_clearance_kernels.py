@@ -25,12 +25,14 @@ BETWEEN_ARMS: Any = np.float32(0.08)
 """Gap [m] that is left along the line between two bodies where arms of both come together."""
 TO_TRUNK: Any = np.float32(0.17)
 """Arms stay this far [m] from the middle of another's trunk along that line."""
-NEAR_ARM, FAR_ARM = np.float32(0.08), np.float32(0.26)
+NEAR_ARM, FAR_ARM = np.float32(0.08), np.float32(0.45)
 """Arms nearer to each other than NEAR_ARM [m] are drawn back fully, those farther than FAR_ARM not at all."""
-NEAR_TRUNK, FAR_TRUNK = np.float32(0.15), np.float32(0.33)
+NEAR_TRUNK, FAR_TRUNK = np.float32(0.15), np.float32(0.5)
 """The same for the distance of an arm to the line between another's hips and neck [m]."""
 KEPT: Any = np.float32(0.14)
 """An arm is not drawn back nearer to the own trunk's middle than this [m]."""
+ROUNDED: Any = np.float32(0.06)
+"""Points are drawn back from this far [m] before the limit at most, and wholly from as far behind it."""
 SAME_PLACE: Any = np.float32(0.05)
 """Bodies nearer to each other than this [m] have no line between them."""
 BOX_PAD: Any = np.float32(0.5 * FAR_ARM + 0.1)
@@ -143,7 +145,7 @@ def _draw_back(
             if mine + others <= _ZERO:
                 continue
             near = _arm_distance(one, 4 * a, other, 4 * b)
-            push = _smooth((FAR_ARM - near) / (FAR_ARM - NEAR_ARM)) * soft(overlap) / max(mine + others, _ONE)
+            push = _smooth((FAR_ARM - near) / (FAR_ARM - NEAR_ARM)) * soft(overlap, MARGIN) / max(mine + others, _ONE)
             wanted[0, a, 1] += (push * mine) ** 4
             wanted[1, b, 1] += (push * others) ** 4
     for who in range(2):
@@ -156,17 +158,18 @@ def _draw_back(
                 k = 4 * side
                 near = segment_distance(arm, k + 2, k + 3, body, TRUNK_LOW, TRUNK_HIGH)
                 near = min(near, segment_distance(arm, k + 1, k + 2, body, TRUNK_LOW, TRUNK_HIGH))
-                push = free * _smooth((FAR_TRUNK - near) / (FAR_TRUNK - NEAR_TRUNK)) * soft(overlap)
+                push = free * _smooth((FAR_TRUNK - near) / (FAR_TRUNK - NEAR_TRUNK)) * soft(overlap, MARGIN)
                 wanted[who, side, 1] += push**4
             if wanted[who, side, 1] <= _ZERO:
                 continue
             wish = math.sqrt(math.sqrt(wanted[who, side, 1]))  # about the largest, but smooth where two are the same
             limit = max(wanted[who, side, 0] - wish, KEPT)
+            round_off = min(_HALF * wish, ROUNDED)
             reach = _ZERO
             for k in range(1, 4):
                 x = arm[4 * side + k, 0] - arm[TRUNK_MIDDLE, 0]
                 z = arm[4 * side + k, 2] - arm[TRUNK_MIDDLE, 2]
-                over = max(sign * (x * nx + z * nz) - limit, _ZERO)
+                over = soft(sign * (x * nx + z * nz) - limit, round_off)
                 if k == ELBOW:
                     drawn[2 * n + side, 0, 0] -= sign * over * nx
                     drawn[2 * n + side, 0, 2] -= sign * over * nz

@@ -55,10 +55,10 @@ _CORE: Any = np.float32(0.16)
 
 
 @inline_kernel
-def soft(x: Any) -> Any:
-    """Return about max(x, 0), with a continuous slope: a parabola within MARGIN of 0."""
-    q = min(max(x + MARGIN, _ZERO), _TWO * MARGIN)
-    return q * q / (_FOUR * MARGIN) + max(x - MARGIN, _ZERO)
+def soft(x: Any, margin: Any) -> Any:
+    """Return about max(x, 0), with a continuous slope: a parabola within `margin` of 0."""
+    q = min(max(x + margin, _ZERO), _TWO * margin)
+    return q * q / (_FOUR * margin) + max(x - margin, _ZERO)
 
 
 @inline_kernel
@@ -171,7 +171,7 @@ def _push_out(arm: Float32, rows: Float32, at: Any, beyond: Any, gap: Any) -> No
         gradient = _ONE / math.sqrt(max(gu * gu + gv * gv + gw * gw, _TINY))
         outside = (square - math.sqrt(square)) * gradient
         core = min(square / _CORE, _ONE)
-        push = arm[_SHARE, i] * core * core * (_THREE - _TWO * core) * soft(gap - outside)
+        push = arm[_SHARE, i] * core * core * (_THREE - _TWO * core) * soft(gap - outside, MARGIN)
         arm[_MOVED, i] += push
         push *= gradient
         x = push * (gu * sx + gv * fx + gw * ax)
