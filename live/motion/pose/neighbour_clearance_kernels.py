@@ -33,6 +33,9 @@ KEPT: Any = np.float32(0.14)
 """An arm is not drawn back nearer to the own trunk's middle than this [m]."""
 ROUNDED: Any = np.float32(0.06)
 """Points are drawn back from this far [m] before the limit at most, and wholly from as far behind it."""
+RAISED: Any = np.float32(0.08)
+"""An elbow that is drawn back sinks as far, so that the upper arm's length has room; from this far above the shoulder
+[m] on it begins to rise instead, and rises as far from twice that on."""
 SAME_PLACE: Any = np.float32(0.05)
 """Bodies nearer to each other than this [m] have no line between them."""
 BOX_PAD: Any = np.float32(0.5 * FAR_ARM + 0.1)
@@ -173,6 +176,8 @@ def _draw_back(
                 if k == ELBOW:
                     drawn[2 * n + side, 0, 0] -= sign * over * nx
                     drawn[2 * n + side, 0, 2] -= sign * over * nz
+                    raised = arm[4 * side + ELBOW, 1] - arm[4 * side + SHOULDER, 1]
+                    drawn[2 * n + side, 0, 1] += over * (_TWO * _smooth((raised - RAISED) / RAISED) - _ONE)
                 else:
                     reach = max(reach, over)
             drawn[2 * n + side, 1, 0] -= sign * reach * nx

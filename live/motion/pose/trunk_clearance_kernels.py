@@ -26,8 +26,10 @@ PALM_GAP: Any = np.float32(0.015)
 """... and the palm's middle this far."""
 MARGIN: Any = np.float32(0.02)
 """The push begins this far [m] before the gap is reached, and is whole as far behind it."""
-ELBOW_BIAS: Any = np.float32(0.5)
-"""Backward bias of the elbow in the upper arm's axes, as a share of the way of the hand: it decides for straight arms."""
+ELBOW_BIAS: Any = np.float32(0.6)
+"""Backward bias of a straight arm's elbow in the upper arm's axes, as a share of the way of elbow and hand ..."""
+BENT, STRAIGHT = np.float32(0.75), np.float32(0.98)
+"""... none for an arm whose wrist is as far from the shoulder as BENT of its length, all from STRAIGHT on."""
 LENGTH_BUFFER: Any = np.float32(0.003)
 """An arm is not stretched beyond its length minus this [m], unless the clip itself stretches it farther."""
 ROUNDS = 2
@@ -127,6 +129,11 @@ def _gather_arms(
         own = math.sqrt(ex * ex + ey * ey + ez * ez)
         arm[_UPPER, i], arm[_LOWER, i] = upper, lower
         arm[_REACH, i] = max(upper + lower - LENGTH_BUFFER, own)
+        bias = min(max((own / max(upper + lower, _TINY) - BENT) / (STRAIGHT - BENT), _ZERO), _ONE)
+        bias = ELBOW_BIAS * bias * bias * (_THREE - _TWO * bias)
+        arm[_BACK, i], arm[_BACK + 1, i], arm[_BACK + 2, i] = (
+            arm[_BACK, i] * bias, arm[_BACK + 1, i] * bias, arm[_BACK + 2, i] * bias
+        )  # fmt: skip
     for c in range(3):
         for i in range(BLOCK):
             arm[_ELBOW + c, i] += arm[_DRAWN + c, i]
@@ -201,9 +208,9 @@ def _restore_lengths(arm: Float32) -> None:
         gx, gy, gz = gx / size, gy / size, gz / size
         along = (upper * upper - lower * lower + length * length) / (_TWO * length)
         aside = math.sqrt(max(upper * upper - along * along, _ZERO))
-        px += ELBOW_BIAS * moved * arm[_BACK, i]
-        py += ELBOW_BIAS * moved * arm[_BACK + 1, i]
-        pz += ELBOW_BIAS * moved * arm[_BACK + 2, i]
+        px += moved * arm[_BACK, i]
+        py += moved * arm[_BACK + 1, i]
+        pz += moved * arm[_BACK + 2, i]
         on = px * gx + py * gy + pz * gz
         px, py, pz = px - on * gx, py - on * gy, pz - on * gz
         scale = aside / math.sqrt(max(px * px + py * py + pz * pz, _TINY))
