@@ -45,6 +45,14 @@ class HeldArms:
         np.maximum.at(self.share, (who[shown], hand[shown]), share[shown, None])
         self.partner[who[shown]] = who[shown][:, ::-1]
 
+    def of(self, rows: npt.NDArray[np.intp]) -> "HeldArms":
+        """Return those of the dancers `rows` (n,), numbered as there; partners who are not among them are nobody."""
+        found, place = HeldArms(len(rows)), np.full(len(self.partner) + 1, NOBODY, np.int32)
+        place[rows] = np.arange(len(rows), dtype=np.int32)
+        found.share[:], found.together[:] = self.share[rows], self.together[rows]
+        found.partner[:] = place[self.partner[rows]]  # the last entry is NOBODY
+        return found
+
 
 class HandHolds:
     """Hand holds of A dancers: each may hold one partner by up to two hands."""

@@ -33,9 +33,11 @@ KEPT: Any = np.float32(0.14)
 """An arm is not drawn back nearer to the own trunk's middle than this [m]."""
 ROUNDED: Any = np.float32(0.06)
 """Points are drawn back from this far [m] before the limit at most, and wholly from as far behind it."""
-RAISED: Any = np.float32(0.08)
-"""An elbow that is drawn back sinks as far, so that the upper arm's length has room; from this far above the shoulder
-[m] on it begins to rise instead, and rises as far from twice that on."""
+RAISED: Any = np.float32(0.4)
+"""An elbow that is drawn back also sinks as far, so that the upper arm's length has room; the higher it is, the less, and
+from this far above the shoulder [m] on it rises instead. So does a wrist, ..."""
+FOLDED: Any = np.float32(0.3)
+"""... but half as far when it is drawn back by this [m], less before: an arm that has far to go is lowered, not folded."""
 SAME_PLACE: Any = np.float32(0.05)
 """Bodies nearer to each other than this [m] have no line between them."""
 BOX_PAD: Any = np.float32(0.5 * FAR_ARM + 0.1)
@@ -117,6 +119,13 @@ def _held(held: Float32, i: int, side: int) -> Any:
     return held[i, side] if len(held) else _ZERO
 
 
+@inline_kernel
+def _way_up(arm: Float32, first: int, k: int) -> Any:
+    """Return whether the point `k` of the arm that begins at `first` has room upwards, 1, or rather downwards, -1."""
+    raised = arm[first + k, 1] - arm[first + SHOULDER, 1]
+    return _TWO * _smooth(raised / RAISED) - _ONE
+
+
 @kernel("void(f4[:,::1], f4[:,::1], i8, i8, f4[::1], f4[:,::1], b1, f4, f4[:,:,::1], f4[:,:,::1])")
 def _draw_back(
     one: Float32, other: Float32, i: int, j: int, amount: Float32, held: Float32, couple: bool, apart_share: Any,
@@ -175,12 +184,12 @@ def _draw_back(
                 over = soft(sign * (x * nx + z * nz) - limit, round_off)
                 if k == ELBOW:
                     drawn[2 * n + side, 0, 0] -= sign * over * nx
+                    drawn[2 * n + side, 0, 1] += over * _way_up(arm, 4 * side, ELBOW)
                     drawn[2 * n + side, 0, 2] -= sign * over * nz
-                    raised = arm[4 * side + ELBOW, 1] - arm[4 * side + SHOULDER, 1]
-                    drawn[2 * n + side, 0, 1] += over * (_TWO * _smooth((raised - RAISED) / RAISED) - _ONE)
                 else:
                     reach = max(reach, over)
             drawn[2 * n + side, 1, 0] -= sign * reach * nx
+            drawn[2 * n + side, 1, 1] += reach * reach / (reach + FOLDED) * _way_up(arm, 4 * side, WRIST)
             drawn[2 * n + side, 1, 2] -= sign * reach * nz
 
 

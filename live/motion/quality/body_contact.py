@@ -117,6 +117,36 @@ def segment_distances(a: Float64, b: Float64, c: Float64, d: Float64) -> Float64
     return np.asarray(np.min(found, axis=0))
 
 
+class ContactRecorder:
+    """Counts contacts picture by picture."""
+
+    def __init__(self) -> None:
+        self._dancers = self._inside = self._pictures = self._arms = self._hands = 0
+
+    def add(self, position: Float, held: HeldArms | None = None, visible: Bool | None = None) -> None:
+        """Add a picture: joints of all dancers (A, J, 3) [m]; those not `visible` (A,) do not count."""
+        rows = np.arange(len(position)) if visible is None else np.flatnonzero(visible)
+        if not len(rows):
+            return
+        shown = position[rows]
+        self._dancers += len(rows)
+        self._inside += int(self_contacts(shown).sum())
+        arms, hands = neighbour_contacts(shown, None if held is None else held.of(rows))
+        self._pictures += 1
+        self._arms += arms
+        self._hands += hands
+
+    def ratios(self) -> dict[str, float | None]:
+        """Return the shares: of dancers' frames with a forearm inside the own trunk, of pictures with arms of two
+        dancers within 6 cm, and of pictures with a hand within 12 cm of another's trunk; None without any."""
+        some = self._pictures > 0
+        return {
+            "self_contact_ratio": self._inside / self._dancers if some else None,
+            "neighbour_contact_ratio": self._arms / self._pictures if some else None,
+            "hand_contact_ratio": self._hands / self._pictures if some else None,
+        }
+
+
 def _near_pairs(position: Float) -> tuple[Int32, Int32]:
     """Return the pairs of dancers with hips within each other's reach, (n,) each."""
     hips = position[:, 0].astype(np.float64)
