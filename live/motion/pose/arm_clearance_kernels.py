@@ -7,14 +7,10 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import inline_kernel, kernel
-from live.motion.body_capsules import TRUNK_AXIS_SHARE, TRUNK_HALF_WIDTH
+from live.motion.pose.body_capsules import TRUNK_AXIS_SHARE, TRUNK_HALF_WIDTH
 from live.motion.pose.hand_hold_kernels import PALM
 from live.motion.pose.neighbour_clearance_kernels import (
-    BACK,
     BOX_PAD,
-    FRONT,
-    LEFT,
-    RIGHT,
     TRUNK_BOX,
     draw_back_arms,
     find_pairs,
@@ -129,14 +125,12 @@ def _size(drawn: Float32, m: int) -> Any:
     return abs(drawn[m, 0, 0]) + abs(drawn[m, 0, 2]) + abs(drawn[m, 1, 0]) + abs(drawn[m, 1, 2])
 
 
-@kernel(
-    "void(f4[:,:,::1], f4[:,:,::1], f4[::1], f4[:,::1], i4[::1], f4[::1], b1[::1], i4[::1], i4[:,::1])"
-)
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[::1], f4[:,::1], i4[::1], f4[::1], b1[::1], i4[::1], i4[:,::1])")
 def clear_arms(
     position: Float32, rotation: Float32, share: Float32, held: Float32, partner: Int32, together: Float32,
     visible: Bool, trunk: Int32, arms: Int32,
 ) -> None:  # fmt: skip
-    """Keep the arms of all dancers off others and out of the own trunks, in poses (A, J, 3) [m] and (A, J, 4), in place.
+    """Keep all arms off other dancers and out of the own trunks, in poses (A, J, 3) [m] and (A, J, 4), in place.
 
     `share` (A,): how far, 0 to 1; `held` (A, 2), `partner` (A,), `together` (A,) as in `HeldArms`, or all empty; others
     than `visible` dancers (A,) are in nobody's way; `trunk` (7,), `arms` (2, 3): joints as in `body_capsules`.

@@ -1,8 +1,8 @@
 """Neighbour clearance: draws arms of near dancers back towards their own bodies, where they come together.
 
-The shortest way between two crossing arms changes sides as they cross. So arms are drawn back along the line between the
-two bodies instead, which way is continuous: both by half of what they overlap along it, with a weight that grows as they
-near. Hands are kept out of another's trunk in the same way. There is no state.
+The shortest way between two crossing arms changes sides as they cross. So arms are drawn back along the line between
+the two bodies instead, a way that is continuous: both by half of what they overlap along it, with a weight that grows
+as they near. Hands are kept out of another's trunk in the same way. There is no state.
 
 Pairs are found in a grid, by the boxes that trunk and arms fill on the floor.
 """
@@ -14,19 +14,23 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import inline_kernel, kernel
-from live.motion.pose.trunk_clearance_kernels import HIPS, MARGIN, NECK, soft
+from live.motion.pose.body_capsules import ARMS_APART
 from live.motion.pose.hand_hold_kernels import PALM
+from live.motion.pose.trunk_clearance_kernels import HIPS, NECK, soft
 
 Float32 = npt.NDArray[np.float32]
 Bool = npt.NDArray[np.bool_]
 Int32 = npt.NDArray[np.int32]
 
-BETWEEN_ARMS: Any = np.float32(0.08)
+BETWEEN_ARMS: Any = np.float32(ARMS_APART)
 """Gap [m] that is left along the line between two bodies where arms of both come together."""
-TO_TRUNK: Any = np.float32(0.17)
-"""Arms stay this far [m] from the middle of another's trunk along that line."""
+TO_TRUNK: Any = np.float32(0.15)
+"""Arms stay this far [m] from the middle of another's trunk along that line: half a trunk and half a palm."""
+OVERLAP_MARGIN: Any = np.float32(0.06)
+"""Arms begin to draw back this far [m] before they overlap so, and do so wholly as far behind it."""
 NEAR_ARM, FAR_ARM = np.float32(0.08), np.float32(0.45)
-"""Arms nearer to each other than NEAR_ARM [m] are drawn back fully, those farther than FAR_ARM not at all."""
+"""Arms nearer to each other than NEAR_ARM [m] are drawn back fully, those farther than FAR_ARM not at all. Two arms
+pass each other at up to 5 m/s: over a shorter way they would jerk."""
 NEAR_TRUNK, FAR_TRUNK = np.float32(0.15), np.float32(0.5)
 """The same for the distance of an arm to the line between another's hips and neck [m]."""
 KEPT: Any = np.float32(0.14)
@@ -34,15 +38,15 @@ KEPT: Any = np.float32(0.14)
 ROUNDED: Any = np.float32(0.06)
 """Points are drawn back from this far [m] before the limit at most, and wholly from as far behind it."""
 RAISED: Any = np.float32(0.4)
-"""An elbow that is drawn back also sinks as far, so that the upper arm's length has room; the higher it is, the less, and
-from this far above the shoulder [m] on it rises instead. So does a wrist, ..."""
+"""An elbow that is drawn back also sinks as far, so that the upper arm's length has room; the higher it is, the less,
+and from this far above the shoulder [m] on it rises instead. So does a wrist, ..."""
 FOLDED: Any = np.float32(0.3)
-"""... but half as far when it is drawn back by this [m], less before: an arm that has far to go is lowered, not folded."""
+"""... but half as far when it is drawn back by this [m], less before: an arm with far to go is lowered, not folded."""
 SAME_PLACE: Any = np.float32(0.05)
 """Bodies nearer to each other than this [m] have no line between them."""
 BOX_PAD: Any = np.float32(0.5 * FAR_ARM + 0.1)
-"""A dancer's box on the floor is this much larger than the arms [m]: half of the way at which others matter, and as much
-as an arm is pushed out of the own trunk ..."""
+"""A dancer's box on the floor is this much larger than the arms [m]: half of the way at which others matter, and as
+much as an arm is pushed out of the own trunk ..."""
 TRUNK_BOX: Any = np.float32(FAR_TRUNK - 0.5 * FAR_ARM)
 """... and reaches at least this far from hips and neck, with the pad besides [m]."""
 LEAST_CELL: Any = np.float32(0.5)
@@ -120,77 +124,94 @@ def _held(held: Float32, i: int, side: int) -> Any:
 
 
 @inline_kernel
+def _find_extents(reach: Float32, one: Float32, other: Float32, nx: Any, nz: Any) -> None:
+    """Compute how far the arms of two dancers extend towards each other's body [m], `reach` (2, 2)."""
+    for side in range(2):
+        reach[0, side] = reach[1, side] = _ZERO
+        for k in range(4 * side + 1, 4 * side + 4):
+            x, z = one[k, 0] - one[TRUNK_MIDDLE, 0], one[k, 2] - one[TRUNK_MIDDLE, 2]
+            reach[0, side] = max(reach[0, side], x * nx + z * nz)
+            x, z = other[TRUNK_MIDDLE, 0] - other[k, 0], other[TRUNK_MIDDLE, 2] - other[k, 2]
+            reach[1, side] = max(reach[1, side], x * nx + z * nz)
+
+
+@inline_kernel
+def _add_arm_wishes(
+    wish: Float32, reach: Float32, one: Float32, other: Float32, apart: Any, free: Float32, open_hands: Float32
+) -> None:
+    """Add by how much each arm has to draw back from the other's arms [m], to the fourth power, to `wish` (2, 2).
+
+    `free` (2, 2): how far each arm moves; `open_hands` (2, 2): how far it is not in a hold with the other.
+    """
+    for a in range(2):
+        for b in range(2):
+            overlap = reach[0, a] + reach[1, b] + BETWEEN_ARMS - apart
+            mine, others = free[0, a] * open_hands[1, b], free[1, b] * open_hands[0, a]
+            if overlap > -OVERLAP_MARGIN and mine + others > _ZERO:
+                near = _arm_distance(one, 4 * a, other, 4 * b)
+                push = _smooth((FAR_ARM - near) / (FAR_ARM - NEAR_ARM)) * soft(overlap, OVERLAP_MARGIN)
+                push /= max(mine + others, _ONE)
+                wish[0, a] += (push * mine) ** 4
+                wish[1, b] += (push * others) ** 4
+
+
+@inline_kernel
+def _trunk_wish(arm: Float32, first: int, body: Float32, overlap: Any) -> Any:
+    """Return by how much the arm that begins at `first` has to draw back from a body's trunk [m]."""
+    near = segment_distance(arm, first + WRIST, first + PALM_POINT, body, TRUNK_LOW, TRUNK_HIGH)
+    near = min(near, segment_distance(arm, first + ELBOW, first + WRIST, body, TRUNK_LOW, TRUNK_HIGH))
+    return _smooth((FAR_TRUNK - near) / (FAR_TRUNK - NEAR_TRUNK)) * soft(overlap, OVERLAP_MARGIN)
+
+
+@inline_kernel
 def _way_up(arm: Float32, first: int, k: int) -> Any:
     """Return whether the point `k` of the arm that begins at `first` has room upwards, 1, or rather downwards, -1."""
-    raised = arm[first + k, 1] - arm[first + SHOULDER, 1]
-    return _TWO * _smooth(raised / RAISED) - _ONE
+    return _TWO * _smooth((arm[first + k, 1] - arm[first + SHOULDER, 1]) / RAISED) - _ONE
 
 
-@kernel("void(f4[:,::1], f4[:,::1], i8, i8, f4[::1], f4[:,::1], b1, f4, f4[:,:,::1], f4[:,:,::1])")
+@inline_kernel
+def _draw_arm(drawn: Float32, m: int, arm: Float32, first: int, limit: Any, round_off: Any, nx: Any, nz: Any) -> None:
+    """Add to `drawn` what brings elbow, wrist and palm of arm `m` back to the limit along (nx, nz)."""
+    reach = _ZERO
+    for k in range(1, 4):
+        x, z = arm[first + k, 0] - arm[TRUNK_MIDDLE, 0], arm[first + k, 2] - arm[TRUNK_MIDDLE, 2]
+        over = soft(x * nx + z * nz - limit, round_off)
+        if k == ELBOW:
+            drawn[m, 0, 0] -= over * nx
+            drawn[m, 0, 1] += over * _way_up(arm, first, ELBOW)
+            drawn[m, 0, 2] -= over * nz
+        else:
+            reach = max(reach, over)
+    drawn[m, 1, 0] -= reach * nx
+    drawn[m, 1, 1] += reach * reach / (reach + FOLDED) * _way_up(arm, first, WRIST)
+    drawn[m, 1, 2] -= reach * nz
+
+
+@kernel("void(f4[:,::1], f4[:,::1], i8, i8, f4[:,::1], f4[:,::1], f4[:,:,::1])")
 def _draw_back(
-    one: Float32, other: Float32, i: int, j: int, amount: Float32, held: Float32, couple: bool, apart_share: Any,
-    drawn: Float32, wanted: Float32,
-) -> None:  # fmt: skip
+    one: Float32, other: Float32, i: int, j: int, free: Float32, open_hands: Float32, drawn: Float32
+) -> None:
     """Add to `drawn` (2 A, 2, 3) what the dancers `i` and `j`, at the points `one` and `other`, draw back from each
-    other, by the share `apart_share`. `wanted` (2, 2, 2) is scratch."""
+    other; `free` and `open_hands` as in `_add_arm_wishes`."""
     nx, nz = other[TRUNK_MIDDLE, 0] - one[TRUNK_MIDDLE, 0], other[TRUNK_MIDDLE, 2] - one[TRUNK_MIDDLE, 2]
     apart = math.sqrt(nx * nx + nz * nz)
     if apart < SAME_PLACE:
         return
     nx, nz = nx / apart, nz / apart
-    for side in range(2):  # wanted: how far each arm extends towards the other body [m], and by how much it draws back
-        wanted[0, side, 0] = wanted[1, side, 0] = _ZERO
-        wanted[0, side, 1] = wanted[1, side, 1] = _ZERO
-        for k in range(4 * side + 1, 4 * side + 4):
-            reach = (one[k, 0] - one[TRUNK_MIDDLE, 0]) * nx + (one[k, 2] - one[TRUNK_MIDDLE, 2]) * nz
-            wanted[0, side, 0] = max(wanted[0, side, 0], reach)
-            reach = (other[TRUNK_MIDDLE, 0] - other[k, 0]) * nx + (other[TRUNK_MIDDLE, 2] - other[k, 2]) * nz
-            wanted[1, side, 0] = max(wanted[1, side, 0], reach)
-    for a in range(2):
-        for b in range(2):
-            overlap = wanted[0, a, 0] + wanted[1, b, 0] + BETWEEN_ARMS - apart
-            if overlap <= -MARGIN:
-                continue
-            mine, others = apart_share * amount[2 * i + a], apart_share * amount[2 * j + b]
-            if couple:
-                mine, others = mine * (_ONE - _held(held, j, b)), others * (_ONE - _held(held, i, a))
-            if mine + others <= _ZERO:
-                continue
-            near = _arm_distance(one, 4 * a, other, 4 * b)
-            push = _smooth((FAR_ARM - near) / (FAR_ARM - NEAR_ARM)) * soft(overlap, MARGIN) / max(mine + others, _ONE)
-            wanted[0, a, 1] += (push * mine) ** 4
-            wanted[1, b, 1] += (push * others) ** 4
+    reach, wish = np.empty((2, 2), np.float32), np.zeros((2, 2), np.float32)
+    _find_extents(reach, one, other, nx, nz)
+    _add_arm_wishes(wish, reach, one, other, apart, free, open_hands)
     for who in range(2):
-        n, sign = (i, _ONE) if who == 0 else (j, -_ONE)
         arm, body = (one, other) if who == 0 else (other, one)
+        n, sign = (i, _ONE) if who == 0 else (j, -_ONE)
         for side in range(2):
-            free = apart_share * amount[2 * n + side]
-            overlap = wanted[who, side, 0] + TO_TRUNK - apart
-            if overlap > -MARGIN and free > _ZERO:
-                k = 4 * side
-                near = segment_distance(arm, k + 2, k + 3, body, TRUNK_LOW, TRUNK_HIGH)
-                near = min(near, segment_distance(arm, k + 1, k + 2, body, TRUNK_LOW, TRUNK_HIGH))
-                push = free * _smooth((FAR_TRUNK - near) / (FAR_TRUNK - NEAR_TRUNK)) * soft(overlap, MARGIN)
-                wanted[who, side, 1] += push**4
-            if wanted[who, side, 1] <= _ZERO:
-                continue
-            wish = math.sqrt(math.sqrt(wanted[who, side, 1]))  # about the largest, but smooth where two are the same
-            limit = max(wanted[who, side, 0] - wish, KEPT)
-            round_off = min(_HALF * wish, ROUNDED)
-            reach = _ZERO
-            for k in range(1, 4):
-                x = arm[4 * side + k, 0] - arm[TRUNK_MIDDLE, 0]
-                z = arm[4 * side + k, 2] - arm[TRUNK_MIDDLE, 2]
-                over = soft(sign * (x * nx + z * nz) - limit, round_off)
-                if k == ELBOW:
-                    drawn[2 * n + side, 0, 0] -= sign * over * nx
-                    drawn[2 * n + side, 0, 1] += over * _way_up(arm, 4 * side, ELBOW)
-                    drawn[2 * n + side, 0, 2] -= sign * over * nz
-                else:
-                    reach = max(reach, over)
-            drawn[2 * n + side, 1, 0] -= sign * reach * nx
-            drawn[2 * n + side, 1, 1] += reach * reach / (reach + FOLDED) * _way_up(arm, 4 * side, WRIST)
-            drawn[2 * n + side, 1, 2] -= sign * reach * nz
+            overlap = reach[who, side] + TO_TRUNK - apart
+            if overlap > -OVERLAP_MARGIN and free[who, side] > _ZERO:
+                wish[who, side] += (free[who, side] * _trunk_wish(arm, 4 * side, body, overlap)) ** 4
+            if wish[who, side] > _ZERO:
+                back = math.sqrt(math.sqrt(wish[who, side]))  # about the largest, but smooth where two are the same
+                limit, round_off = max(reach[who, side] - back, KEPT), min(_HALF * back, ROUNDED)
+                _draw_arm(drawn, 2 * n + side, arm, 4 * side, limit, round_off, sign * nx, sign * nz)
 
 
 @inline_kernel
@@ -199,42 +220,29 @@ def _cell(x: Any, corner: Any, size: Any, cells: int) -> Any:
     return np.int64(min(max(_ZERO, (x - corner) / size), np.float32(cells - 1)))
 
 
-@kernel("i4[:,::1](f4[:,::1], b1[::1])")
-def find_pairs(box: Float32, visible: Bool) -> Int32:
-    """Return all pairs of `visible` dancers (A,) whose boxes overlap, (P, 2), in an order that depends on places only.
-
-    `box` (4, A): LEFT, RIGHT, BACK and FRONT edge of what each dancer fills on the floor [m]. A counting sort into a grid
-    as coarse as the largest box: whoever meets is in the same cell or in one beside it.
-    """
-    count, present = box.shape[1], 0
-    corner_x, corner_z, end_x, end_z, size = _FAR, _FAR, -_FAR, -_FAR, LEAST_CELL
-    for i in range(count):
+@inline_kernel
+def _fit_grid(box: Float32, visible: Bool) -> Any:
+    """Return the corner of the grid, x and z [m], the size of its cells [m], its columns and rows, and the number of
+    visible dancers."""
+    present = 0
+    left, back, right, front, size = _FAR, _FAR, -_FAR, -_FAR, LEAST_CELL
+    for i in range(box.shape[1]):
         if visible[i]:
-            corner_x, end_x = min(corner_x, box[LEFT, i]), max(end_x, box[LEFT, i])
-            corner_z, end_z = min(corner_z, box[BACK, i]), max(end_z, box[BACK, i])
+            left, right = min(left, box[LEFT, i]), max(right, box[LEFT, i])
+            back, front = min(back, box[BACK, i]), max(front, box[BACK, i])
             size = max(size, max(box[RIGHT, i] - box[LEFT, i], box[FRONT, i] - box[BACK, i]))
             present += 1
-    most = np.float32(2.0 * math.sqrt(float(count)) + 2.0)
-    columns = np.int64(min(max(_ONE, (end_x - corner_x) / size + _ONE), most))
-    rows = np.int64(min(max(_ONE, (end_z - corner_z) / size + _ONE), most))
-    start, cell = np.zeros(columns * rows + 2, np.int32), np.empty(count, np.int32)
-    for i in range(count):
-        if visible[i]:
-            row = _cell(box[BACK, i], corner_z, size, rows)
-            cell[i] = row * columns + _cell(box[LEFT, i], corner_x, size, columns)
-            start[cell[i] + 2] += 1
-    for k in range(columns * rows):
-        start[k + 2] += start[k + 1]
-    order, edges = np.empty(present, np.int32), np.empty((present, 4), np.float32)
-    for i in range(count):
-        if visible[i]:
-            m = start[cell[i] + 1]
-            start[cell[i] + 1] += 1
-            order[m] = i
-            for k in range(4):
-                edges[m, k] = box[k, i]
-    pairs, found = np.empty((2 * count, 2), np.int32), 0
-    for m in range(present):
+    most = np.float32(2.0 * math.sqrt(float(box.shape[1])) + 2.0)
+    columns = np.int64(min(max(_ONE, (right - left) / size + _ONE), most))
+    rows = np.int64(min(max(_ONE, (front - back) / size + _ONE), most))
+    return left, back, size, columns, rows, present
+
+
+@inline_kernel
+def _compare_boxes(order: Int32, edges: Float32, cell: Int32, start: Int32, columns: int, rows: int) -> Int32:
+    """Return the pairs among the sorted dancers, (P, 2): those behind in the same row of cells, and the next row."""
+    pairs, found = np.empty((2 * len(cell), 2), np.int32), 0
+    for m in range(len(order)):
         row, column = cell[order[m]] // columns, cell[order[m]] % columns
         first_column, last_column = max(column - 1, 0), min(column + 1, columns - 1)
         for k in range(row, min(row + 2, rows)):
@@ -253,6 +261,59 @@ def find_pairs(box: Float32, visible: Bool) -> Int32:
     return pairs[:found]
 
 
+@kernel("i4[:,::1](f4[:,::1], b1[::1])")
+def find_pairs(box: Float32, visible: Bool) -> Int32:
+    """Return all pairs of `visible` dancers (A,) whose boxes overlap, (P, 2).
+
+    `box` (4, A): LEFT, RIGHT, BACK and FRONT edge of what each dancer fills on the floor [m]. A counting sort into a
+    grid as coarse as the largest box: whoever meets is in the same cell or in one beside it.
+    """
+    count = box.shape[1]
+    left, back, size, columns, rows, present = _fit_grid(box, visible)
+    start, cell = np.zeros(columns * rows + 2, np.int32), np.empty(count, np.int32)
+    for i in range(count):
+        if visible[i]:
+            row = _cell(box[BACK, i], back, size, rows)
+            cell[i] = row * columns + _cell(box[LEFT, i], left, size, columns)
+            start[cell[i] + 2] += 1
+    for k in range(columns * rows):
+        start[k + 2] += start[k + 1]
+    order, edges = np.empty(present, np.int32), np.empty((present, 4), np.float32)
+    for i in range(count):
+        if visible[i]:
+            m = start[cell[i] + 1]
+            start[cell[i] + 1] += 1
+            order[m] = i
+            for k in range(4):
+                edges[m, k] = box[k, i]
+    return _compare_boxes(order, edges, cell, start, columns, rows)
+
+
+@inline_kernel
+def _find_freedom(
+    free: Float32,
+    open_hands: Float32,
+    i: int,
+    j: int,
+    amount: Float32,
+    held: Float32,
+    partner: Int32,
+    together: Float32,
+) -> None:
+    """Compute for two dancers how far each arm moves, `free` (2, 2), and how far it is not in a hold with the other,
+    `open_hands` (2, 2)."""
+    couple, apart = False, _ONE
+    if len(partner):
+        couple = partner[i] == j or partner[j] == i
+        apart -= together[i] if partner[i] == j else _ZERO
+        apart = min(apart, _ONE - together[j]) if partner[j] == i else apart
+    for who in range(2):
+        n = i if who == 0 else j
+        for side in range(2):
+            free[who, side] = apart * amount[2 * n + side]
+            open_hands[who, side] = _ONE - held[n, side] if couple else _ONE
+
+
 @kernel(
     "void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1], f4[::1], f4[:,::1], i4[::1], f4[::1], i4[::1], i4[:,::1])"
 )
@@ -267,20 +328,14 @@ def draw_back_arms(
     arms in a hold may touch the partner, and all arms of dancers together.
     """
     one, other = np.empty((POINTS, 3), np.float32), np.empty((POINTS, 3), np.float32)
-    wanted = np.empty((2, 2, 2), np.float32)
+    free, open_hands = np.empty((2, 2), np.float32), np.empty((2, 2), np.float32)
     drawn[:] = _ZERO
     last = -1
     for n in range(len(pairs)):
         i, j = pairs[n, 0], pairs[n, 1]
-        apart, couple = _ONE, False
-        if len(partner):
-            couple = partner[i] == j or partner[j] == i
-            apart -= together[i] if partner[i] == j else _ZERO
-            apart = min(apart, _ONE - together[j]) if partner[j] == i else apart
-        if apart <= _ZERO:
-            continue
+        _find_freedom(free, open_hands, i, j, amount, held, partner, together)
         if i != last:
             _read_points(one, position, rotation, i, trunk, arms)
             last = i
         _read_points(other, position, rotation, j, trunk, arms)
-        _draw_back(one, other, i, j, amount, held, couple, apart, drawn, wanted)
+        _draw_back(one, other, i, j, free, open_hands, drawn)

@@ -1,9 +1,9 @@
 """Trunk clearance: pushes arms out of the own trunk, and turns arms so that elbow and wrist are where they were pushed.
 
-The trunk is the capsule of `live.motion.body_capsules`. Points along forearm and palm are pushed out the shortest way, in
-blocks of arms with one row per number (see `sample_kernels`); then two-bone IK restores the lengths, with the elbow
-towards where it was pushed. There is no state, so everything is continuous in the poses: an arm is moved the more the
-farther it is in, beginning a little before it touches.
+The trunk is the capsule of `body_capsules`. Points along forearm and palm are pushed out the shortest way, in blocks of
+arms with one row per number (see `sample_kernels`); then two-bone IK restores the lengths, with the elbow towards where
+it was pushed. There is no state, so everything is continuous in the poses: an arm is moved the more the farther it is
+in, beginning a little before it touches.
 """
 
 import math
@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import inline_kernel, kernel
-from live.motion.body_capsules import TRUNK_AXIS_SHARE, TRUNK_END, TRUNK_HALF_DEPTH, TRUNK_HALF_WIDTH
-from live.motion.pose.hand_hold_kernels import PALM, multiply, rotate_vector, shortest_rotation
+from live.motion.pose.body_capsules import TRUNK_AXIS_SHARE, TRUNK_END, TRUNK_HALF_DEPTH, TRUNK_HALF_WIDTH
+from live.motion.pose.hand_hold_kernels import PALM, multiply, shortest_rotation
 from live.motion.pose.sample_kernels import BLOCK
 
 Float32 = npt.NDArray[np.float32]
@@ -38,10 +38,22 @@ HIPS, CHEST, NECK, LEFT_LEG, RIGHT_LEG, LEFT_SHOULDER, RIGHT_SHOULDER = range(7)
 """Entries of `trunk`."""
 _AXIS, _BEND, _LOW, _HIGH, _PER, TRUNK_ROWS = 3, 6, 9, 12, 15, 16
 """Rows of a trunk: hips, axis, bend of the axis, wide side below and above, 1 / squared length of the axis."""
-_ELBOW, _WRIST, _PALM, _BACK, _UPPER, _LOWER, _REACH, _SHARE, _MOVED, _DRAWN, ARM_ROWS = 3, 6, 9, 12, 15, 16, 17, 18, 19, 20, 26
+_ELBOW, _WRIST, _PALM, _BACK, _UPPER, _LOWER, _REACH, _SHARE, _MOVED, _DRAWN, ARM_ROWS = (
+    3,
+    6,
+    9,
+    12,
+    15,
+    16,
+    17,
+    18,
+    19,
+    20,
+    26,
+)
 """Rows of an arm: shoulder, elbow, wrist, from wrist to palm, backward direction of the upper arm; lengths of upper arm
-and forearm, the farthest the wrist may be from the shoulder, share of the push, how far points were pushed so far, and by how much
-elbow and wrist are displaced at first."""
+and forearm, the farthest the wrist may be from the shoulder, share of the push, how far points were pushed so far, and
+by how much elbow and wrist are displaced at first."""
 _ZERO: Any = np.float32(0.0)
 _HALF: Any = np.float32(0.5)
 _ONE: Any = np.float32(1.0)
@@ -64,9 +76,7 @@ def soft(x: Any, margin: Any) -> Any:
 
 
 @inline_kernel
-def _gather_trunks(
-    rows: Float32, position: Float32, trunk: Int32, which: Int32, start: int, stop: int
-) -> None:
+def _gather_trunks(rows: Float32, position: Float32, trunk: Int32, which: Int32, start: int, stop: int) -> None:
     """Compute the trunks of the block's arms; lanes beyond the last arm repeat the last one."""
     for i in range(BLOCK):
         n = which[min(start + i, stop - 1)] // 2
@@ -226,7 +236,7 @@ def _restore_lengths(arm: Float32) -> None:
 def _write_arms(
     arm: Float32, position: Float32, rotation: Float32, arms: Int32, which: Int32, start: int, stop: int
 ) -> None:
-    """Turn the arms of the block that were pushed; the others keep every bit. The hand keeps its angle to the forearm."""
+    """Turn the arms of the block that were pushed; the others keep every bit. Hands keep their angle to the forearm."""
     for i in range(stop - start):
         if arm[_MOVED, i] <= _LEAST_PUSH:
             continue

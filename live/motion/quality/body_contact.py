@@ -1,13 +1,13 @@
 """Contact of bodies in drawn joints: forearms inside the own trunk, arms at another's arms, hands in another's trunk.
 
-Bodies are the capsules of `live.motion.body_capsules`. Only penetration counts: a hand on the own hip touches the
+Bodies are the capsules of `live.motion.pose.body_capsules`. Only penetration counts: a hand on the own hip touches the
 surface, and the forearm's axis stays outside. Arms of a couple that hold each other by the hand are meant to touch.
 """
 
 import numpy as np
 
 from live.base.arrays import Bool, Float, Float64, Int32
-from live.motion.body_capsules import (
+from live.motion.pose.body_capsules import (
     ARM_CHAINS,
     ARMS_APART,
     HAND_TO_TRUNK,

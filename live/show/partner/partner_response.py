@@ -14,8 +14,8 @@ import numpy as np
 from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.errors import PersonError
 from live.motion.partner_live.hand_holds import LiveHandHolds
-from live.motion.pose.hand_hold import HeldArms
 from live.motion.partner_live.stage_partner import LeaderReader
+from live.motion.pose.hand_hold import HeldArms
 from live.show.dancers.variation import Variation
 from live.show.group.casting import Casting
 from live.show.partner.example_bank import ExampleBank
