@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from live.base.jit import inline_kernel, kernel
 from live.motion.pose.body_capsules import TRUNK_AXIS_SHARE, TRUNK_END, TRUNK_HALF_DEPTH, TRUNK_HALF_WIDTH
-from live.motion.pose.hand_hold_kernels import PALM, multiply, shortest_rotation
+from live.motion.pose.hand_hold_kernels import PALM, multiply, rotate_vector, shortest_rotation
 from live.motion.pose.sample_kernels import BLOCK
 
 Float32 = npt.NDArray[np.float32]
@@ -30,6 +30,8 @@ ELBOW_BIAS: Any = np.float32(0.6)
 """Backward bias of a straight arm's elbow in the upper arm's axes, as a share of the way of elbow and hand ..."""
 BENT, STRAIGHT = np.float32(0.75), np.float32(0.98)
 """... none for an arm whose wrist is as far from the shoulder as BENT of its length, all from STRAIGHT on."""
+STAYING: Any = np.float32(0.9)
+"""Share of the way from the elbow to the line from shoulder to wrist that a push towards it never exceeds."""
 LENGTH_BUFFER: Any = np.float32(0.003)
 """An arm is not stretched beyond its length minus this [m], unless the clip itself stretches it farther."""
 ROUNDS = 2
@@ -38,22 +40,11 @@ HIPS, CHEST, NECK, LEFT_LEG, RIGHT_LEG, LEFT_SHOULDER, RIGHT_SHOULDER = range(7)
 """Entries of `trunk`."""
 _AXIS, _BEND, _LOW, _HIGH, _PER, TRUNK_ROWS = 3, 6, 9, 12, 15, 16
 """Rows of a trunk: hips, axis, bend of the axis, wide side below and above, 1 / squared length of the axis."""
-_ELBOW, _WRIST, _PALM, _BACK, _UPPER, _LOWER, _REACH, _SHARE, _MOVED, _DRAWN, ARM_ROWS = (
-    3,
-    6,
-    9,
-    12,
-    15,
-    16,
-    17,
-    18,
-    19,
-    20,
-    26,
-)
+_ELBOW, _WRIST, _PALM, _BACK, _UPPER, _LOWER, _REACH, _SHARE = 3, 6, 9, 12, 15, 16, 17, 18
+_MOVED, _DRAWN, _BEFORE, ARM_ROWS = 19, 20, 26, 32
 """Rows of an arm: shoulder, elbow, wrist, from wrist to palm, backward direction of the upper arm; lengths of upper arm
-and forearm, the farthest the wrist may be from the shoulder, share of the push, how far points were pushed so far, and
-by how much elbow and wrist are displaced at first."""
+and forearm, the farthest the wrist may be from the shoulder, share of the push, how far points were pushed so far; by
+how much elbow and wrist are displaced at first, and where they were before."""
 _ZERO: Any = np.float32(0.0)
 _HALF: Any = np.float32(0.5)
 _ONE: Any = np.float32(1.0)
@@ -101,6 +92,14 @@ def _gather_trunks(rows: Float32, position: Float32, trunk: Int32, which: Int32,
 
 
 @inline_kernel
+def _keep_places(arm: Float32) -> None:
+    """Keep where elbow and wrist are before they are pushed."""
+    for c in range(6):
+        for i in range(BLOCK):
+            arm[_BEFORE + c, i] = arm[_ELBOW + c, i]
+
+
+@inline_kernel
 def _gather_arms(
     arm: Float32, position: Float32, rotation: Float32, drawn: Float32, amount: Float32, arms: Int32, which: Int32,
     start: int, stop: int,
@@ -144,6 +143,7 @@ def _gather_arms(
         arm[_BACK, i], arm[_BACK + 1, i], arm[_BACK + 2, i] = (
             arm[_BACK, i] * bias, arm[_BACK + 1, i] * bias, arm[_BACK + 2, i] * bias
         )  # fmt: skip
+    _keep_places(arm)
     for c in range(3):
         for i in range(BLOCK):
             arm[_ELBOW + c, i] += arm[_DRAWN + c, i]
@@ -204,23 +204,41 @@ def _push_out(arm: Float32, rows: Float32, at: Any, beyond: Any, gap: Any) -> No
 
 @inline_kernel
 def _restore_lengths(arm: Float32) -> None:
-    """Two-bone IK of positions: the wrist within reach, the elbow where the lengths allow it nearest to where it is.
+    """Two-bone IK of positions: the wrist within reach, the elbow swung with the arm and turned to where it was pushed.
 
-    Both places are unchanged where nothing was pushed, but for rounding.
+    An elbow never passes through the line from shoulder to wrist, where it would flip: of a push towards that line no
+    more than STAYING of the way counts. Both places are unchanged where nothing was pushed, but for rounding.
     """
     for i in range(BLOCK):
         sx, sy, sz = arm[0, i], arm[1, i], arm[2, i]
         gx, gy, gz = arm[_WRIST, i] - sx, arm[_WRIST + 1, i] - sy, arm[_WRIST + 2, i] - sz
-        px, py, pz = arm[_ELBOW, i] - sx, arm[_ELBOW + 1, i] - sy, arm[_ELBOW + 2, i] - sz
+        ux, uy, uz = arm[_BEFORE, i] - sx, arm[_BEFORE + 1, i] - sy, arm[_BEFORE + 2, i] - sz
+        ex, ey, ez = arm[_BEFORE + 3, i] - sx, arm[_BEFORE + 4, i] - sy, arm[_BEFORE + 5, i] - sz
         upper, lower, moved = arm[_UPPER, i], arm[_LOWER, i], arm[_MOVED, i]
         size = math.sqrt(max(gx * gx + gy * gy + gz * gz, _TINY))
         length = min(max(size, abs(upper - lower) + LENGTH_BUFFER), arm[_REACH, i])
+        swing = shortest_rotation(ex, ey, ez, gx, gy, gz)
         gx, gy, gz = gx / size, gy / size, gz / size
         along = (upper * upper - lower * lower + length * length) / (_TWO * length)
         aside = math.sqrt(max(upper * upper - along * along, _ZERO))
-        px += moved * arm[_BACK, i]
-        py += moved * arm[_BACK + 1, i]
-        pz += moved * arm[_BACK + 2, i]
+        on = (ux * ex + uy * ey + uz * ez) / max(ex * ex + ey * ey + ez * ez, _TINY)
+        ux, uy, uz = rotate_vector(
+            swing,
+            ux - on * ex + moved * arm[_BACK, i],
+            uy - on * ey + moved * arm[_BACK + 1, i],
+            uz - on * ez + moved * arm[_BACK + 2, i],
+        )
+        on = ux * gx + uy * gy + uz * gz
+        ux, uy, uz = ux - on * gx, uy - on * gy, uz - on * gz  # how the elbow stands off the line
+        px = arm[_ELBOW, i] - arm[_BEFORE, i]
+        py = arm[_ELBOW + 1, i] - arm[_BEFORE + 1, i]
+        pz = arm[_ELBOW + 2, i] - arm[_BEFORE + 2, i]
+        off = math.sqrt(max(ux * ux + uy * uy + uz * uz, _TINY))
+        inwards = -(px * ux + py * uy + pz * uz) / off
+        most = STAYING * off
+        over = max(inwards, _ZERO)
+        back = over - most * over / (most + over)
+        px, py, pz = px + ux + back * ux / off, py + uy + back * uy / off, pz + uz + back * uz / off
         on = px * gx + py * gy + pz * gz
         px, py, pz = px - on * gx, py - on * gy, pz - on * gz
         scale = aside / math.sqrt(max(px * px + py * py + pz * pz, _TINY))
@@ -283,4 +301,5 @@ def move_arms(
                 _push_out(arm, rows, _HALF * np.float32(k), _ZERO, ARM_GAP)
             _push_out(arm, rows, _ONE, _ONE, PALM_GAP)
             _restore_lengths(arm)
+            _keep_places(arm)
         _write_arms(arm, position, rotation, arms, which, start, stop)
