@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from live.base.arrays import Bool, Float32
+from live.base.arrays import Bool, Float32, Float64
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics, local_rotations
@@ -18,7 +18,7 @@ NOBODY_HELD: Final = HeldArms(0)
 
 
 def apply_arm_clearance(
-    position: Float32, rotation: Float32, share: Float32, *, held: HeldArms | None = None, visible: Bool | None = None
+    position: Float32, rotation: Float32, share: Float64, *, held: HeldArms | None = None, visible: Bool | None = None
 ) -> None:
     """Move arms in poses (A, J, 3) [m] and (A, J, 4), in place, by the share `share` (A,) of what is needed.
 
@@ -36,7 +36,7 @@ def clear_own_trunk(clip: Clip) -> Clip:
     world = np.ascontiguousarray(position, np.float32), np.ascontiguousarray(rotation, np.float32)
     before = world[1].copy()
     samples = clip.sample_count
-    apply_arm_clearance(*world, np.ones(samples, np.float32), visible=np.zeros(samples, np.bool_))
+    apply_arm_clearance(*world, np.ones(samples), visible=np.zeros(samples, np.bool_))
     moved = (world[1] != before).any(axis=(1, 2))
     mended = clip.rotation.copy()
     mended[moved] = local_rotations(world[1][moved])

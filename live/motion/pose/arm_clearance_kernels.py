@@ -19,6 +19,7 @@ from live.motion.pose.sample_kernels import BLOCK
 from live.motion.pose.trunk_clearance_kernels import ARM_GAP, HIPS, MARGIN, NECK, move_arms
 
 Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 Int32 = npt.NDArray[np.int32]
 
@@ -125,9 +126,9 @@ def _size(drawn: Float32, m: int) -> Any:
     return abs(drawn[m, 0, 0]) + abs(drawn[m, 0, 2]) + abs(drawn[m, 1, 0]) + abs(drawn[m, 1, 2])
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[::1], f4[:,::1], i4[::1], f4[::1], b1[::1], i4[::1], i4[:,::1])")
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f8[::1], f4[:,::1], i4[::1], f4[::1], b1[::1], i4[::1], i4[:,::1])")
 def clear_arms(
-    position: Float32, rotation: Float32, share: Float32, held: Float32, partner: Int32, together: Float32,
+    position: Float32, rotation: Float32, share: Float64, held: Float32, partner: Int32, together: Float32,
     visible: Bool, trunk: Int32, arms: Int32,
 ) -> None:  # fmt: skip
     """Keep all arms off other dancers and out of the own trunks, in poses (A, J, 3) [m] and (A, J, 4), in place.
@@ -139,8 +140,12 @@ def clear_arms(
     amount, near = np.empty(2 * count, np.float32), np.empty(2 * count, np.bool_)
     drawn, box = np.empty((2 * count, 2, 3), np.float32), np.empty((4, count), np.float32)
     which = np.empty(2 * count, np.int32)
+    most = _ZERO
     for m in range(2 * count):
         amount[m] = share[m // 2] * (_ONE - held[m // 2, m % 2]) if len(held) else share[m // 2]
+        most = max(most, amount[m])
+    if most <= _ZERO:
+        return
     _find_arms(position, rotation, box, near, amount, trunk, arms)
     pairs = find_pairs(box, visible)
     draw_back_arms(position, rotation, drawn, pairs, amount, held, partner, together, trunk, arms)
@@ -150,7 +155,7 @@ def clear_arms(
             which[moving] = m
             moving += 1
     move_arms(position, rotation, drawn, amount, which, moving, trunk, arms)
-    if not len(pairs):
+    if moving == 0 or len(pairs) == 0:
         return
     # a bent elbow may have come near somebody, too
     draw_back_arms(position, rotation, drawn, pairs, amount, held, partner, together, trunk, arms)

@@ -26,7 +26,7 @@ BETWEEN_ARMS: Any = np.float32(ARMS_APART)
 """Gap [m] that is left along the line between two bodies where arms of both come together."""
 TO_TRUNK: Any = np.float32(0.15)
 """Arms stay this far [m] from the middle of another's trunk along that line: half a trunk and half a palm."""
-OVERLAP_MARGIN: Any = np.float32(0.06)
+OVERLAP_MARGIN: Any = np.float32(0.08)
 """Arms begin to draw back this far [m] before they overlap so, and do so wholly as far behind it."""
 NEAR_ARM, FAR_ARM = np.float32(0.08), np.float32(0.45)
 """Arms nearer to each other than NEAR_ARM [m] are drawn back fully, those farther than FAR_ARM not at all. Two arms
@@ -35,8 +35,8 @@ NEAR_TRUNK, FAR_TRUNK = np.float32(0.15), np.float32(0.5)
 """The same for the distance of an arm to the line between another's hips and neck [m]."""
 KEPT: Any = np.float32(0.14)
 """An arm is not drawn back nearer to the own trunk's middle than this [m]."""
-ROUNDED: Any = np.float32(0.06)
-"""Points are drawn back from this far [m] before the limit at most, and wholly from as far behind it."""
+EVENED: Any = np.float32(0.05)
+"""Points that extend equally far within this way [m] count as one that extends a little farther."""
 RAISED: Any = np.float32(0.4)
 """An elbow that is drawn back also sinks as far, so that the upper arm's length has room; the higher it is, the less,
 and from this far above the shoulder [m] on it rises instead. So does a wrist, ..."""
@@ -60,6 +60,7 @@ _HALF: Any = np.float32(0.5)
 _ONE: Any = np.float32(1.0)
 _TWO: Any = np.float32(2.0)
 _THREE: Any = np.float32(3.0)
+_FOUR: Any = np.float32(4.0)
 _TINY: Any = np.float32(1e-12)
 _FAR: Any = np.float32(1e6)
 
@@ -124,43 +125,62 @@ def _held(held: Float32, i: int, side: int) -> Any:
 
 
 @inline_kernel
-def _find_extents(reach: Float32, one: Float32, other: Float32, nx: Any, nz: Any) -> None:
-    """Compute how far the arms of two dancers extend towards each other's body [m], `reach` (2, 2)."""
-    for side in range(2):
-        reach[0, side] = reach[1, side] = _ZERO
-        for k in range(4 * side + 1, 4 * side + 4):
-            x, z = one[k, 0] - one[TRUNK_MIDDLE, 0], one[k, 2] - one[TRUNK_MIDDLE, 2]
-            reach[0, side] = max(reach[0, side], x * nx + z * nz)
-            x, z = other[TRUNK_MIDDLE, 0] - other[k, 0], other[TRUNK_MIDDLE, 2] - other[k, 2]
-            reach[1, side] = max(reach[1, side], x * nx + z * nz)
+def _find_extents(along: Float32, one: Float32, other: Float32, nx: Any, nz: Any) -> None:
+    """Compute how far elbow, wrist and palm of both dancers are from the own trunk's middle towards the other's [m],
+    `along` (2, 2, 4) by dancer, side and point; the first point is the whole arm: about the largest of the three, but
+    smooth where two are the same."""
+    for who in range(2):
+        arm = one if who == 0 else other
+        sign = _ONE if who == 0 else -_ONE
+        for side in range(2):
+            most = _ZERO
+            for k in range(1, 4):
+                x, z = arm[4 * side + k, 0] - arm[TRUNK_MIDDLE, 0], arm[4 * side + k, 2] - arm[TRUNK_MIDDLE, 2]
+                reach = sign * (x * nx + z * nz)
+                along[who, side, k] = reach
+                same = max(EVENED - abs(most - reach), _ZERO)
+                most = max(most, reach) + same * same / (_FOUR * EVENED)
+            along[who, side, 0] = most
 
 
 @inline_kernel
 def _add_arm_wishes(
-    wish: Float32, reach: Float32, one: Float32, other: Float32, apart: Any, free: Float32, open_hands: Float32
+    wish: Float32, along: Float32, one: Float32, other: Float32, apart: Any, free: Float32, open_hands: Float32
 ) -> None:
-    """Add by how much each arm has to draw back from the other's arms [m], to the fourth power, to `wish` (2, 2).
+    """Add by how much each point has to draw back from the other's arms [m], to the fourth power, to `wish` (2, 2, 4).
 
     `free` (2, 2): how far each arm moves; `open_hands` (2, 2): how far it is not in a hold with the other.
     """
     for a in range(2):
         for b in range(2):
-            overlap = reach[0, a] + reach[1, b] + BETWEEN_ARMS - apart
+            overlap = along[0, a, 0] + along[1, b, 0] + BETWEEN_ARMS - apart
             mine, others = free[0, a] * open_hands[1, b], free[1, b] * open_hands[0, a]
-            if overlap > -OVERLAP_MARGIN and mine + others > _ZERO:
-                near = _arm_distance(one, 4 * a, other, 4 * b)
-                push = _smooth((FAR_ARM - near) / (FAR_ARM - NEAR_ARM)) * soft(overlap, OVERLAP_MARGIN)
-                push /= max(mine + others, _ONE)
-                wish[0, a] += (push * mine) ** 4
-                wish[1, b] += (push * others) ** 4
+            if overlap <= -OVERLAP_MARGIN or mine + others <= _ZERO:
+                continue
+            near = _arm_distance(one, 4 * a, other, 4 * b)
+            push = _smooth((FAR_ARM - near) / (FAR_ARM - NEAR_ARM)) / max(mine + others, _ONE)
+            for k in range(1, 4):
+                over = soft(along[0, a, k] + along[1, b, 0] + BETWEEN_ARMS - apart, OVERLAP_MARGIN)
+                wish[0, a, k] += (push * mine * over) ** 4
+                over = soft(along[1, b, k] + along[0, a, 0] + BETWEEN_ARMS - apart, OVERLAP_MARGIN)
+                wish[1, b, k] += (push * others * over) ** 4
 
 
 @inline_kernel
-def _trunk_wish(arm: Float32, first: int, body: Float32, overlap: Any) -> Any:
-    """Return by how much the arm that begins at `first` has to draw back from a body's trunk [m]."""
-    near = segment_distance(arm, first + WRIST, first + PALM_POINT, body, TRUNK_LOW, TRUNK_HIGH)
-    near = min(near, segment_distance(arm, first + ELBOW, first + WRIST, body, TRUNK_LOW, TRUNK_HIGH))
-    return _smooth((FAR_TRUNK - near) / (FAR_TRUNK - NEAR_TRUNK)) * soft(overlap, OVERLAP_MARGIN)
+def _add_trunk_wishes(wish: Float32, along: Float32, one: Float32, other: Float32, apart: Any, free: Float32) -> None:
+    """Add by how much each point has to draw back from the other's trunk [m], to the fourth power, to `wish`."""
+    for who in range(2):
+        arm, body = (one, other) if who == 0 else (other, one)
+        for side in range(2):
+            if along[who, side, 0] + TO_TRUNK - apart <= -OVERLAP_MARGIN or free[who, side] <= _ZERO:
+                continue
+            first = 4 * side
+            near = segment_distance(arm, first + WRIST, first + PALM_POINT, body, TRUNK_LOW, TRUNK_HIGH)
+            near = min(near, segment_distance(arm, first + ELBOW, first + WRIST, body, TRUNK_LOW, TRUNK_HIGH))
+            push = free[who, side] * _smooth((FAR_TRUNK - near) / (FAR_TRUNK - NEAR_TRUNK))
+            for k in range(1, 4):
+                over = soft(along[who, side, k] + TO_TRUNK - apart, OVERLAP_MARGIN)
+                wish[who, side, k] += (push * over) ** 4
 
 
 @inline_kernel
@@ -170,48 +190,58 @@ def _way_up(arm: Float32, first: int, k: int) -> Any:
 
 
 @inline_kernel
-def _draw_arm(drawn: Float32, m: int, arm: Float32, first: int, limit: Any, round_off: Any, nx: Any, nz: Any) -> None:
-    """Add to `drawn` what brings elbow, wrist and palm of arm `m` back to the limit along (nx, nz)."""
-    reach = _ZERO
-    for k in range(1, 4):
-        x, z = arm[first + k, 0] - arm[TRUNK_MIDDLE, 0], arm[first + k, 2] - arm[TRUNK_MIDDLE, 2]
-        over = soft(x * nx + z * nz - limit, round_off)
-        if k == ELBOW:
-            drawn[m, 0, 0] -= over * nx
-            drawn[m, 0, 1] += over * _way_up(arm, first, ELBOW)
-            drawn[m, 0, 2] -= over * nz
-        else:
-            reach = max(reach, over)
-    drawn[m, 1, 0] -= reach * nx
-    drawn[m, 1, 1] += reach * reach / (reach + FOLDED) * _way_up(arm, first, WRIST)
-    drawn[m, 1, 2] -= reach * nz
+def _way_back(wish: Any, along: Any) -> Any:
+    """Return how far a point is drawn back [m], no farther than to KEPT: of both ways about the shorter, but smooth."""
+    room = soft(along - KEPT, OVERLAP_MARGIN)
+    room *= room
+    room *= room
+    return math.sqrt(math.sqrt(wish * room / max(wish + room, _TINY)))
 
 
-@kernel("void(f4[:,::1], f4[:,::1], i8, i8, f4[:,::1], f4[:,::1], f4[:,:,::1])")
-def _draw_back(
-    one: Float32, other: Float32, i: int, j: int, free: Float32, open_hands: Float32, drawn: Float32
+@inline_kernel
+def _draw_arm(
+    drawn: Float32, m: int, arm: Float32, first: int, wish: Float32, along: Float32, nx: Any, nz: Any
 ) -> None:
+    """Add to `drawn` by how much elbow and wrist of arm `m` are drawn back against (nx, nz)."""
+    over = _way_back(wish[ELBOW], along[ELBOW])
+    drawn[m, 0, 0] -= over * nx
+    drawn[m, 0, 1] += over * _way_up(arm, first, ELBOW)
+    drawn[m, 0, 2] -= over * nz
+    over = _way_back(wish[WRIST], along[WRIST])
+    palm = _way_back(wish[PALM_POINT], along[PALM_POINT])
+    over = math.sqrt(math.sqrt(over**4 + palm**4))
+    drawn[m, 1, 0] -= over * nx
+    drawn[m, 1, 1] += over * over / (over + FOLDED) * _way_up(arm, first, WRIST)
+    drawn[m, 1, 2] -= over * nz
+
+
+@kernel("void(f4[:,::1], f4[:,::1], i8, i8, f4[:,::1], f4[:,::1], f4[:,:,::1], f4[:,:,::1], f4[:,:,::1])")
+def _draw_back(
+    one: Float32, other: Float32, i: int, j: int, free: Float32, open_hands: Float32, along: Float32, wish: Float32,
+    drawn: Float32,
+) -> None:  # fmt: skip
     """Add to `drawn` (2 A, 2, 3) what the dancers `i` and `j`, at the points `one` and `other`, draw back from each
-    other; `free` and `open_hands` as in `_add_arm_wishes`."""
+    other; `free` and `open_hands` as in `_add_arm_wishes`, `along` and `wish` (2, 2, 4) are scratch."""
     nx, nz = other[TRUNK_MIDDLE, 0] - one[TRUNK_MIDDLE, 0], other[TRUNK_MIDDLE, 2] - one[TRUNK_MIDDLE, 2]
     apart = math.sqrt(nx * nx + nz * nz)
     if apart < SAME_PLACE:
         return
     nx, nz = nx / apart, nz / apart
-    reach, wish = np.empty((2, 2), np.float32), np.zeros((2, 2), np.float32)
-    _find_extents(reach, one, other, nx, nz)
-    _add_arm_wishes(wish, reach, one, other, apart, free, open_hands)
+    _find_extents(along, one, other, nx, nz)
+    longest = max(along[0, 0, 0], along[0, 1, 0])
+    longest_other = max(along[1, 0, 0], along[1, 1, 0])
+    if longest + longest_other + BETWEEN_ARMS <= apart - OVERLAP_MARGIN and (
+        max(longest, longest_other) + TO_TRUNK <= apart - OVERLAP_MARGIN
+    ):
+        return
+    wish[:] = _ZERO
+    _add_arm_wishes(wish, along, one, other, apart, free, open_hands)
+    _add_trunk_wishes(wish, along, one, other, apart, free)
     for who in range(2):
-        arm, body = (one, other) if who == 0 else (other, one)
-        n, sign = (i, _ONE) if who == 0 else (j, -_ONE)
+        arm, n, sign = (one, i, _ONE) if who == 0 else (other, j, -_ONE)
         for side in range(2):
-            overlap = reach[who, side] + TO_TRUNK - apart
-            if overlap > -OVERLAP_MARGIN and free[who, side] > _ZERO:
-                wish[who, side] += (free[who, side] * _trunk_wish(arm, 4 * side, body, overlap)) ** 4
-            if wish[who, side] > _ZERO:
-                back = math.sqrt(math.sqrt(wish[who, side]))  # about the largest, but smooth where two are the same
-                limit, round_off = max(reach[who, side] - back, KEPT), min(_HALF * back, ROUNDED)
-                _draw_arm(drawn, 2 * n + side, arm, 4 * side, limit, round_off, sign * nx, sign * nz)
+            if wish[who, side, ELBOW] + wish[who, side, WRIST] + wish[who, side, PALM_POINT] > _ZERO:
+                _draw_arm(drawn, 2 * n + side, arm, 4 * side, wish[who, side], along[who, side], sign * nx, sign * nz)
 
 
 @inline_kernel
@@ -329,6 +359,7 @@ def draw_back_arms(
     """
     one, other = np.empty((POINTS, 3), np.float32), np.empty((POINTS, 3), np.float32)
     free, open_hands = np.empty((2, 2), np.float32), np.empty((2, 2), np.float32)
+    along, wish = np.empty((2, 2, 4), np.float32), np.empty((2, 2, 4), np.float32)
     drawn[:] = _ZERO
     last = -1
     for n in range(len(pairs)):
@@ -338,4 +369,4 @@ def draw_back_arms(
             _read_points(one, position, rotation, i, trunk, arms)
             last = i
         _read_points(other, position, rotation, j, trunk, arms)
-        _draw_back(one, other, i, j, free, open_hands, drawn)
+        _draw_back(one, other, i, j, free, open_hands, along, wish, drawn)

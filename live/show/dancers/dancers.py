@@ -147,9 +147,8 @@ class Dancers(CurrentMeasures):
         self.hands.apply(position, rotation, max(time - self._locked_at, 0.0))
         if self.partner_response is not None:
             self.partner_response.join_hands(position, rotation, max(time - self._locked_at, 0.0))
-        if variation.any(ARM_CLEARANCE):
-            share = np.ascontiguousarray(variation[ARM_CLEARANCE], np.float32)
-            apply_arm_clearance(position, rotation, share, held=self.held_arms(time), visible=visible)
+        held = self.held_arms(time)
+        apply_arm_clearance(position, rotation, variation[ARM_CLEARANCE], held=held, visible=visible)
         return position, rotation
 
     def held_arms(self, time: float) -> HeldArms | None:

@@ -59,7 +59,7 @@ def random_local(count, seed=0, ahead=0.03, spread=0.12):
 def cleared(poses, share=1.0, **given):
     """The poses after arm clearance."""
     position, rotation = poses[0].copy(), poses[1].copy()
-    shares = np.full(len(position), share, np.float32)
+    shares = np.full(len(position), share, np.float64)
     apply_arm_clearance(position, rotation, shares, **given)
     return position, rotation
 
@@ -200,7 +200,7 @@ def test_both_give_way_alike_and_one_alone_gives_way_wholly():
     assert both[0, ARM_CHAINS[0, 2]] == pytest.approx(both[1, ARM_CHAINS[1, 2]], abs=1e-3)
     assert both[0, ARM_CHAINS[0, 2]] > 0.02
     assert both[:, [ARM_CHAINS[1, 2], ARM_CHAINS[0, 2]]][[0, 1], [0, 1]].max() == 0.0  # the outer arms
-    one = cleared(poses, np.array([1.0, 0.0], np.float32))[0]
+    one = cleared(poses, np.array([1.0, 0.0]))[0]
     np.testing.assert_array_equal(one[1], poses[0][1])
     assert np.linalg.norm(one - poses[0], axis=-1)[0, ARM_CHAINS[0, 2]] > both[0, ARM_CHAINS[0, 2]]
     assert arm_distances(one, np.array([0]), np.array([1])).min() > 0.06
