@@ -55,8 +55,9 @@ _TINY: Any = np.float32(1e-12)
 _LEAST_PUSH: Any = np.float32(1e-6)
 _AXIS_SHARE: Any = np.float32(TRUNK_AXIS_SHARE)
 _WIDE, _DEEP, _END = (np.float32(1.0 / size**2) for size in (TRUNK_HALF_WIDTH, TRUNK_HALF_DEPTH, TRUNK_END))
-_CORE: Any = np.float32(0.16)
-"""Squared share of the trunk's size within which pushes fade to nothing: at the axis no way out is the shortest."""
+_CORE: Any = np.float32(0.7)
+"""Squared share of the trunk's size within which pushes fade to nothing: at the axis no way out is the shortest, so a
+hand that passes from the front to the back passes through, instead of jumping from one side to the other."""
 
 
 @inline_kernel
