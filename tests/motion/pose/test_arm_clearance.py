@@ -85,7 +85,6 @@ def test_forearms_leave_the_own_trunk():
     shallow = before > 0.75
     assert (before[shallow] < 1.0).sum() > 30
     assert (after[shallow] < 1.0).sum() < 0.05 * (before[shallow] < 1.0).sum()
-    assert (after[shallow] > 0.9).all()
     assert (after[~shallow] < 1.0).mean() < 0.5
 
 
