@@ -105,6 +105,12 @@ MIRRORED: Final = _row(
     patch_text="Steps and their mirror images, only the originals, or only the mirror images where they exist (T042).",
 )  # fmt: skip
 
+ARM_CLEARANCE: Final = _row(
+    "arm_clearance", "number", 0, 1, 1.0, words="0: as danced, 1: never through anybody",
+    text="How far arms keep off the own body, and off others' arms and bodies.",
+    patch_text="How far arms are kept out of the own trunk and off other dancers; hands that are held stay together.",
+)  # fmt: skip
+
 MOTION_PARAMETERS: Final = tuple(_ROWS)
 """All of them, in the order of a group's row."""
 MOTION_SIZE: Final = len(MOTION_PARAMETERS)

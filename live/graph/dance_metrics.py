@@ -15,6 +15,7 @@ from live.graph.select.candidates import wrap_angle
 from live.motion import quaternion
 from live.motion.clip import read_clip
 from live.motion.forward_kinematics import forward_kinematics
+from live.motion.quality.body_contact import self_contacts
 from live.motion.quality.metrics import (
     beat_alignment,
     beat_offsets,
@@ -153,6 +154,9 @@ class DanceMetrics:
             "heading_error_deg": list_and_p95(heading),
             "overlaps": 0,
             "min_distance_m": None,
+            "self_contact_ratio": float(self_contacts(self.position).mean()),
+            "neighbour_contact_ratio": None,
+            "hand_contact_ratio": None,
         }
 
     def _errors(self) -> tuple[list[float], list[float]]:

@@ -25,6 +25,7 @@ from live.graph.takes import NO_TAKE
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import local_rotations
+from live.motion.pose.arm_clearance import clear_own_trunk
 from live.motion.pose.foot_lock import lock_feet
 from live.motion.pose.pipeline_kernels import (
     INTO_NEXT,
@@ -85,6 +86,7 @@ def render_dance(
     takes: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
     start: tuple[float, float, float] = (0.0, 0.0, 0.0),
     hold_feet: bool = True,
+    clear_arms: bool = True,
     sample_rate: float = SAMPLE_RATE,
     name: str = "dance",
 ) -> RenderedDance:
@@ -94,9 +96,9 @@ def render_dance(
     each measure. `takes` are a node (M,) and a share (M,) from 0 to 1 of another take of the same measure to mix in
     (T069; NO_TAKE for none). The hips begin at `start` x, z [m], facing its third number [rad]. Blends end on measure
     lines, weights are C1 (K004), rotations use SLERP, the root is linear, the graph's rigid transform places each clip
-    (K001). `hold_feet`: supporting feet stay in place and no sole goes below the floor. There are `sample_rate`
-    samples a second; the last one is at or before the last line. ValueError for a pair of nodes without an edge, arrays
-    of other lengths or a dance that is too long.
+    (K001). `hold_feet`: supporting feet stay in place and no sole goes below the floor. `clear_arms`: arms keep out of
+    the own trunk. There are `sample_rate` samples a second; the last one is at or before the last line. ValueError
+    for a pair of nodes without an edge, arrays of other lengths or a dance that is too long.
     """
     node = np.asarray(nodes, np.int32)
     count = len(node)
@@ -114,10 +116,14 @@ def render_dance(
     dance = _Dance(graph, node, placement, correction, take, share)
     time = np.arange(int(count * seconds * sample_rate + 1e-6) + 1) / sample_rate
     clip = dance.clip(time / seconds, sample_rate, name)
+    if hold_feet:
+        clip = lock_feet(clip)
+    if clear_arms:
+        clip = clear_own_trunk(clip)
     line_time = np.arange(count + 1, dtype=np.float64) * float(seconds)
     joins = np.flatnonzero(graph.library.node_measure[node[1:]] == 0)
     return RenderedDance(
-        clip=lock_feet(clip) if hold_feet else clip,
+        clip=clip,
         bpm=bpm,
         beats_per_measure=graph.library.beats_per_measure,
         node=node,

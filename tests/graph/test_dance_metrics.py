@@ -19,6 +19,7 @@ from tests.fixtures.steps_of_the_project import project_steps
 KEYS = {
     "foot_slide_mean", "foot_slide_p99", "skating_ratio", "join_velocity_ratio", "join_acceleration_ratio",
     "beat_offset_ms", "beat_alignment", "path_error_m", "heading_error_deg", "overlaps", "min_distance_m",
+    "self_contact_ratio", "neighbour_contact_ratio", "hand_contact_ratio",
 }  # fmt: skip
 
 

@@ -228,13 +228,21 @@ class LiveHandHolds:
         """
         if not self._row_keys:
             return
-        parts, kept = np.empty(len(self._row_keys), np.float32), np.zeros((len(self._row_keys), 4), np.float32)
+        who, hand, parts = self.closed_holds(share, age)
+        kept = np.zeros((len(parts), 4), np.float32)
         for n, (_, row, _, side) in enumerate(self._row_keys):
-            closed = self.closed[0, row, side] + age * self.closed[1, row, side]
-            t = min(max((closed - OPEN_THRESHOLD) / (1.0 - 2.0 * OPEN_THRESHOLD), 0.0), 1.0)
             if self._release_time[row, side]:
                 left = min((self._release_time[row, side] + age) / RELEASE_TIME, 1.0)
                 kept[n, :3], kept[n, 3] = self._leader_palm[row, side], left * left * (3.0 - 2.0 * left)
-            parts[n] = t * t * (3.0 - 2.0 * t) * self._amount[row] * share[row]
         if parts.any():
-            reach_palms(position, rotation, self._dancers, self._hands, parts, kept, ARM_JOINTS)
+            reach_palms(position, rotation, who, hand, parts, kept, ARM_JOINTS)
+
+    def closed_holds(self, share: Float64, age: float) -> tuple[Int32, Int32, Float32]:
+        """Return the H holds `age` [s] after the last tick: leader and follower (H, 2), their hands (H, 2), how far
+        closed (H,); `share` (A,) as for `apply`."""
+        parts = np.empty(len(self._row_keys), np.float32)
+        for n, (_, row, _, side) in enumerate(self._row_keys):
+            closed = self.closed[0, row, side] + age * self.closed[1, row, side]
+            t = min(max((closed - OPEN_THRESHOLD) / (1.0 - 2.0 * OPEN_THRESHOLD), 0.0), 1.0)
+            parts[n] = t * t * (3.0 - 2.0 * t) * self._amount[row] * share[row]
+        return self._dancers, self._hands, parts

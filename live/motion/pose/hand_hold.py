@@ -27,6 +27,33 @@ ARM_JOINTS: Final = np.array(
 """The joints that `join_hands` needs, shape (7,)."""
 
 
+class HeldArms:
+    """Arms of A dancers that hold a partner's hand, and dancers who dance in a partner's arms."""
+
+    def __init__(self, dancer_count: int) -> None:
+        self.share: Float32 = np.zeros((dancer_count, 2), np.float32)
+        """How far the left and the right hand of each dancer are in a hold, 0 to 1, shape (A, 2)."""
+        self.partner: Int32 = np.full(dancer_count, NOBODY, np.int32)
+        """Partner of each dancer, NOBODY for none, shape (A,)."""
+        self.together: Float32 = np.zeros(dancer_count, np.float32)
+        """How far each dancer's distance to the partner is that of recorded couples, 0 to 1, shape (A,): all arms of
+        such a couple may touch."""
+
+    def add_holds(self, who: Int32, hand: Int32, share: Float32) -> None:
+        """Add H holds: two dancers `who` (H, 2), the hand of each `hand` (H, 2), and how far it is closed (H,)."""
+        shown = share > 0.0
+        np.maximum.at(self.share, (who[shown], hand[shown]), share[shown, None])
+        self.partner[who[shown]] = who[shown][:, ::-1]
+
+    def of(self, rows: npt.NDArray[np.intp]) -> "HeldArms":
+        """Return those of the dancers `rows` (n,), numbered as there; partners who are not among them are nobody."""
+        found, place = HeldArms(len(rows)), np.full(len(self.partner) + 1, NOBODY, np.int32)
+        place[rows] = np.arange(len(rows), dtype=np.int32)
+        found.share[:], found.together[:] = self.share[rows], self.together[rows]
+        found.partner[:] = place[self.partner[rows]]  # the last entry is NOBODY
+        return found
+
+
 class HandHolds:
     """Hand holds of A dancers: each may hold one partner by up to two hands."""
 
@@ -76,13 +103,15 @@ class HandHolds:
 
     def apply(self, position: Float32, rotation: Float32, age: float) -> None:
         """Join the hands in poses (A, J, 3) [m] and (A, J, 4), in place, `age` [s] after the last tick."""
-        if not self.active:
-            return
+        if self.active:
+            who, hand, share = self.closed_holds(age)
+            join_hands(position, rotation, who, hand, share, ARM_JOINTS)
+
+    def closed_holds(self, age: float) -> tuple[Int32, Int32, Float32]:
+        """Return the H holds `age` [s] after the last tick: dancers (H, 2), their hands (H, 2), how far closed (H,)."""
         rows, slots = np.nonzero(self.state[0] > 0.0)
-        if not len(rows):
-            return
         closed = self.state[0, rows, slots] + np.float32(age * self._tempo / 60.0) * self.state[1, rows, slots]
         t = np.clip((closed - OPEN_THRESHOLD) / (1.0 - 2.0 * OPEN_THRESHOLD), 0.0, 1.0)
         who = np.stack([rows.astype(np.int32), self.partner[rows, slots]], axis=1)
         share = np.asarray(t * t * (3.0 - 2.0 * t), np.float32)
-        join_hands(position, rotation, who, np.ascontiguousarray(self.hand[rows, slots]), share, ARM_JOINTS)
+        return who, np.ascontiguousarray(self.hand[rows, slots]), share

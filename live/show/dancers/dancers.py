@@ -6,14 +6,15 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Bool, Float32, Float64, Int32
-from live.base.motion_parameters import FOOT_LOCK, HEAD
+from live.base.motion_parameters import ARM_CLEARANCE, FOOT_LOCK, HEAD
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import starting_placement
 from live.motion.foot_contact import TOES_OVER_SOLE
+from live.motion.pose.arm_clearance import apply_arm_clearance
 from live.motion.pose.foot_lock import LEG_JOINTS, CutFootLift, FootLock
 from live.motion.pose.foot_lock_kernels import HELD, SHIFT_X, SHIFT_Z
 from live.motion.pose.gather_kernels import set_clearance, set_steps, shift_feet
-from live.motion.pose.hand_hold import HandHolds
+from live.motion.pose.hand_hold import HandHolds, HeldArms
 from live.motion.pose.inertialization import Inertialization
 from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
 from live.motion.pose.pose_pipeline import PosePipeline, PoseSkeleton
@@ -121,10 +122,18 @@ class Dancers(CurrentMeasures):
         self.lock.tick(position, contact, dt)
         self._locked_at = time
 
-    def pose(self, fraction: float, time: float, out: tuple[Float32, Float32] | None = None) -> tuple[Float32, Float32]:
+    def pose(
+        self,
+        fraction: float,
+        time: float,
+        out: tuple[Float32, Float32] | None = None,
+        *,
+        visible: Bool | None = None,
+    ) -> tuple[Float32, Float32]:
         """Return world positions (A, J, 3) and rotations (A, J, 4) at `fraction` of the measure.
 
         `time` [s] is at most a tick after the last one. Fills and returns `out` if given, else the dancers' own arrays.
+        Arms keep off dancers who are `visible` (A,), all without it.
         """
         self._request_samples(fraction)
         self.inertia.update_age(time)
@@ -148,7 +157,21 @@ class Dancers(CurrentMeasures):
         self.hands.apply(position, rotation, max(time - self._locked_at, 0.0))
         if self.partner_response is not None:
             self.partner_response.join_hands(position, rotation, max(time - self._locked_at, 0.0))
+        held = self.held_arms(time)
+        apply_arm_clearance(position, rotation, variation[ARM_CLEARANCE], held=held, visible=visible)
         return position, rotation
+
+    def held_arms(self, time: float) -> HeldArms | None:
+        """Return the arms in a hold at `time` [s], at most a tick after the last one; None if there are none."""
+        answers = self.partner_response
+        if not self.hands.active and answers is None:
+            return None
+        held, age = HeldArms(len(self.drawn_hips)), max(time - self._locked_at, 0.0)
+        if self.hands.active:
+            held.add_holds(*self.hands.closed_holds(age))
+        if answers is not None:
+            answers.add_held_arms(held, age)
+        return held
 
     def tick_partner_response(self, there: Bool, tracks: Tracks, fraction: float, time: float, dt: float) -> Float64:
         """Advance the partner response by a tick, after `tick`; see `PartnerResponse.tick`.

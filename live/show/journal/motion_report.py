@@ -7,6 +7,7 @@ import numpy as np
 from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.stage_snapshot import StageView
 from live.graph.dance_metrics import RawClips, list_and_p95, median_and_p95, ratio
+from live.motion.quality.body_contact import ContactRecorder
 from live.motion.quality.metrics import (
     beat_alignment,
     beat_offsets,
@@ -36,6 +37,7 @@ class MotionReport:
         """End of the current measure [beats]."""
         self._overlaps = 0
         self._nearest = np.inf
+        self._contacts = ContactRecorder()
         self._beats: list[float] = []
         self._music: list[float] = []
         """Times of the Timeline's beats [s]."""
@@ -62,6 +64,7 @@ class MotionReport:
         self._visible = view.present.copy()
         self._always_visible &= view.present
         self._distances(view)
+        self._contacts.add(view.joint_position, self._show.dancers.held_arms(view.time), view.present)
         self._beat_times(view)
 
     def _begin_measure(self) -> None:
@@ -196,6 +199,7 @@ class MotionReport:
             "heading_error_deg": list_and_p95(self._heading_errors),
             "overlaps": self._overlaps,
             "min_distance_m": None if np.isinf(self._nearest) else self._nearest,
+            **self._contacts.ratios(),
             "steps": self._steps,
             "detours": self._show.scheduler.detours,
             "missing": [{"from": None, "to": None, "needs": text} for text in self._show.graph.missing],

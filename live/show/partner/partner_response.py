@@ -15,6 +15,7 @@ from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.errors import PersonError
 from live.motion.partner_live.hand_holds import LiveHandHolds
 from live.motion.partner_live.stage_partner import LeaderReader
+from live.motion.pose.hand_hold import HeldArms
 from live.show.dancers.variation import Variation
 from live.show.group.casting import Casting
 from live.show.partner.example_bank import ExampleBank
@@ -221,6 +222,14 @@ class PartnerResponse:
     def join_hands(self, position: Float32, rotation: Float32, age: float) -> None:
         """Join held hands in world poses (A, J, 3) and (A, J, 4), `age` [s] after the last tick."""
         self.hand_holds.apply(position, rotation, self.path.weight, age)
+
+    def add_held_arms(self, held: HeldArms, age: float) -> None:
+        """Add the arms that hold each other `age` [s] after the last tick, and the couples who dance as recorded."""
+        for pair in self._active_pairs():
+            if not pair.own_place and pair.leader != pair.follower and self.path.weight[pair.follower] > 0.0:
+                held.partner[pair.follower] = pair.leader
+                held.together[pair.follower] = self.path.weight[pair.follower]
+        held.add_holds(*self.hand_holds.closed_holds(self.path.weight, age))
 
     def blend_poses(self, phase: Float64, position: Float32, rotation: Float32, rows: Int32 | None = None) -> None:
         """Blend the answers into world poses `position` (A, J, 3) and `rotation` (A, J, 4) of dancers at `phase`

@@ -77,7 +77,9 @@ class ViewBuilder:
         # a frame beyond the measure line extrapolates, because only the next tick crosses the line; the limit matters
         # after a stall, when several lines are overdue and no pose exists that far ahead
         on = min(max(beat - span.end, 0.0), MAX_EXTRAPOLATION * timeline.tempo / 60.0) / timeline.beats_per_measure
-        self._dancers.pose(fraction + on, time, out=(view.joint_position, view.joint_rotation))
+        self._dancers.pose(
+            fraction + on, time, out=(view.joint_position, view.joint_rotation), visible=self._motion.present
+        )
         self._motion.show(view)
         view.group[:] = self._division.part
         view.time, view.beat, view.tempo = time, beat, self._follower.tempo
@@ -114,7 +116,7 @@ class ViewBuilder:
             motion.state.flat, motion.entrances.state, motion.casting.group, danced.node, danced.placement,
             danced.correction,
             danced.aim_origin, danced.foot_aim, danced.take, danced.warp, dancers.lock.state, dancers.variation.drift.phase,
-            *dancers.pose(now.span.fraction(beat), now.time),
+            *dancers.pose(now.span.fraction(beat), now.time, visible=motion.present),
             motion.stage_area.half, motion.stage_area.border,
             np.array([beat, now.timeline.tempo, self._brightness]),
             *self._desk.hashed(),
