@@ -61,7 +61,9 @@ class RawClips:
 
     def changes_by_joint(self, half: float) -> Float64:
         """Return the largest velocity change [m/s] of each joint within `half` s of random samples, (M, J)."""
-        return random_changes([velocity_changes(position, self.rate) for position, _ in self.sampled_clips], half, self.rate)
+        return random_changes(
+            [velocity_changes(position, self.rate) for position, _ in self.sampled_clips], half, self.rate
+        )
 
     def p99(self, half: float) -> tuple[float, float]:
         """Return p99 of the largest velocity change [m/s] and acceleration [m/s²] within `half` s of random samples."""

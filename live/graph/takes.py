@@ -118,9 +118,9 @@ def _moments(library: "StepLibrary") -> tuple[Bool, npt.NDArray[np.float32]]:
     The root's rotation is relative to the first moment.
     """
     share = (np.arange(MOMENTS) + 0.5) / MOMENTS
-    at: Int64 = np.round(library.node_first[:, None] + share * (library.node_last - library.node_first)[:, None]).astype(
-        np.int64
-    )
+    at: Int64 = np.round(
+        library.node_first[:, None] + share * (library.node_last - library.node_first)[:, None]
+    ).astype(np.int64)
     rotation = library.clip_rotation[at]
     root = rotation[:, :, 0].astype(np.float64)
     rotation[:, :, 0] = quaternion.mul(quaternion.inverse(root[:, :1]), root)

@@ -12,15 +12,10 @@ from typing import Final
 
 import numpy as np
 
-from live.base.arrays import Bool, Float64
+from live.base.arrays import Bool, Float32, Float64
 from live.motion.editing.foot_correction import LEG_LENGTH
-from live.motion.pose.root_warp_kernels import (
-    DIRECTIONS,
-    KNOTS,
-    SWING_BEGIN,
-    WARP_RATE,
-    WARP_SHARE,
-)
+from live.motion.pose.footstep_kernels import initial_holds, limit_by_legs, limit_by_speed
+from live.motion.pose.root_warp_kernels import DIRECTIONS, KNOTS, SWING_BEGIN, WARP_RATE
 
 SAMPLES_PER_KNOT: Final = 4
 SAMPLES: Final = SAMPLES_PER_KNOT * (KNOTS - 1) + 1
@@ -41,8 +36,8 @@ LENGTH_BUFFER: Final = 0.015
 """A leg is never stretched beyond its length minus this [m] (as in the pose kernels)."""
 PELVIS_DROP: Final = 0.025
 """Allowed drop of the hips [m]: half of what the pose kernels allow."""
-SLIDE_DISTANCE: Final = 0.2
-"""A foot that moves this far [m] during annotated contact is not planted in the clip itself."""
+_ANGLES: Final = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
+_WAYS: Final = np.ascontiguousarray(np.stack((np.sin(_ANGLES), np.cos(_ANGLES)), axis=1))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -72,7 +67,7 @@ class MeasurePlans:
 
 
 def plan_measures(
-    hip: Float64, ankle: Float64, contact: Bool, measures: Sequence[tuple[float, float]], *, beats: int, last: float
+    hip: Float32, ankle: Float32, contact: Bool, measures: Sequence[tuple[float, float]], *, beats: int, last: float
 ) -> MeasurePlans:
     """Plan the footsteps of N measures.
 
@@ -158,78 +153,29 @@ def _curve(rate: Float64) -> Float64:
     return np.ascontiguousarray(np.stack((share, rate), axis=1))
 
 
-def _at_samples(curve: Float64) -> Float64:
-    """Return the shares of a curve (KNOTS, 2) at the samples of the measure, (SAMPLES,)."""
-    return np.interp(np.linspace(0.0, 1.0, SAMPLES), np.linspace(0.0, 1.0, KNOTS), curve[:, WARP_SHARE])
-
-
-def stances(contact: Bool) -> list[tuple[int, int, int]]:
-    """Return foot, first sample and end (exclusive) of all contact intervals from `contact` (T, 2)."""
-    found = []
-    for foot in range(2):
-        edges = np.flatnonzero(np.diff(contact[:, foot].astype(np.int8), prepend=0, append=0))
-        found += [(foot, int(begin), int(end)) for begin, end in zip(edges[::2], edges[1::2], strict=True)]
-    return found
-
-
-def compute_reach_margin(hip: Float64, ankle: Float64, contact: Bool, plan: FootstepPlan) -> Float64:
+def compute_reach_margin(hip: Float32, ankle: Float32, contact: Bool, plan: FootstepPlan) -> Float64:
     """Return how far a measure may be corrected [m] in DIRECTIONS directions about the clip's heading, (DIRECTIONS,).
 
     `hip` and `ankle` (SAMPLES, 2, 3) [m] of both legs and `contact` (SAMPLES, 2). While a foot stands its leg must
-    reach, wherever the plan has hips and foot, and it is held against no more than MAX_HELD_SHIFT. A foot that slides
-    in the clip itself is no constraint. Direction k has yaw 2 pi k / DIRECTIONS.
+    reach, wherever the plan has hips and foot; and neither hips nor feet may get much faster. A foot that slides in the
+    clip itself is no constraint. Direction k has yaw 2 pi k / DIRECTIONS.
     """
-    angle = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
-    ways = np.stack((np.sin(angle), np.cos(angle)), axis=1)
-    give = _speed_margin(hip.mean(axis=1), plan.root, ways, MAX_HIP_SPEED)
+    give = np.full(DIRECTIONS, np.inf)
+    middle = np.ascontiguousarray(hip.mean(axis=1, keepdims=True), np.float32)
+    limit_by_speed(middle, 0, plan.root, _WAYS, MAX_HIP_SPEED, SAMPLES_PER_KNOT, give)
     for foot in range(2):
-        give = np.minimum(give, _speed_margin(ankle[:, foot], plan.feet[foot], ways, MAX_FOOT_SPEED))
-    root = _at_samples(plan.root)
-    if not plan.steps and all(not _slides(ankle, *stance) for stance in stances(contact)):
+        limit_by_speed(ankle, foot, plan.feet[foot], _WAYS, MAX_FOOT_SPEED, SAMPLES_PER_KNOT, give)
+    longest = LEG_LENGTH - LENGTH_BUFFER
+    planted = limit_by_legs(
+        hip, ankle, contact, plan.root, plan.feet, _WAYS, longest, PELVIS_DROP, SAMPLES_PER_KNOT, give
+    )
+    if not plan.steps and planted:
         return np.minimum(give, STANDING_MARGIN)
-    for foot, begin, end in stances(contact):
-        if _slides(ankle, foot, begin, end):
-            continue
-        part = slice(begin, end)
-        ahead = (_at_samples(plan.feet[foot]) - root)[part]  # of the foot over the hips, in shares of the correction
-        leg = ankle[part, foot] - hip[part, foot]
-        longest = np.maximum(LEG_LENGTH - LENGTH_BUFFER, np.linalg.norm(leg, axis=1))
-        level = longest**2 - np.minimum(leg[:, 1] + PELVIS_DROP, 0.0) ** 2  # squared reach on the floor
-        flat = leg[:, (0, 2)]
-        along = (flat @ ways.T) * np.sign(ahead)[:, None]
-        spare = np.maximum(level - np.sum(flat * flat, axis=1), 0.0)[:, None]
-        far = np.sqrt(along * along + spare) - along
-        moves = np.abs(ahead) > 1e-3
-        if moves.any():
-            give = np.minimum(give, np.min(far[moves] / np.abs(ahead[moves, None]), axis=0))
-    return np.asarray(np.maximum(give, 0.0))
+    return np.maximum(give, 0.0)
 
 
-def _speed_margin(place: Float64, curve: Float64, ways: Float64, most: float) -> Float64:
-    """Return how far a joint at `place` (SAMPLES, 3) [m] may be led by `curve` along `ways` (D, 2) so that it gets
-    faster than in the clip by no more than `most` [m per measure], (D,) [m]."""
-    speed = np.gradient(place[::SAMPLES_PER_KNOT, (0, 2)], axis=0) * (KNOTS - 1)
-    rate, own = curve[:, WARP_RATE], np.hypot(*speed.T)
-    moves = rate > 1e-3
-    if not moves.any():
-        return np.full(len(ways), np.inf)
-    along = speed[moves] @ ways.T
-    room = ((own + most) ** 2 - own**2)[moves, None]
-    return np.asarray(np.min((np.sqrt(along * along + room) - along) / rate[moves, None], axis=0))
-
-
-def initial_hold_shares(ankle: Float64, contact: Bool, plan: FootstepPlan) -> Float64:
+def initial_hold_shares(ankle: Float32, contact: Bool, plan: FootstepPlan) -> Float64:
     """Return the share of the correction applied before each foot standing at the beginning is lifted, shape (2,)."""
-    root = _at_samples(plan.root)
-    holds = np.zeros(2)
-    for foot, begin, end in stances(contact):
-        if begin == 0 and not _slides(ankle, foot, begin, end):
-            own = _at_samples(plan.feet[foot])
-            holds[foot] = np.max((root - own)[begin:end][own[begin:end] < 1e-6])
+    holds = np.empty(2)
+    initial_holds(ankle, contact, plan.root, plan.feet, SAMPLES_PER_KNOT, holds)
     return holds
-
-
-def _slides(ankle: Float64, foot: int, begin: int, end: int) -> bool:
-    """Whether the clip itself moves that foot, from `ankle` (T, 2, 3), farther than one that is planted."""
-    way = ankle[begin:end, foot][:, (0, 2)]
-    return bool(np.ptp(way, axis=0).max() > SLIDE_DISTANCE)

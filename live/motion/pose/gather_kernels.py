@@ -125,9 +125,7 @@ def gather_take(
     placement[row, n, 2], placement[row, n, 3] = path + turn, body + turn
 
 
-@kernel(
-    "void(i8, f8, i8, f8, f8[:,::1], f8[:,::1], f8[:,:,::1], f8[:,:,:,::1], f8[:,:,::1], f4[:,:,::1])"
-)
+@kernel("void(i8, f8, i8, f8, f8[:,::1], f8[:,::1], f8[:,:,::1], f8[:,:,:,::1], f8[:,:,::1], f4[:,:,::1])")
 def plan_feet(
     n: int, at: float, own: int, weight: float, correction: Float64, aimed: Float64, warp_curve: Float64,
     foot_curve: Float64, foot_aim: Float64, foot_offset: Float32,

@@ -52,7 +52,9 @@ late for the foot, which then keeps its goal [m]."""
 
 
 @kernel("UniTuple(f8,3)(f8[:,::1], f8, f8[::1], f8, f8)")
-def foot_shift(curve: Float64, fraction: float, aim: Float64, goal_x: float, goal_z: float) -> tuple[float, float, float]:
+def foot_shift(
+    curve: Float64, fraction: float, aim: Float64, goal_x: float, goal_z: float
+) -> tuple[float, float, float]:
     """Return how far the footstep plan has moved a foot at `fraction` of the measure, x, z [m], and how high it lifts
     the foot [m]. `curve` (KNOTS, 5) of the foot, `aim` (6,), `goal_x` and `goal_z`: the measure's correction."""
     left = 1.0 - aim[AIM_SHARE]

@@ -94,7 +94,9 @@ class Dancers(CurrentMeasures):
         """Let the feet of the dancers `rows` (n,) return from their planned places to those in the clips, before their
         corrections are removed by a cut. Standing feet stay: the lock notices itself."""
         free = self.lock.state[rows, :, HELD, None] == 0.0
-        self.lock.state[rows, :, SHIFT_X : SHIFT_Z + 1] += np.where(free, self._foot_offset[rows, :, :2], np.float32(0.0))
+        self.lock.state[rows, :, SHIFT_X : SHIFT_Z + 1] += np.where(
+            free, self._foot_offset[rows, :, :2], np.float32(0.0)
+        )
 
     def captured_dancers(self) -> Rows:
         """Dancers who mostly show captured poses, (n,)."""
