@@ -1,6 +1,7 @@
 """What is measured while a scene is danced: on the joints that are drawn, not on what the engine thinks of them."""
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -42,6 +43,12 @@ class Figures:
     """To where steering alone would be, however far [m]."""
     agents: list[Float64] = field(default_factory=list)
     """To the agent at that moment [m]."""
+    between: list[Float64] = field(default_factory=list)
+    """To the agent in all pictures [m]."""
+    between_free: list[Float64] = field(default_factory=list)
+    """In all pictures, to the even way from one place that steering foresaw to the next [m]."""
+    reports: list[dict[str, Any]] = field(default_factory=list)
+    """The motion report of each run."""
     overlaps: int = 0
     """Times that a pair came nearer than NEAR."""
     overlapping: list[float] = field(default_factory=list)
@@ -74,7 +81,9 @@ class Watch:
         self._line = show.span.end
         self._asked: list[Float64] = []
         self._last = np.zeros((len(show.group), 2))
-        self._sent: tuple[Float64 | None, Float64 | None, Float64, npt.NDArray[np.int32], Float64] | None = None
+        self._sent: (
+            tuple[Float64 | None, Float64 | None, Float64, npt.NDArray[np.int32], Float64, Float64 | None] | None
+        ) = None
         self._reach = Reach(show.graph.library, show.graph.node_facing_start)
         self._pictures = 0
         self._crowded = 0
@@ -94,6 +103,10 @@ class Watch:
         self._drawn.picture(view)
         hips = view.joint_position[:, 0][:, (0, 2)].astype(np.float64)
         self._distances(hips[view.present])
+        self._figures.between.append(np.hypot(*(hips - self._show.state.position).T))
+        if self._sent is not None and self._sent[1] is not None and self._sent[5] is not None:
+            even = self._sent[5] + self._show.span.fraction(view.beat) * (self._sent[1] - self._sent[5])
+            self._figures.between_free.append(np.hypot(*(hips - even).T))
         self._figures.outside = max(self._figures.outside, float((np.abs(hips[view.present]) - self._half).max()))
         if self._show.span.number != self._measure:
             self._cross_line(view, hips)
@@ -121,7 +134,7 @@ class Watch:
         at_line = before + share * (hips - before)
         show, found = self._show, self._figures
         if self._sent is not None:
-            sent, free, start, node, heading = self._sent
+            sent, free, start, node, heading, _ = self._sent
             if sent is not None:
                 found.predicted.append(np.hypot(*(at_line - sent).T))
                 found.predicted_last.append(np.hypot(*(at_line - self._last).T))
@@ -136,12 +149,14 @@ class Watch:
             at_line,
             show.dancers.present.node.copy(),
             show.dancers.present.begin_heading().copy(),
+            None if self._sent is None else self._sent[1],
         )
         self._measure = show.span.number
 
     def figures(self) -> Figures:
         """What was found."""
         found, result = self._figures, self._report.result()
+        found.reports.append(result)
         found.slide.append(self._report.slide)
         if result["skating_ratio"] is not None:
             found.skating.append(result["skating_ratio"])

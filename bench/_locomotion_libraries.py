@@ -1,4 +1,4 @@
-"""Libraries of recordings for the locomotion bench, written as a person would: a folder of recordings and TOML files."""
+"""Libraries of recordings for the locomotion bench, as a person writes them: folders of recordings and TOML files."""
 
 import json
 from collections.abc import Iterable, Mapping

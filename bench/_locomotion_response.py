@@ -13,24 +13,23 @@ from live.base.stage_snapshot import StageView
 from live.control.events.event import ControlEvent
 from live.control.osc.osc_codec import decode
 from live.control.registry.registry import REGISTRY
+from live.motion.editing.foot_correction import ANKLES
 
 Float64 = npt.NDArray[np.float64]
 
 SETTLED_S: Final = 8.0
 """So long [s] everybody dances before the packet comes: around an attractor first, which ends in half that time."""
 WATCHED_S: Final = 6.0
-FIRST: Final = 0.001
 COURSE: Final = 0.02
-"""An agent begins to change its course when its velocity differs by the first [m/s], plainly has by the second."""
+"""An agent has changed its course when its velocity differs by this [m/s]."""
 STEP: Final = 0.05
-"""A dancer has when her hips are so far [m] from where they would have been."""
+"""A dancer has when a foot is set down so far [m] from where it would have stood."""
 
 
 @dataclass(frozen=True, slots=True)
 class Response:
     """Frames to the agents' change of course, beats to the dancers': of the median and of the last agent."""
 
-    first_frames: float
     agent_frames: float
     last_agent_frames: float
     step_beats: float
@@ -53,15 +52,18 @@ def responses(seed: int, moments: int) -> list[Response]:
 
 
 def _danced(seed: int, thrown: float | None) -> tuple[Float64, Float64]:
-    """Velocities of the agents and hips of the dancers in every picture, (F, A, 2) each."""
+    """Velocities of the agents (F, A, 2) and standing feet of the dancers (F, A, 2, 2) in every picture; NaN for a foot
+    that does not stand."""
     loaded = stage()
     show = show_for(ENGINE, Take("thrown", seed, 0.0), loaded.patch, loaded.graph)
     engine, clock, inbox = engine_of(show)
-    courses, hips = [], []
+    courses, feet = [], []
 
     def picture(view: StageView) -> None:
         courses.append(show.state.velocity.astype(np.float64))
-        hips.append(view.joint_position[:, 0][:, (0, 2)].astype(np.float64))
+        standing = show.dancers.contact(show.span.fraction(view.beat))
+        ankles = view.joint_position[:, ANKLES][..., (0, 2)].astype(np.float64)
+        feet.append(np.where(standing[..., None], ankles, np.nan))
 
     _put(inbox, packet(-3.0, 1.0), 0.0)
     for frame in range(int((SETTLED_S + WATCHED_S + 4.0 * 60.0 / BPM) * FPS)):
@@ -71,7 +73,7 @@ def _danced(seed: int, thrown: float | None) -> tuple[Float64, Float64]:
             _put(inbox, packet(4.0, -2.0), now)
             thrown = None
         engine.frame(picture)
-    return np.stack(courses), np.stack(hips)
+    return np.stack(courses), np.stack(feet)
 
 
 def _put(inbox: object, datagram: bytes, now: float) -> None:
@@ -84,12 +86,12 @@ def _put(inbox: object, datagram: bytes, now: float) -> None:
 def _compare(plain: tuple[Float64, Float64], other: tuple[Float64, Float64], thrown: float) -> Response:
     first = int(np.ceil(thrown * FPS - 1e-9))
     frames = []
-    for one, two, bar in ((plain[0], other[0], FIRST), (plain[0], other[0], COURSE), (plain[1], other[1], STEP)):
-        differs = np.hypot(*np.moveaxis(two[first:] - one[first:], -1, 0)) > bar
+    for one, two, bar in ((plain[0], other[0], COURSE), (plain[1], other[1], STEP)):
+        differs = np.hypot(*np.moveaxis(two[first:] - one[first:], -1, 0)) > bar  # never for a foot in the air
+        differs = differs.any(axis=2) if differs.ndim > 2 else differs
         frames.append(np.where(differs.any(axis=0), differs.argmax(axis=0) + 1.0, np.nan))
-    agent, step = frames[1], (frames[2] - 1.0) / FPS * BPM / 60.0
+    agent, step = frames[0], (frames[1] - 1.0) / FPS * BPM / 60.0
     return Response(
-        float(np.nanmedian(frames[0])),
         float(np.nanmedian(agent)),
         float(np.nanmax(agent)),
         float(np.nanmedian(step)),

@@ -84,7 +84,7 @@ def _recording(mocap: Path, name: str) -> Material:
 
 
 def _mended(motion: SourceMotion, name: str, fps: float | None) -> Clip:
-    """As `live steps add --repair` takes it: without T-pose and run-in, tracking faults bridged where that is safe, feet planted."""
+    """As `live steps add --repair` takes it: without T-pose and run-in, faults bridged where safe, feet planted."""
     tracks = body_tracks(motion, fps=fps)
     drop = find_recording_start(tracks).drop_frames
     mended, _ = repair(motion, find_glitches(tracks, motion.parents, start=drop), fps=fps)

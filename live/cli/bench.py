@@ -4,12 +4,14 @@ A benchmark is a file with a docstring (its first line is the title) and `run(fu
 """
 
 import importlib.util
+import inspect
 import json
 import os
 import platform
 import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -96,6 +98,16 @@ def load_bench(name: str, folder: Path = BENCH_FOLDER) -> BenchFunction:
     return run
 
 
+def with_steps(name: str, run: BenchFunction, steps: Path) -> BenchFunction:
+    """Return a benchmark that measures a folder of steps; raise PersonError for one that takes none."""
+    if "steps" not in inspect.signature(run).parameters:
+        raise PersonError(
+            f"--steps: the benchmark {name!r} measures no folder of steps", "live bench locomotion --steps DIR"
+        )
+    measured: Callable[..., list[Row]] = run
+    return partial(measured, steps=steps)
+
+
 def machine_info() -> dict[str, Any]:
     """Return this machine's {cpu, cores, python, gl}; gl is null without OpenGL."""
     from live.app.machine.machine_check import probe_opengl
@@ -137,6 +149,12 @@ def bench(
     as_json: Annotated[bool, typer.Option("--json", help="Print JSON instead: one object per benchmark.")] = False,
     full: Annotated[bool, typer.Option("--full", help="Measure everything. Default: at most a minute.")] = False,
     shared: Annotated[Path | None, typer.Option(help="Folder with test data.", exists=True, file_okay=False)] = None,
+    steps: Annotated[
+        Path | None,
+        typer.Option(
+            help="A folder of steps to measure, for the benchmarks that take one.", exists=True, file_okay=False
+        ),
+    ] = None,
     list_: Annotated[bool, typer.Option("--list", help="List the benchmarks without running them.")] = False,
 ) -> None:
     """Measure the speed and quality of a show's computations on this machine."""
@@ -148,6 +166,8 @@ def bench(
             console.print(f"[bold]{each}[/]  {bench_title(each)}", highlight=False, soft_wrap=True)
         return
     runs = {each: load_bench(each) for each in ([name] if name is not None else bench_names())}
+    if steps is not None:
+        runs = {each: with_steps(each, run, steps) for each, run in runs.items()}
     this_machine = machine_info()
     if not as_json:
         console.print(" · ".join(f"{key} {value}" for key, value in this_machine.items()), highlight=False)

@@ -50,7 +50,7 @@ class MotionGraph:
     node_peak_turn_rate: Float64
     """Peak speed of a turn, in whole angles per measure, shape (N,)."""
     node_warp_curve: Float64
-    """When in each measure the hips take a correction: share and rate at its knots (footstep_plan), shape (N, 65, 2)."""
+    """When in each measure the hips take a correction: share and rate at its knots (`footstep_plan`), (N, 65, 2)."""
     node_foot_curve: Float64
     """When the left and the right foot take their part of it, shape (N, 2, 65, 5)."""
     node_reach_margins: Float64

@@ -77,7 +77,7 @@ def mean_turns(rotation: Float32, first: Int64, last: Int64, centre: Float64, ou
             out[n, j, 0], out[n, j, 1], out[n, j, 2] = tx / count, ty / count, tz / count
 
 
-@kernel("void(i8[::1],i8[::1],b1[:,:,::1],f4[:,:,:,::1],i8,f4,f4,b1[:,::1])")
+@kernel("void(i8[::1],i8[::1],b1[:,:,::1],f4[:,:,:,::1],i8,f8,f8,b1[:,::1])")
 def alike_measures(
     rows: Int64, others: Int64, contact: Bool, rotation: Float32, differing: int, least: float, least_root: float,
     alike: Bool,

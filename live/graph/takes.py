@@ -58,8 +58,8 @@ class Takes:
 def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = None) -> Takes:
     """Return all takes of a library. Only clips of one structural variation are mixed (T046): same foot, same poses.
 
-    The rule is that of `check_same_structure`; besides, the feet must stand at the same time and the poses resemble each
-    other throughout, because recordings of one name may be unlike. Measures of a stream (T037) and those that are
+    The rule is that of `check_same_structure`; besides, the feet must stand at the same time and the poses resemble
+    each other throughout, because recordings of one name may be unlike. Measures of a stream (T037) and those that are
     `leaving` (N,) are not takes of any other.
     """
     numbers: dict[tuple[object, ...], int] = {}
@@ -87,8 +87,8 @@ def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = N
             same &= own[some, None] != own[None]
             alike_measures(
                 group[some], group, contact, rotation,
-                int(MAX_CONTACTS_DIFFERING * 2 * MOMENTS), np.float32(np.cos(0.5 * MAX_JOINT_ANGLE)),
-                np.float32(np.cos(0.5 * MAX_ROOT_ANGLE)), same,
+                int(MAX_CONTACTS_DIFFERING * 2 * MOMENTS), float(np.cos(0.5 * MAX_JOINT_ANGLE)),
+                float(np.cos(0.5 * MAX_ROOT_ANGLE)), same,
             )  # fmt: skip
             for row in np.flatnonzero(same.sum(axis=1) > MAX_TAKES):
                 found = np.flatnonzero(same[row])

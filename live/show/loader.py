@@ -37,7 +37,6 @@ from live.show.show import Show
 from live.show.venue.venue_output import VenueProjector, with_venue_projector
 from live.show.view.render_scene import make_scene as make_scene
 
-
 RECORDING_LIMITS: Final = {"correction_m": 1.2, "turn_deg": 90.0}
 """Limits of `[locomotion]` with recordings, unless the patch sets them."""
 

@@ -19,7 +19,7 @@ from live.library.add_step import (
     with_beats,
 )
 from live.library.beat_alignment import SyncResult
-from live.library.library_check import reading_warnings, step_warnings
+from live.library.library_check import step_warnings
 from live.library.recordings import RecordingReader
 from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.retarget.body_tracks import body_tracks

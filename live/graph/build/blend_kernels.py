@@ -20,7 +20,7 @@ def is_blendable(
     end: Float32, start: Float32, yaw: float, weight: Float64, end_stands: UInt8, start_stands: UInt8,
     min_root_cosine: float, min_chord: float,
 ) -> bool:  # fmt: skip
-    """Whether a measure can be followed by another without a joint that spins in the blend, and with a foot to stand on.
+    """Whether a measure can be followed by another: no joint spins in the blend, and there is a foot to stand on.
 
     `end` and `start` (K, J, 4): local rotations at K moments of the blend, of the measure that ends and of the one that
     begins; `weight` (K,) of the latter; `yaw` [rad] turns the second clip into the first one's axes. The root takes the
@@ -33,10 +33,8 @@ def is_blendable(
     common = False
     for k in range(end.shape[0]):
         a, b = end_stands[k], start_stands[k]
-        if a[0] == NOT_ASKED or b[0] == NOT_ASKED or (a[0] and b[0]) or (a[1] and b[1]):
-            common = True
-        elif not (a[0] or a[1] or b[0] or b[1]):
-            common = True
+        common |= a[0] == NOT_ASKED or b[0] == NOT_ASKED or (a[0] and b[0]) or (a[1] and b[1])
+        common |= not (a[0] or a[1] or b[0] or b[1])
     if not common:
         return False
     c, s = math.cos(0.5 * yaw), math.sin(0.5 * yaw)

@@ -111,8 +111,8 @@ def paces(graph: "MotionGraph", correction: float) -> Float64:
             after = graph.edge_target[graph.edge_start[node] : graph.edge_start[node + 1]]
             after = after if s == len(library.steps) else after[library.node_step[after] == s]
             if len(after):
-                after = _spread(after, PACE_NODES)
-                off = np.hypot(*np.moveaxis(goals[:, :, None] - ways[after], -1, 0)) - give[after]
+                some = _spread(after, PACE_NODES)
+                off = np.hypot(*np.moveaxis(goals[:, :, None] - ways[some], -1, 0)) - give[some]
                 misses.append(np.maximum(off, 0.0).min(axis=2).mean(axis=1))
         if misses:
             miss = np.mean(misses, axis=0)

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-import numpy.typing as npt
 
 from live.base.arrays import Float64, Int32
 from live.graph.select.candidates import MAX_TURN_RATE, Candidates, find_candidates, widening_candidates, wrap_angle

@@ -98,7 +98,8 @@ def correctable(
     place = (way * (1.0 / (2.0 * math.pi)) + 4.0) * count
     low = int(place)
     share = place - low
-    return min(most, (1.0 - share) * margins[v, low % count] + share * margins[v, (low + 1) % count])
+    far: float = (1.0 - share) * margins[v, low % count] + share * margins[v, (low + 1) % count]
+    return min(most, far)
 
 
 @inline_kernel
@@ -149,7 +150,7 @@ def edge_costs(
     "i4[::1],i4[::1],f8[:,::1],i4[::1],f8[:,::1],f8[:,:,::1],f8[:,::1],f8[:,::1],f8[:,::1],i4[::1],"
     "f8[::1],f8[:,::1],i4[:,::1],i4[:,::1],f8[:,:,::1],f8[:,::1])"
 )
-def choose_measures(
+def choose_measures(  # noqa: C901 - one search, best measures first
     begin: int,
     stop: int,
     node: Int32,
@@ -188,7 +189,8 @@ def choose_measures(
     [m] added by a turn on the supporting foot, at T angles from -π to π; most (N, 3): the largest turn, its cosine and
     sine; facts (N, 4): maximum correction of a measure in any direction [m], largest distance of its mixtures' ends
     from its own [m], its own cost, the largest correction at all [m]; margins (N, DIRECTIONS): how far it can be
-    corrected in each direction about its clip's axes [m]. room (R', 2) is scratch for the edges of one node, its last row for two costs.
+    corrected in each direction about its clip's axes [m]. room (R', 2) is scratch for the edges of one node, its last
+    row for two costs.
 
     Results: out_edge and out_candidate (A, 2), best and runner-up, -1 for none; out_terms (A, 2, 5), cost of place,
     heading, pose, wrong step and all else; out_end (A, 4): hips x, z, turn, and remaining heading error.

@@ -1,8 +1,8 @@
 """Foot planting: feet of a recording that stand are kept in place, and feet that swing clear the floor.
 
-Footskate cleanup after Kovar, Schreiner and Gleicher (2002): each stance gets one place on the floor, the swings between
-two stances are bent to lead from one place to the next, and the legs are solved for the feet. Hips sink where a leg
-would be too short; trunk and arms stay as recorded.
+Footskate cleanup after Kovar, Schreiner and Gleicher (2002): each stance gets one place on the floor, the swings
+between two stances are bent to lead from one place to the next, and the legs are solved for the feet. Hips sink where
+a leg would be too short; trunk and arms stay as recorded.
 """
 
 from dataclasses import dataclass, replace
@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from live.base.arrays import Bool, Float64
+from live.base.arrays import Bool, Float
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.curve import smoothstep
@@ -75,15 +75,16 @@ def plant_feet(clip: Clip) -> PlantedClip:
     without contact is only lifted where its feet drag.
     """
     rate = clip.sample_rate
-    root, rotation = clip.root_position.astype(np.float64), clip.rotation.astype(np.float64)
+    root: Float = clip.root_position.astype(np.float64)
+    rotation: Float = clip.rotation.astype(np.float64)
     position, world = forward_kinematics(root, rotation)
     ankle, ball = position[:, ANKLES], position[:, BALLS]
     bearing = _bearing(ankle, ball)
     step = _bearing_steps(ankle, ball)
     contact = without_glides(clip.contact, bearing, rate)
-    shift = np.stack([_foot_shift(ankle[:, f], ball[:, f], step[:, f], contact[:, f]) for f in range(2)], axis=1)
+    shift: Float = np.stack([_foot_shift(ankle[:, f], ball[:, f], step[:, f], contact[:, f]) for f in range(2)], axis=1)
     shift[..., 1] += _clearance(ankle + shift, ball + shift, contact, rate)
-    moved = ankle + shift
+    moved: Float = ankle + shift
     own_leg = np.linalg.norm(position[:, UPPER_LEGS] - ankle, axis=-1)
     longest = np.where(contact, np.maximum(own_leg, MAX_LEG_SHARE * LEG_LENGTH), np.inf)  # a kick may fall short
     root = lower_hips(root, rotation, moved, longest, rate)
@@ -113,7 +114,7 @@ def foot_faults(clip: Clip) -> FootFaults:
     )
 
 
-def without_glides(contact: Bool, bearing: Float64, rate: float) -> Bool:
+def without_glides(contact: Bool, bearing: Float, rate: float) -> Bool:
     """Return the `contact` (T, 2) without the stretches in which the `bearing` point (T, 2, 3) [m] glides."""
     half = max(1, round(0.5 * GLIDE_WINDOW * rate))
     at = np.arange(len(bearing))
@@ -130,7 +131,7 @@ def without_glides(contact: Bool, bearing: Float64, rate: float) -> Bool:
     return contact
 
 
-def _stance_bounds(stands: Bool) -> tuple[Float64, Float64]:
+def _stance_bounds(stands: Bool) -> tuple[Float, Float]:
     """Return first and last sample of the stance that each sample of `stands` (T,) is in, (T,) each."""
     at = np.arange(len(stands))
     begin = np.maximum.accumulate(np.where(~stands, at + 1, 0))
@@ -138,18 +139,18 @@ def _stance_bounds(stands: Bool) -> tuple[Float64, Float64]:
     return np.minimum(begin, at), np.maximum(end, at)
 
 
-def _ball_share(ankle: Float64, ball: Float64) -> Float64:
+def _ball_share(ankle: Float, ball: Float) -> Float:
     """Return 1 where a foot stands on its ball, 0 where on its heel, from joints (..., 3)."""
     return ((ankle[..., 1] - SOLE_BELOW_ANKLE) - (ball[..., 1] - TOES_OVER_SOLE) + TOE_LIFT > 0.0).astype(np.float64)
 
 
-def _bearing(ankle: Float64, ball: Float64) -> Float64:
+def _bearing(ankle: Float, ball: Float) -> Float:
     """Return the joint on which each foot stands, (T, 2, 3)."""
     share = _ball_share(ankle, ball)[..., None]
     return ankle + share * (ball - ankle)
 
 
-def _bearing_steps(ankle: Float64, ball: Float64) -> Float64:
+def _bearing_steps(ankle: Float, ball: Float) -> Float:
     """Return by how much the bearing joint of each foot moved since the sample before (x, z) [m], (T, 2, 2).
 
     It is always the motion of one joint: that which bore at the sample before.
@@ -159,7 +160,7 @@ def _bearing_steps(ankle: Float64, ball: Float64) -> Float64:
     return np.concatenate([np.zeros((1, *heel.shape[1:])), heel + share * (toes - heel)])
 
 
-def _foot_shift(ankle: Float64, ball: Float64, step: Float64, stands: Bool) -> Float64:
+def _foot_shift(ankle: Float, ball: Float, step: Float, stands: Bool) -> Float:
     """Return the shift of one foot (T, 3) [m]: its stances stand still on the floor, its swings lead from one to the
     next with the speeds that both have."""
     count = len(stands)
@@ -182,7 +183,7 @@ def _foot_shift(ankle: Float64, ball: Float64, step: Float64, stands: Bool) -> F
     return shift
 
 
-def _bridge(shift: Float64, off: int, on: int) -> None:
+def _bridge(shift: Float, off: int, on: int) -> None:
     """Fill `shift` between the samples `off` and `on` with a cubic that keeps the speeds at both."""
     span = on - off
     at_off = shift[off] - shift[off - 1] if off > 0 else np.zeros(3)
@@ -197,7 +198,7 @@ def _bridge(shift: Float64, off: int, on: int) -> None:
     )
 
 
-def _clearance(ankle: Float64, ball: Float64, contact: Bool, rate: float) -> Float64:
+def _clearance(ankle: Float, ball: Float, contact: Bool, rate: float) -> Float:
     """Return how far each foot must be lifted (T, 2) [m]: no sole below the floor, no fast ball near to it."""
     sole = np.minimum(ankle[..., 1] - SOLE_BELOW_ANKLE, ball[..., 1] - TOES_OVER_SOLE)
     speed = np.zeros(contact.shape)

@@ -135,8 +135,8 @@ SWING_FADE_S: Final = 0.06
 def bend_swings(root: Float, rotation: Float, ankles: Float, contact: Bool, rate: float) -> Float:
     """Return ankles (T, 2, 3) [m] that no swinging leg has to be straight for: its knee would snap.
 
-    `contact` (T, 2): feet that stand stay. A leg that is longer in the pose `root` (T, 3), `rotation` (T, J, 4) may stay
-    so.
+    `contact` (T, 2): feet that stand stay. A leg that is longer in the pose `root` (T, 3), `rotation` (T, J, 4) may
+    stay so.
     """
     position, _ = forward_kinematics(root, rotation)
     hips = position[:, UPPER_LEGS]

@@ -1,8 +1,8 @@
 """Path bends: a step that goes shorter and turns on its way, with planted feet (motion path editing).
 
-Gleicher (2001, "Motion path editing") bends the path of a recorded motion. Here the feet keep what makes a stance: each
-stance is moved as a whole, by the transform of the path at its middle, and a swing leads from one transform to the next.
-So planted feet stay planted, and turns are danced over the supports (T048-T050), a little in every step.
+Gleicher (2001, "Motion path editing") bends the path of a recorded motion. Here the feet keep what makes a stance:
+each stance is moved as a whole, by the transform of the path at its middle, and a swing leads from one transform to the
+next. So planted feet stay planted, and turns are danced over the supports (T048-T050), a little in every step.
 """
 
 import math
@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 from scipy.ndimage import gaussian_filter1d
 
-from live.base.arrays import Bool, Float64
+from live.base.arrays import Bool, Float
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.curve import smoothstep
@@ -86,11 +86,12 @@ def bend_path(step: StepClip, *, scale: float, turn: float) -> StepClip:
     moved = np.concatenate([np.zeros((1, 2)), np.cumsum(scale * _turned(np.diff(path, axis=0), middle), axis=0)])
     start = min(int(step.first), clip.sample_count - 1)
     moved += path[start] - moved[start]
-    new_root = root.copy()
+    new_root: Float = root.copy()
     new_root[:, (0, 2)] = moved + _turned(root[:, (0, 2)] - path, angle)
     turned = rotation.copy()
     turned[:, 0] = quaternion.mul(_about_up(angle), rotation[:, 0])
-    ankles, feet = position[:, ANKLES].copy(), world[:, ANKLES].copy()
+    ankles: Float = position[:, ANKLES].copy()
+    feet = world[:, ANKLES].copy()
     for foot in range(2):
         pivot = _pivots(clip.contact[:, foot], ankles[:, foot, ::2])
         own, new, yaw = (_at(values, pivot) for values in (path, moved, angle))
@@ -113,7 +114,7 @@ def bend_path(step: StepClip, *, scale: float, turn: float) -> StepClip:
     return replace(bent, direction=measured_direction(bent), distance_m=measured_distance(bent))
 
 
-def _jerks(clip: Clip) -> Float64:
+def _jerks(clip: Clip) -> Float:
     """Return the largest changes of each joint's velocity, but for two in a thousand [m/s], (J,)."""
     position, _ = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
     return np.asarray(np.percentile(velocity_changes(position, clip.sample_rate), 99.8, axis=0))
@@ -128,26 +129,26 @@ def _turn(step: StepClip) -> float:
     return float(np.arctan2(np.sin(other - one), np.cos(other - one)))
 
 
-def _turned(vectors: Float64, yaw: Float64) -> Float64:
+def _turned(vectors: Float, yaw: Float) -> Float:
     c, s = np.cos(yaw), np.sin(yaw)
     x, z = vectors[:, 0], vectors[:, 1]
     return np.stack([x * c + z * s, z * c - x * s], axis=1)
 
 
-def _about_up(yaw: Float64) -> Float64:
+def _about_up(yaw: Float) -> Float:
     return quaternion.from_axis_angle(np.array((0.0, 1.0, 0.0)), yaw)
 
 
-def _at(values: Float64, at: Float64) -> Float64:
+def _at(values: Float, at: Float) -> Float:
     """Return `values` (T, ...) at fractional samples `at` (n,)."""
     low = np.minimum(at.astype(np.int64), len(values) - 2)
     part = (at - low).reshape(-1, *(1,) * (values.ndim - 1))
     return np.asarray(values[low] + part * (values[low + 1] - values[low]))
 
 
-def _pivots(stands: Bool, place: Float64) -> Float64:
-    """Return for each sample of `stands` (T,) the sample whose transform moves the foot, (T,): the middle of its stance,
-    in a swing as far between the middles before and after as the foot at `place` (T, 2) [m] has come by then."""
+def _pivots(stands: Bool, place: Float) -> Float:
+    """Return for each sample of `stands` (T,) the sample whose transform moves the foot, (T,): the middle of its
+    stance, in a swing as far between the middles before and after as the foot at `place` (T, 2) [m] has come."""
     at = np.arange(len(stands), dtype=np.float64)
     edges = np.flatnonzero(np.diff(stands.astype(np.int8), prepend=0, append=0)).reshape(-1, 2)
     if not len(edges):

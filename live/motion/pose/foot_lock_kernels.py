@@ -36,7 +36,7 @@ RAISE, RAISE_SPEED, DROP, DROP_SPEED = range(12, 16)
 """Columns of a foot: shift [m] at the last tick, the position [m] of the contact point in the clip then, weight of the
 toes in the contact point (the rest is the ankle), 1 while held and 0 while free, lift [m] that put the foot on the
 floor when it was held; and, internal to the lock, speeds of shift and lift [m/s], slide [m] during clip contact, its
-duration [s], how high a fast foot is raised, and by how much the hips sink for this leg [m], with their speeds [m/s]."""
+duration [s], how high a fast foot is raised and by how much the hips sink for this leg [m], with the speeds [m/s]."""
 FOLLOWED_COLUMNS, LOCK_COLUMNS = 7, 16
 CLEARANCE, CLEARANCE_SOFTNESS, OFFSET_X, OFFSET_Z, HIP_DROP, FEET_COLUMNS = range(7, 13)
 """The first seven columns give the foot's target. Five more are for drawing: minimum height [m], because one of the
@@ -134,7 +134,8 @@ def hip_drop(leg: float, flat: float, height: float, own: float, room: float) ->
     limit = max(leg - LENGTH_BUFFER - _HALF * STRAIGHTENING_RANGE, own)
     missing = max(height - math.sqrt(max(limit * limit - flat * flat, _ZERO)), _ZERO)
     missing = missing * missing / (missing + _ONSET)
-    return missing * room / (missing + room)
+    drop: float = missing * room / (missing + room)
+    return drop
 
 
 @inline_kernel
@@ -232,10 +233,11 @@ def update_lock(
     """Advance the foot lock of A dancers by one tick: `lock` (A, 2, 16) follows the unlocked feet.
 
     `leg_position` (A, 9, 3) [m]: hips, then hip, knee, ankle and toes of the left and the right leg in the clips;
-    `contact` (A, 2): whether the clips have the foot on the floor; `leg` [m]: length of a leg. During contact the contact point is held: the shift
-    compensates its movement exactly. The contact point is the lower one of ankle and toes, so the foot may roll from
-    heel to ball. A foot shifted too far is released. Free feet return to their clip, critically damped from their
-    current speed: horizontally, and downwards if a blended clip had to be lifted to stand on the floor.
+    `contact` (A, 2): whether the clips have the foot on the floor; `leg` [m]: length of a leg. During contact the
+    contact point is held: the shift compensates its movement exactly. The contact point is the lower one of ankle and
+    toes, so the foot may roll from heel to ball. A foot shifted too far is released. Free feet return to their clip,
+    critically damped from their current speed: horizontally, and downwards if a blended clip had to be lifted to stand
+    on the floor. A free foot that is fast is raised, and the hips sink for a leg that is too short.
     """
     decay = _TWO * _LN2 / RELEASE_HALFLIFE
     for n in range(lock.shape[0]):

@@ -170,8 +170,8 @@ def compute_reach_margin(hip: Float32, ankle: Float32, contact: Bool, plan: Foot
         hip, ankle, contact, plan.root, plan.feet, _WAYS, longest, PELVIS_DROP, SAMPLES_PER_KNOT, give
     )
     if not plan.steps and planted:
-        return np.minimum(give, STANDING_MARGIN)
-    return np.maximum(give, 0.0)
+        return np.asarray(np.minimum(give, STANDING_MARGIN))
+    return np.asarray(np.maximum(give, 0.0))
 
 
 def initial_hold_shares(ankle: Float32, contact: Bool, plan: FootstepPlan) -> Float64:

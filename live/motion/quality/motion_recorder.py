@@ -75,7 +75,7 @@ class MotionRecorder:
         """
         self._process()
         parts = [block[max(first - begin, 0) : last + 1 - begin] for begin, block in self._recent if begin <= last]
-        return np.concatenate([part for part in parts if len(part)]).max(axis=0)
+        return np.asarray(np.concatenate([part for part in parts if len(part)]).max(axis=0))
 
     def position_figures(self) -> PositionFigures:
         """Return the figures of the feet from positions alone."""

@@ -7,6 +7,7 @@ import numpy as np
 from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.stage_snapshot import StageView
 from live.graph.dance_metrics import RawClips, list_and_p95, median_and_p95, ratio
+from live.motion.editing.path_bend import source_name
 from live.motion.quality.body_contact import ContactRecorder
 from live.motion.quality.metrics import (
     beat_alignment,
@@ -18,6 +19,7 @@ from live.motion.quality.metrics import (
     strict_ratios,
 )
 from live.motion.quality.motion_recorder import MotionRecorder
+from live.motion.step_clip import StepClip
 from live.show.show import Show
 
 
@@ -215,10 +217,10 @@ class MotionReport:
         show, rate = self._show, self._rate
         half = half_width(max(blend for _, blend, _ in self._transitions))
         seconds = show.graph.library.beats_per_measure * 60.0 / show.timeline.tempo
-        clips = RawClips(tuple(show.graph.library.clips[clip] for clip in sorted(self._clips)), seconds, rate)
+        clips = RawClips(self._raw_clips(), seconds, rate)
         if self._joined:
-            unjoined, joins = clips.changes_by_joint(half), np.concatenate(self._joined).astype(np.float64)
-            for key, changes in zip(strict, (joins, unjoined), strict=True):
+            unjoined, joined = clips.changes_by_joint(half), np.concatenate(self._joined).astype(np.float64)
+            for key, changes in zip(strict, (joined, unjoined), strict=True):
                 strict[key] = float(np.percentile(strict_ratios(changes, unjoined), 95)) if len(changes) else None
         for key, trace, peer in zip(values, self._trace.largest(), clips.p99(half), strict=True):
             joins = [
@@ -229,6 +231,13 @@ class MotionReport:
             ]
             values[key] = ratio(np.concatenate(joins), peer) if joins else None
         return values | strict
+
+    def _raw_clips(self) -> tuple[StepClip, ...]:
+        """Return the clips in use as recorded or sketched: path variants count as what they were made from."""
+        clips = self._show.graph.library.clips
+        there = {clip.clip.name: number for number, clip in enumerate(clips)}
+        own = {there.get(source_name(clips[number].clip.name), number) for number in self._clips}
+        return tuple(clips[number] for number in sorted(own))
 
     @property
     def uncut_misses(self) -> Float64:

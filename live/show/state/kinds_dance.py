@@ -115,8 +115,8 @@ KINDS: Final = [
     """),
     Kind("dancers", Dancers, """
         graph:constant-motion-graph variation:variation past:danced present:danced coming:danced
-        _pipeline:pose-pipeline _everybody:i8(dancer) _phase:f8 _foot_offset:f4 lock:foot-lock hands:hands _locked_at:float
-        _aside:pose-pipeline _legs:pose-pipeline inertia:inertia landing:landing texture:texturing
+        _pipeline:pose-pipeline _everybody:i8(dancer) _phase:f8 _foot_offset:f4 lock:foot-lock hands:hands
+        _locked_at:float _aside:pose-pipeline _legs:pose-pipeline inertia:inertia landing:landing texture:texturing
         captured:dict[str,captured] beats:int partner_response:answering|none _settled:f4 _bare_legs:tuple[f4,f4]
         drawn_hips:f4
     """),

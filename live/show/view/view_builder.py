@@ -114,8 +114,8 @@ class ViewBuilder:
         beat = now.beat
         return hash_of(
             motion.state.flat, motion.entrances.state, motion.casting.group, danced.node, danced.placement,
-            danced.correction,
-            danced.aim_origin, danced.foot_aim, danced.take, danced.warp, dancers.lock.state, dancers.variation.drift.phase,
+            danced.correction, danced.aim_origin, danced.foot_aim, danced.take, danced.warp, dancers.lock.state,
+            dancers.variation.drift.phase,
             *dancers.pose(now.span.fraction(beat), now.time, visible=motion.present),
             motion.stage_area.half, motion.stage_area.border,
             np.array([beat, now.timeline.tempo, self._brightness]),
