@@ -5,6 +5,7 @@ between two stances are bent to lead from one place to the next, and the legs ar
 a leg would be too short; trunk and arms stay as recorded.
 """
 
+import itertools
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -178,7 +179,7 @@ def _foot_shift(ankle: Float, ball: Float, step: Float, stands: Bool) -> Float:
         return shift
     shift[: edges[0, 0]] = shift[edges[0, 0]]
     shift[edges[-1, 1] :] = shift[edges[-1, 1] - 1]
-    for (_, off), (on, _) in zip(edges[:-1], edges[1:], strict=True):
+    for (_, off), (on, _) in itertools.pairwise(edges):
         _bridge(shift, off - 1, on)
     return shift
 

@@ -5,12 +5,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.motion.pose.root_warp import compute_warp_curve
+from live.motion.pose.footstep_plan import plan_footsteps
 from live.motion.pose.root_warp_kernels import (
     DIRECTIONS,
+    foot_shift,
     limit_corrections,
     limit_goals,
-    minimax_weights,
     redirect_dancers,
     warp_share,
     warped_shift,
@@ -18,7 +18,8 @@ from live.motion.pose.root_warp_kernels import (
 
 CONTACT = np.ones((257, 2), np.bool_)
 CONTACT[20:80, 0] = CONTACT[100:190, 1] = False
-RISE = np.ascontiguousarray(compute_warp_curve(CONTACT, last=0.8)[0][None])
+PLAN = plan_footsteps(CONTACT, beats=4, last=0.8)
+RISE, FEET = PLAN.root[None].copy(), PLAN.feet[None].copy()
 NODE = np.zeros(1, np.int32)
 LEAST = 0.15
 
@@ -31,11 +32,11 @@ def shift_at(correction, aimed, place):
 @settings(max_examples=60, deadline=None)
 @given(st.lists(st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)), min_size=1, max_size=6))
 def test_shift_is_continuous_and_ends_at_last_goal(goals):
-    correction, aimed = np.array([[0.2, -0.1, 0.4]]), np.zeros((1, 3))
+    correction, aimed, feet = np.array([[0.2, -0.1, 0.4]]), np.zeros((1, 3)), np.zeros((1, 2, 6))
     for place, goal in zip(np.linspace(0.05, 0.9, len(goals)), goals, strict=True):
         before = shift_at(correction, aimed, place)
         taken = 1.0 - warp_share(RISE[0], place) > LEAST
-        redirect_dancers(correction, aimed, np.array([goal]), np.array([place]), NODE, RISE, LEAST)
+        redirect_dancers(correction, aimed, feet, np.array([goal]), np.array([place]), NODE, RISE, FEET, LEAST)
         assert shift_at(correction, aimed, place) == pytest.approx(before, abs=1e-12)
         if taken:
             assert correction[0, :2] == pytest.approx(goal)
@@ -48,11 +49,13 @@ def test_smoothly_moving_goal_gives_smooth_shift():
     places = np.linspace(0.0, 1.0, 138)
     ways = {}
     for moving in (False, True):
-        correction, aimed = np.array([[0.2, 0.0, 0.0]]), np.zeros((1, 3))
+        correction, aimed, feet = np.array([[0.2, 0.0, 0.0]]), np.zeros((1, 3)), np.zeros((1, 2, 6))
         way = []
         for place in places:
             goal = 0.2 - (0.1 * np.sin(np.pi * min(place, 0.5)) if moving else 0.0)
-            redirect_dancers(correction, aimed, np.array([[goal, 0.0]]), np.array([place]), NODE, RISE, LEAST)
+            redirect_dancers(
+                correction, aimed, feet, np.array([[goal, 0.0]]), np.array([place]), NODE, RISE, FEET, LEAST
+            )
             way.append(shift_at(correction, aimed, place)[0])
         ways[moving] = np.abs(np.diff(way, n=2)).max()
     assert ways[True] < 1.5 * ways[False]
@@ -89,20 +92,22 @@ def test_corrections_are_shortened_and_never_rotated(seed):
     assert (after <= np.maximum(np.linalg.norm(held, axis=2), 0.15) + 1e-9).all()
 
 
-def test_minimax_weights_approach_optimum():
-    """Against the linear program: stretches in common stances, for which equal weights are not optimal."""
-    costs = np.array([[1.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.3, 0.0, 0.0, 1.5]])
-    from scipy.optimize import linprog
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(st.floats(-0.3, 0.3), st.floats(-0.3, 0.3)), min_size=1, max_size=6))
+def test_feet_are_led_on_continuously_and_landed_feet_stay(goals):
+    """Whatever the goals, no foot jumps when they change; one that has landed for good keeps its place."""
+    correction, aimed, feet = np.array([[0.2, -0.1, 0.4]]), np.zeros((1, 3)), np.zeros((1, 2, 6))
 
-    best = linprog(
-        [0, 0, 0, 0, 1],
-        A_ub=np.column_stack([costs, -np.ones(3)]),
-        b_ub=np.zeros(3),
-        A_eq=[[1, 1, 1, 1, 0]],
-        b_eq=[1],
-        bounds=[(0, None)] * 5,
-    ).fun
-    weights = np.full(4, 0.25)
-    minimax_weights(costs, weights, 256)
-    assert weights.sum() == pytest.approx(1.0)
-    assert (costs @ weights).max() < 1.1 * best
+    def shifts(place):
+        x, z = correction[0, :2]
+        return np.array([foot_shift(FEET[0, foot], place, feet[0, foot], x, z)[:2] for foot in range(2)])
+
+    for place, goal in zip(np.linspace(0.05, 0.9, len(goals)), goals, strict=True):
+        before = shifts(place)
+        landed = [warp_share(np.ascontiguousarray(FEET[0, foot, :, :2]), place) >= 1.0 for foot in range(2)]
+        ends = shifts(1.0)
+        redirect_dancers(correction, aimed, feet, np.array([goal]), np.array([place]), NODE, RISE, FEET, LEAST)
+        np.testing.assert_allclose(shifts(place), before, atol=1e-12)
+        for foot in range(2):
+            if landed[foot]:
+                np.testing.assert_allclose(shifts(1.0)[foot], ends[foot], atol=1e-12)

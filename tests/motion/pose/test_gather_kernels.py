@@ -54,8 +54,9 @@ def gather_inputs(pipeline, own, then, phase, fraction, *, goes_on):
         own.take_share, own.amplitude,
         then.node, then.placement, then.take, then.take_share, then.amplitude,
         library.node_first, library.node_last, library.node_lead, GRAPH.node_start, GRAPH.node_facing_start,
-        GRAPH.node_turns, GRAPH.node_warp_curve,
+        GRAPH.node_turns, GRAPH.node_warp_curve, GRAPH.node_foot_curve, own.foot_aim, np.ones(COUNT),
         pipeline.sample, pipeline.placement, pipeline.share, pipeline.mean, pipeline.amplitude,
+        np.zeros((COUNT, 2, 3), np.float32),
     )  # fmt: skip
 
 
@@ -140,8 +141,12 @@ def test_feet_stand_if_all_clips_have_contact():
     share[INTO_NEXT] = 0.0, 0.5, 1.0, 0.0
     share[LOWER, 3] = 0.4
     out = np.empty((4, 2), np.bool_)
-    standing_feet(out, sample, share, contact)
+    lifted = np.zeros((4, 2, 3), np.float32)
+    standing_feet(out, sample, share, contact, lifted)
     np.testing.assert_array_equal(out, [[1, 0], [0, 1], [0, 1], [0, 1]])
+    lifted[0, 0, 2] = 0.03  # a foot that its plan lifts does not stand
+    standing_feet(out, sample, share, contact, lifted)
+    np.testing.assert_array_equal(out, [[0, 0], [0, 1], [0, 1], [0, 1]])
 
 
 def test_phase_delay_is_limited_to_measure():
