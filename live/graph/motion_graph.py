@@ -137,7 +137,10 @@ def graph_of(
     """
     alive = np.ones(library.node_count, np.bool_)
     leaving = np.zeros(library.node_count, np.bool_) if leaving is None else leaving
-    open_ = joins.select(~leaving[joins.target] | (library.node_measure[joins.target] > 0)) if leaving.any() else joins
+    open_ = joins
+    if leaving.any():  # a dancer in a removed clip may finish it, but nobody else gets into it
+        same = library.node_clip[joins.target] == library.node_clip[joins.source]
+        open_ = joins.select(~leaving[joins.target] | (same & (library.node_measure[joins.target] > 0)))
     if rule.prune:
         alive = largest_component(library.node_count, open_.source, open_.target)
     edges = joins.among(alive)

@@ -164,7 +164,7 @@ def find_joins(library: StepLibrary, boundaries: Boundaries, rule: JoinSettings)
     search = _JoinSearch(library, boundaries, rule)
     joins = _united(search.between(everything, everything), _inner(library, everything), library.node_count)
     joins = _united(joins, search.between_takes(everything, everything), library.node_count)
-    return search.linked(joins)
+    return search.linked(search.kept(joins))
 
 
 def extend_joins(library: StepLibrary, boundaries: Boundaries, joins: Joins, old: int, rule: JoinSettings) -> Joins:
@@ -184,15 +184,17 @@ def extend_joins(library: StepLibrary, boundaries: Boundaries, joins: Joins, old
 def reduce_joins(
     library: StepLibrary, boundaries: Boundaries, joins: Joins, leaving: Bool, rule: JoinSettings
 ) -> Joins:
-    """Return `joins` without those that begin a step at a node that is `leaving` (N,).
+    """Return `joins` without those that begin a step at a node that is `leaving` (N,), or enter its clip.
 
     A node that loses some has others that the limits left out before; they are searched again.
     """
-    lost = leaving[joins.target] & (library.node_measure[joins.target] == 0)
+    lost = leaving[joins.target] & (library.node_clip[joins.target] != library.node_clip[joins.source])
+    lost |= leaving[joins.target] & (library.node_measure[joins.target] == 0)
     rows = np.unique(joins.source[lost]).astype(np.int64)
     search = _JoinSearch(library, boundaries, rule)
-    more = search.between(rows, np.flatnonzero(~leaving))
-    joins = _united(joins.select(~lost), more, library.node_count)
+    joins = joins.select(~lost)
+    for more in (search.between(rows, np.flatnonzero(~leaving)), search.between_takes(rows, np.flatnonzero(~leaving))):
+        joins = _united(joins, more, library.node_count)
     return search.linked(search.kept(joins), leaving)
 
 

@@ -6,6 +6,7 @@ shorter or go elsewhere, and no leg has to stretch more than half of what the fe
 time takes a small step of its own on a beat, if the correction is large enough to need it.
 """
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
@@ -36,6 +37,7 @@ LENGTH_BUFFER: Final = 0.015
 """A leg is never stretched beyond its length minus this [m] (as in the pose kernels)."""
 PELVIS_DROP: Final = 0.025
 """Allowed drop of the hips [m]: half of what the pose kernels allow."""
+_PLACES: Final = np.linspace(0.0, 1.0, SAMPLES)
 _ANGLES: Final = 2.0 * np.pi * np.arange(DIRECTIONS) / DIRECTIONS
 _WAYS: Final = np.ascontiguousarray(np.stack((np.sin(_ANGLES), np.cos(_ANGLES)), axis=1))
 
@@ -76,7 +78,9 @@ def plan_measures(
     """
     roots, feet, margins, holds = [], [], [], []
     for begin, end in measures:
-        at = np.linspace(begin, end, SAMPLES).round().astype(np.int64)
+        # rounded within the clip, so that the same clip elsewhere in a library has the same plan
+        base = math.floor(begin)
+        at = base + np.floor(begin - base + _PLACES * (end - begin) + 0.5 + 1e-6).astype(np.int64)
         plan = plan_footsteps(contact[at], beats=beats, last=last)
         roots.append(plan.root)
         feet.append(plan.feet)

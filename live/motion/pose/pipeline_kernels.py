@@ -160,8 +160,8 @@ def pose_dancers(
     `placement` (4, A, 4) x, z [m], yaw of path and body [rad] of the clips PRESENT .. NEXT_TAKE; `share` (5, A) LOWER
     .. NEXT_UPPER; `mean` (2, A) nodes of the mean poses; `amplitude` (A,) about 1; `head` (A,) share of the head's turn
     to the audience; `feet` (A, 2, 12) as in `foot_lock_kernels` (TOES below 0: legs unchanged); `difference`, `age`
-    (A,) [s] and `difference_rows` (J,) as in `inertialization_kernels`. `soles`: heights [m] of ankle and toe joint of a
-    standing foot.
+    (A,) [s] and `difference_rows` (J,) as in `inertialization_kernels`. `soles`: heights [m] of ankle and toe joint of
+    a standing foot.
     """
     joints = parents.shape[0]
     # allocated here with rows of constant length, so that the compiler can rule out aliasing

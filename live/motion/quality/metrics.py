@@ -124,7 +124,7 @@ class PositionFigures:
     """[m/s], of the stillest point of feet that stand."""
     slide_p99: float | None
     skating_ratio: float | None
-    """Share of dancer frames at 20 per second in which a ball within 5 cm of its lowest height is faster than 0.5 m/s."""
+    """Share of frames at 20 per second in which a ball within 5 cm of its lowest height is faster than 0.5 m/s."""
 
     def as_json(self) -> dict[str, float | None]:
         """Return the figures by name."""

@@ -284,7 +284,7 @@ class StepTargets:
             self.ahead[2 * row + 1] = self.step_costs.step_distance(programme.travel_step)
 
     def _reached(self, choices: StepChoices, way: Float64, heading: Float64, bound: Float64) -> Float64:
-        """Return the part of each `way` (A, 2) [m] that the wanted step reaches if it ends with `heading` (A,) [rad]."""
+        """Return the part of each `way` (A, 2) [m] that the wanted step reaches ending with `heading` (A,) [rad]."""
         change = wrap_angle(heading - choices.heading)
         return self._choosing.reach_table.limit_travel(
             self.step, choices.heading, change, way, TARGET_CORRECTION_SHARE * bound, bound

@@ -23,8 +23,9 @@ HAND = SKELETON.index("leftHand")
 def can_blend(library, window, source, target, yaw):
     """Whether each pair of nodes can be blended with the target's clip turned by `yaw`, as an array."""
     blends = Blends.of(library, window, source, target)
-    rows = zip(blends.end, blends.start, yaw, strict=True)
-    return np.array([is_blendable(a, b, y, blends.weight, MIN_ROOT_COSINE, MIN_CHORD) for a, b, y in rows])
+    rows = zip(blends.end, blends.start, yaw, blends.end_stands, blends.start_stands, strict=True)
+    limits = MIN_ROOT_COSINE, MIN_CHORD
+    return np.array([is_blendable(a, b, y, blends.weight, c, d, *limits) for a, b, y, c, d in rows])
 
 
 def rotate_joint(clip, joint, axis, angle):

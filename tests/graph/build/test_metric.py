@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from live.graph.build import nearest_pairs as near
 from live.graph.build.blend_feasibility import MIN_CHORD, MIN_ROOT_COSINE, Blends
-from live.graph.build.blend_kernels import is_blendable
+from live.graph.build.blend_kernels import NOT_ASKED, is_blendable
 from live.graph.build.metric import WINDOW_SAMPLES, FlatClouds, Metric, joint_weights, window_weights
 from live.graph.build.nearest_pairs import EdgeLimits, PairCodes, near_pairs
 from live.graph.build.transitions import all_pairs
@@ -131,12 +131,13 @@ def test_kept_pairs_are_those_of_the_rule(seed, sizes, limits, steps, block, sha
     # a hip that is upright or upside down, so that half of the pairs cannot be blended, wherever the bodies face
     turned = [(chance.integers(0, 2, count) * np.array(share < 1.0)).astype(np.float32) for count in sizes]
     ends, starts = (np.stack([1 - t, t, 0 * t, 0 * t], axis=1).reshape(-1, 1, 1, 4) for t in turned)
-    blends = Blends(ends, starts, np.array([0.5]))
+    asked = [np.full((count, 1, 2), NOT_ASKED, np.uint8) for count in sizes]
+    blends = Blends(ends, starts, np.array([0.5]), *asked)
     table = all_pairs(first, second)
     threshold = float(np.quantile(table.distance, share)) * (1 + 1e-9)
     blendable = [
         [
-            is_blendable(a, b, yaw, blends.weight, MIN_ROOT_COSINE, MIN_CHORD)
+            is_blendable(a, b, yaw, blends.weight, asked[0][0], asked[1][0], MIN_ROOT_COSINE, MIN_CHORD)
             for b, yaw in zip(starts, yaws, strict=True)
         ]
         for a, yaws in zip(ends, table.yaw, strict=True)

@@ -30,7 +30,7 @@ def graph():
 @pytest.fixture(scope="module")
 def step_selector(graph):
     made = StepSelector.of(graph)
-    made.set_limits(seconds=SECONDS, turn=TURN, reach_margin=REACH_MARGIN)
+    made.set_limits(seconds=SECONDS, turn=TURN, correction=REACH_MARGIN)
     return made
 
 

@@ -76,9 +76,11 @@ def test_corrections_reach_goals_without_overshoot():
     rise = np.zeros((1, KNOTS, 2))
     rise[0] = np.column_stack([np.linspace(0.0, 1.0, KNOTS), np.ones(KNOTS)])
     correction, aimed, phase = np.zeros((COUNT, 3)), np.zeros((COUNT, 3)), np.zeros(COUNT)
+    foot_aim, feet = np.zeros((COUNT, 2, 6)), np.zeros((1, 2, KNOTS, 5))
     way = []
     for _ in range(64):
-        follow_goals(rows, correction, aimed, phase, np.zeros(COUNT, np.int32), rise, 14.0, 1.0 / 64.0, 0.15)
+        node = np.zeros(COUNT, np.int32)
+        follow_goals(rows, correction, aimed, foot_aim, phase, node, rise, feet, 14.0, 1.0 / 64.0, 0.15)
         way.append(correction[:, 0].copy())
     way = np.array(way)
     assert (np.diff(way, axis=0) > 0.0).all()
