@@ -12,8 +12,9 @@ from typer.testing import CliRunner
 from live.base.errors import PersonError
 from live.cli.main import app
 from live.clock.ticks import TICK
-from live.graph.build.blend_feasibility import can_stand
-from live.graph.step_library import build_library
+from live.graph.build.blend_feasibility import MIN_CHORD, MIN_ROOT_COSINE, Blends
+from live.graph.build.blend_kernels import is_blendable
+from live.graph.step_library import StepLibrary, build_library
 from live.library.step_folder import load_folder
 from live.motion.formats.bvh_reader import parse_bvh
 from live.motion.formats.file_error import MotionFileError
@@ -25,6 +26,14 @@ from tests.motion.formats.made_bvh import body_bvh, column, still
 from tests.motion.retarget.made_source import moving_values
 
 STEP = '[[step]]\nfile = "a.bvh"\nname = "{}"\nbpm = 112\nfirst_beat_s = {}\n'
+
+
+def can_stand(library: StepLibrary, window: float, source: np.ndarray, target: np.ndarray) -> np.ndarray:
+    """Whether a dancer has a foot to stand on in the blend of each pair; the poses are alike."""
+    blends = Blends.of(library, window, source, target)
+    rows = zip(blends.end, blends.start, blends.end_stands, blends.start_stands, strict=True)
+    limits = MIN_ROOT_COSINE, MIN_CHORD
+    return np.array([is_blendable(a, b, 0.0, blends.weight, c, d, *limits) for a, b, c, d in rows])
 
 
 def folder(path: Path, text: str, *steps: tuple[str, float], more: str = "") -> Path:

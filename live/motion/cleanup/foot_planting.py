@@ -34,6 +34,8 @@ GLIDE_SPEED: Final = 0.25
 """A foot on the floor that goes farther than this [m/s], over GLIDE_WINDOW, glides on purpose and is not planted."""
 GLIDE_WINDOW: Final = 0.2
 """Seconds."""
+MIN_STANCES: Final = 0.25
+"""If fewer of a clip's contacts than this share are stances, the dancer glides as a whole, and nothing is planted."""
 MAX_PLANT_SHIFT: Final = 0.16
 """Most that a stance's slide is undone by [m]; the rest of a longer one stays."""
 MAX_PLANT_HEIGHT: Final = 0.06
@@ -44,7 +46,7 @@ SWING_CLEARANCE: Final = 0.055
 """Least height of the ball over the floor [m] while it is fast: a foot that is dragged lower looks as if it slid."""
 SWING_SPEEDS: Final = (0.3, 0.5)
 """Between these speeds [m/s] the clearance is demanded in part, above in full."""
-CLEARANCE_FADE: Final = 0.06
+CLEARANCE_FADE: Final = 0.08
 """Seconds next to a stance over which the clearance grows."""
 
 
@@ -72,8 +74,8 @@ class PlantedClip:
 def plant_feet(clip: Clip) -> PlantedClip:
     """Return the clip with its standing feet in place and its swinging feet off the floor.
 
-    Contacts are those of the clip, without the stretches in which a foot glides; so a glide stays a glide. A clip
-    without contact is only lifted where its feet drag.
+    Contacts are those of the clip, without the stretches in which a foot glides; so a glide stays a glide, and a clip
+    that glides most of the time is returned as it is. A clip without contact is only lifted where its feet drag.
     """
     rate = clip.sample_rate
     root: Float = clip.root_position.astype(np.float64)
@@ -83,6 +85,9 @@ def plant_feet(clip: Clip) -> PlantedClip:
     bearing = _bearing(ankle, ball)
     step = _bearing_steps(ankle, ball)
     contact = without_glides(clip.contact, bearing, rate)
+    if contact.sum() < MIN_STANCES * clip.contact.sum():
+        faults = foot_faults(clip)
+        return PlantedClip(clip, faults, faults, 0.0)
     shift: Float = np.stack([_foot_shift(ankle[:, f], ball[:, f], step[:, f], contact[:, f]) for f in range(2)], axis=1)
     shift[..., 1] += _clearance(ankle + shift, ball + shift, contact, rate)
     moved: Float = ankle + shift

@@ -268,9 +268,10 @@ def update_lock(
                 row[SPEED_X] = fall * (row[SPEED_X] - bend_x * decay * dt)
                 row[SPEED_Z] = fall * (row[SPEED_Z] - bend_z * decay * dt)
             gone_x, gone_z = slid_x + row[SHIFT_X], slid_z + row[SHIFT_Z]
-            speed = math.sqrt(gone_x * gone_x + gone_z * gone_z) / dt
+            speed = math.sqrt(gone_x * gone_x + gone_z * gone_z) / max(dt, _TINY)
             part = min(max((speed - RAISE_FROM) / (RAISE_FULL - RAISE_FROM), _ZERO), _ONE)
-            part = _ZERO if row[HELD] > _ZERO or contact[n, side] else part
+            if row[HELD] > _ZERO or contact[n, side] or part != part:  # a pose that is lost is not a number
+                part = _ZERO
             wanted = RAISE_HEIGHT * part * part * (_ONE + _TWO - _TWO * part)
             fall = math.exp(-RAISE_RATE * dt)
             bend = row[RAISE_SPEED] + (row[RAISE] - wanted) * RAISE_RATE
@@ -282,6 +283,7 @@ def update_lock(
             away_x, away_z = away_x + row[SHIFT_X], away_z + row[SHIFT_Z]
             flat = math.sqrt(away_x * away_x + away_z * away_z)
             wanted = hip_drop(leg, flat, -away_y - row[RAISE], own, PELVIS_DROP)
+            wanted = wanted if wanted == wanted else _ZERO
             fall = math.exp(-DROP_RATE * dt)
             bend = row[DROP_SPEED] + (row[DROP] - wanted) * DROP_RATE
             row[DROP] = wanted + fall * (row[DROP] - wanted + bend * dt)
