@@ -9,13 +9,14 @@ import argparse
 import sys
 from dataclasses import replace
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from bench._locomotion_libraries import load_library
 from bench._locomotion_run import ENGINE, FPS, SLIDING, UNCORRECTED, dance
 from bench._locomotion_scenes import DEPTH, SCENES, WIDTH, Take, stage
 from live.base.stage_snapshot import StageView
@@ -69,12 +70,20 @@ class Trail:
         return (float(place[0]) + WIDTH / 2 + 0.3) * SCALE, (float(place[1]) + DEPTH / 2 + 0.3) * SCALE
 
 
-def plan(scene: str, file: Path, begin: float, end: float) -> None:
+def recorded(folder: Path | None) -> dict[str, Any]:
+    """Return the patch and graph of a library of recordings, for `dance`; without a folder it dances the sketches."""
+    if folder is None:
+        return {}
+    loaded = load_library(folder)
+    return {"patch": loaded.patch, "graph": loaded.graph}
+
+
+def plan(scene: str, file: Path, begin: float, end: float, steps: Path | None) -> None:
     """One floor beside the other: the engine, sliding, uncorrected."""
     floors = []
     for way in (ENGINE, SLIDING, UNCORRECTED):
         trail = Trail(begin, end)
-        dance(Take(scene, 1, end), way, watch=trail)
+        dance(Take(scene, 1, end), way, watch=trail, **recorded(steps))
         floors.append(trail.draw())
     sheet = Image.new("RGB", (sum(each.width for each in floors), floors[0].height), PAPER)
     for number, each in enumerate(floors):
@@ -105,7 +114,7 @@ def film(asked: argparse.Namespace) -> None:
         renderer.draw(view, target.framebuffer)
         pictures.append(Image.fromarray(np.array(target.read())))
 
-    dance(Take(asked.scene, 1, asked.end), watch=draw)
+    dance(Take(asked.scene, 1, asked.end), watch=draw, **recorded(asked.steps))
     if file.suffix == ".mp4":
         _encode(pictures, file, FPS / every)
     else:
@@ -143,9 +152,10 @@ def main() -> None:
     parser.add_argument("--every", type=int, default=8, help="every so many-th picture of 60 a second")
     parser.add_argument("--look", type=float, nargs=2, default=(0.0, 0.0), help="at this place (x, z) [m]")
     parser.add_argument("--view", type=float, default=34.0, help="vertical field of view [degrees]")
+    parser.add_argument("--steps", type=Path, help="a library of recordings to dance instead of sketches")
     asked = parser.parse_args()
     if asked.what == "plan":
-        plan(asked.scene, asked.file, asked.begin, asked.end)
+        plan(asked.scene, asked.file, asked.begin, asked.end, asked.steps)
     else:
         film(asked)
 

@@ -12,7 +12,7 @@ from live.library.recordings import RecordingReader
 from live.motion.editing.facing import turn_clip
 from tests.motion.formats.made_bvh import body_bvh, column, dance_values, still
 
-ONE = 'file = "dance.bvh"\nname = "sway"\nbpm = 120\nfirst_beat_s = 2.5\n'
+ONE = 'file = "dance.bvh"\nname = "sway"\nbpm = 120\nfirst_beat_s = 2.5\nplant_feet = false\n'  # the made bodies skate
 
 
 @pytest.fixture
@@ -38,9 +38,9 @@ def test_valid_folder_has_no_findings(folder: Path) -> None:
 @pytest.mark.parametrize(
     ("line", "words"),
     [
-        ('direction = "long back"', "line 5: direction: 'long back', but it travels "),
-        ("distance_m = 5.0", "line 5: distance_m: 5, but 0."),
-        ("weight_transfer = true", "line 5: weight_transfer: true, but leading_foot is not given"),
+        ('direction = "long back"', "line 6: direction: 'long back', but it travels "),
+        ("distance_m = 5.0", "line 6: distance_m: 5, but 0."),
+        ("weight_transfer = true", "line 6: weight_transfer: true, but leading_foot is not given"),
     ],
 )
 def test_given_values_are_compared_with_measured_values(folder: Path, line: str, words: str) -> None:
@@ -105,7 +105,7 @@ def test_unusable_files_are_reported_and_others_are_checked(folder: Path) -> Non
     lines = "\n".join(finding_texts(checked.findings))
     for words in (
         "a.toml, line 2: step.1.file: ",
-        "b.toml, line 5: measures: ",
+        "b.toml, line 6: measures: ",
         "c.toml, line 1: not valid TOML",
         "d.toml, line 3: ",
     ):
@@ -149,8 +149,8 @@ def test_unmatched_begin_and_end_poses_are_reported(folder: Path) -> None:
     (folder / "dance.toml").write_text(ONE + 'end_pose = "plie"\nbegin_pose = "plié"\n')
     checked = check_folder(folder)
     findings = finding_texts(check_connections([checked], folder, threshold=2.0))
-    assert any("line 5: end_pose: no step begins in 'plie'; there are: 'plié'" in finding for finding in findings)
-    assert any("line 6: begin_pose: no step ends in 'plié'; there are: 'plie'" in finding for finding in findings)
+    assert any("line 6: end_pose: no step begins in 'plie'; there are: 'plié'" in finding for finding in findings)
+    assert any("line 7: begin_pose: no step ends in 'plié'; there are: 'plie'" in finding for finding in findings)
 
 
 def test_steps_without_transition_are_reported(folder: Path) -> None:

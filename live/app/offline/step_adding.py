@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 from shlex import quote
-from typing import Any
+from typing import Any, Final
 
 from rich.console import Console
 
@@ -19,10 +19,14 @@ from live.library.add_step import (
     with_beats,
 )
 from live.library.beat_alignment import SyncResult
-from live.library.library_check import step_warnings
+from live.library.library_check import reading_warnings, step_warnings
 from live.library.recordings import RecordingReader
+from live.motion.cleanup.foot_planting import PlantedClip
 from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.retarget.body_tracks import body_tracks
+
+MIN_FOOT_FAULT: Final = 0.02
+"""Slide [m/s] and share of dragged swings from which a recording's own faults are told."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,9 +72,11 @@ def add_to_library(file: Path, fields: dict[str, Any], library: Path | None, ref
         soft_wrap=True,
         markup=False,
     )
-    for field, words in step_warnings(entry, step) + _untrimmed_warning(entry, reader):
+    doubts = step_warnings(entry, step) + _untrimmed_warning(entry, reader) + reading_warnings(entry, reader)
+    for field, words in doubts:
         option = entry.problem(field, words).field or "FILE"
         console.print(f"doubtful: {option}: {words}", style="yellow", soft_wrap=True, markup=False)
+    _print_feet(console, reader.feet(entry))
     console.print(f"written: {added.toml}", soft_wrap=True, markup=False)
     if added.copied:
         console.print(f"copied:  {added.file}", soft_wrap=True, markup=False)
@@ -100,6 +106,20 @@ def print_beats(console: Console, found: SyncResult) -> None:
         f"{'guess, to be confirmed' if guessed else 'music found'}: {reference.bpm:.2f} bpm, first beat at "
         f"{reference.first_beat_s:.3f} s, confidence {reference.confidence:.2f} ({reference.note})",
         style="yellow" if guessed else "",
+        soft_wrap=True,
+        markup=False,
+    )
+
+
+def _print_feet(console: Console, planted: PlantedClip | None) -> None:
+    """Print what was wrong with the recorded feet, and what is left of it."""
+    if planted is None or max(planted.before.slide, planted.before.low_swing) < MIN_FOOT_FAULT:
+        return
+    before, after = planted.before, planted.after
+    console.print(
+        f"feet:    in the recording standing feet slide at {before.slide:.3f} m/s and swings drag in "
+        f"{before.low_swing:.0%} of it; planted: {after.slide:.3f} m/s and {after.low_swing:.0%}, feet moved by up to "
+        f"{planted.largest_shift:.2f} m (plant_feet = false leaves them as recorded)",
         soft_wrap=True,
         markup=False,
     )

@@ -34,7 +34,7 @@ GLIDE_SPEED: Final = 0.25
 """A foot on the floor that goes farther than this [m/s], over GLIDE_WINDOW, glides on purpose and is not planted."""
 GLIDE_WINDOW: Final = 0.2
 """Seconds."""
-MIN_STANCES: Final = 0.25
+MIN_STANCES: Final = 0.5
 """If fewer of a clip's contacts than this share are stances, the dancer glides as a whole, and nothing is planted."""
 MAX_PLANT_SHIFT: Final = 0.16
 """Most that a stance's slide is undone by [m]; the rest of a longer one stays."""

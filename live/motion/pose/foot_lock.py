@@ -41,9 +41,14 @@ class FootLock:
         self.state: Float32 = np.zeros((dancer_count, 2, LOCK_COLUMNS), np.float32)
         """Columns of each foot as in `foot_lock_kernels`, shape (A, 2, 16)."""
 
-    def tick(self, leg_position: npt.NDArray[Any], contact: Bool, dt: float) -> None:
-        """Advance by `dt` [s]: unlocked `leg_position` (A, 9, 3) [m] of LEG_JOINTS, `contact` (A, 2)."""
-        update_lock(self.state, leg_position, contact, LEG_LENGTH, SOLE_BELOW_ANKLE, TOES_OVER_SOLE, dt)
+    def tick(self, leg_position: npt.NDArray[Any], contact: Bool, dt: float, landing: Bool | None = None) -> None:
+        """Advance by `dt` [s]: unlocked `leg_position` (A, 9, 3) [m] of LEG_JOINTS, `contact` (A, 2).
+
+        `landing` (A, 2): feet that come to stand so soon that they must not be raised any more; none without it.
+        """
+        if landing is None:
+            landing = contact
+        update_lock(self.state, leg_position, contact, landing, LEG_LENGTH, SOLE_BELOW_ANKLE, TOES_OVER_SOLE, dt)
 
     @property
     def max_shift(self) -> float:

@@ -226,18 +226,26 @@ def lock_legs(
                 world[legs[4 + j], c, i] = right[7 * j + c, i]
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1], b1[:,::1], f4, f4, f4, f4)")
+@kernel("void(f4[:,:,::1], f4[:,:,::1], b1[:,::1], b1[:,::1], f4, f4, f4, f4)")
 def update_lock(
-    lock: Float32, leg_position: Float32, contact: Bool, leg: float, sole: float, toes_over_sole: float, dt: float
+    lock: Float32,
+    leg_position: Float32,
+    contact: Bool,
+    landing: Bool,
+    leg: float,
+    sole: float,
+    toes_over_sole: float,
+    dt: float,
 ) -> None:
     """Advance the foot lock of A dancers by one tick: `lock` (A, 2, 16) follows the unlocked feet.
 
     `leg_position` (A, 9, 3) [m]: hips, then hip, knee, ankle and toes of the left and the right leg in the clips;
-    `contact` (A, 2): whether the clips have the foot on the floor; `leg` [m]: length of a leg. During contact the
+    `contact` (A, 2): whether the clips have the foot on the floor; `landing` (A, 2): whether they soon will; `leg` [m]:
+    length of a leg. During contact the
     contact point is held: the shift compensates its movement exactly. The contact point is the lower one of ankle and
     toes, so the foot may roll from heel to ball. A foot shifted too far is released. Free feet return to their clip,
     critically damped from their current speed: horizontally, and downwards if a blended clip had to be lifted to stand
-    on the floor. A free foot that is fast is raised, and the hips sink for a leg that is too short.
+    on the floor. A free foot that is fast and does not land is raised, and the hips sink for a leg that is too short.
     """
     decay = _TWO * _LN2 / RELEASE_HALFLIFE
     for n in range(lock.shape[0]):
@@ -270,7 +278,8 @@ def update_lock(
             gone_x, gone_z = slid_x + row[SHIFT_X], slid_z + row[SHIFT_Z]
             speed = math.sqrt(gone_x * gone_x + gone_z * gone_z) / max(dt, _TINY)
             part = min(max((speed - RAISE_FROM) / (RAISE_FULL - RAISE_FROM), _ZERO), _ONE)
-            if row[HELD] > _ZERO or contact[n, side] or part != part:  # a pose that is lost is not a number
+            lost = part != part  # a pose that is lost is not a number
+            if row[HELD] > _ZERO or contact[n, side] or landing[n, side] or lost:
                 part = _ZERO
             wanted = RAISE_HEIGHT * part * part * (_ONE + _TWO - _TWO * part)
             fall = math.exp(-RAISE_RATE * dt)

@@ -1,5 +1,7 @@
 """The past, present and next measure of the dancers, and the clip samples that they need at any moment."""
 
+from typing import Final
+
 import numpy as np
 import numpy.typing as npt
 
@@ -10,6 +12,9 @@ from live.motion.pose.gather_kernels import clip_hips, gather_dancers, standing_
 from live.motion.pose.pose_pipeline import PosePipeline
 from live.show.dancers.measure_state import MeasureState
 from live.show.dancers.variation import Variation
+
+LANDING_SAMPLES: Final = 10.0
+"""A foot that stands within so many samples lands: raised on its way, it is down by then."""
 
 Rows = npt.NDArray[np.int64]
 
@@ -77,6 +82,14 @@ class CurrentMeasures:
         out = np.empty((len(self._everybody), 2), np.bool_)
         pipeline, library = self._pipeline, self.graph.library
         standing_feet(out, pipeline.sample, pipeline.share, library.clip_contact, self._foot_offset)
+        return out
+
+    def landing_feet(self) -> Bool:
+        """Whether feet are on the floor LANDING_SAMPLES after the samples that were requested last, shape (A, 2)."""
+        out = np.empty((len(self._everybody), 2), np.bool_)
+        pipeline, contact = self._pipeline, self.graph.library.clip_contact
+        soon = np.minimum(pipeline.sample + LANDING_SAMPLES, len(contact) - 1.0)
+        standing_feet(out, soon, pipeline.share, contact, self._foot_offset)
         return out
 
     # -- sample requests to the pose pipeline ------------------------------------------------------------------

@@ -111,7 +111,7 @@ class Dancers(CurrentMeasures):
     def tick(self, fraction: float, time: float, dt: float) -> None:
         """Advance foot lock and texturing to the tick at `time` [s], `dt` [s] after the last one."""
         self.inertia.update_age(time)
-        contact = self.contact(fraction)
+        contact, landing = self.contact(fraction), self.landing_feet()
         contact[self.variation[FOOT_LOCK] == 0.0] = False  # these feet are never held
         if self.partner_response is not None:
             contact &= ~self.partner_response.path.answering[:, None]
@@ -121,7 +121,7 @@ class Dancers(CurrentMeasures):
             contact &= self._landed(position) | ~self.inertia.fading[:, None]
         self.drawn_hips[:] = position[:, 0, ::2]
         shift_feet(position, self._foot_offset)
-        self.lock.tick(position, contact, dt)
+        self.lock.tick(position, contact, dt, landing)
         self._locked_at = time
 
     def pose(

@@ -3,8 +3,12 @@
 import numpy as np
 
 from live.motion.pose.foot_lock_kernels import (
+    DROP,
+    DROP_SPEED,
+    FEET_COLUMNS,
     FOLLOWED_COLUMNS,
     HELD,
+    HIP_DROP,
     LIFT,
     LOCK_COLUMNS,
     SHIFT_X,
@@ -30,13 +34,14 @@ def random_foot_locks(seed=3):
 
 
 def test_free_feet_are_extrapolated_and_locked_feet_stay():
-    lock, feet = random_foot_locks(), np.zeros((COUNT, 2, FOLLOWED_COLUMNS), np.float32)
+    lock, feet = random_foot_locks(), np.zeros((COUNT, 2, FEET_COLUMNS), np.float32)
     extrapolate_feet(feet, lock, 0.01)
     expected = lock[:, :, :FOLLOWED_COLUMNS].copy()
     free = lock[:, :, HELD] == 0.0
     for place, speed in ((SHIFT_X, SPEED_X), (SHIFT_Z, SPEED_Z), (LIFT, SPEED_Y)):
         expected[free, place] += np.float32(0.01) * lock[free, speed]
-    np.testing.assert_array_equal(feet, expected)
+    np.testing.assert_array_equal(feet[:, :, :FOLLOWED_COLUMNS], expected)
+    np.testing.assert_array_equal(feet[:, :, HIP_DROP], lock[:, :, DROP] + np.float32(0.01) * lock[:, :, DROP_SPEED])
     assert 0 < free.sum() < free.size
 
 

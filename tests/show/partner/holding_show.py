@@ -27,6 +27,7 @@ from tests.show.made_show import PATCH
 HELD = """
 [motion]
 warp_beats = 0.0
+arm_clearance = 0.0
 [[partner]]
 name = "duet"
 leader = "front & 1"

@@ -160,7 +160,7 @@ def test_partners_without_hold_distance_do_not_hold_hands() -> None:
 def test_invalid_hold_settings_are_refused_with_line(lines: str, words: str) -> None:
     with pytest.raises(PatchError, match=words) as told:
         parse_patch(f"{PATCH}{HELD.replace('hold_distance = 0.4', lines)}", "test.toml")
-    assert "line 29" in str(told.value)
+    assert "line 30" in str(told.value)
 
 
 def test_follower_at_own_place_does_not_hold_hands() -> None:
