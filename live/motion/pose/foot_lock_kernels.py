@@ -21,7 +21,7 @@ Rotation = tuple[float, float, float, float]
 
 LENGTH_BUFFER: Any = np.float32(0.015)
 """A leg is not stretched beyond its length minus this [m], unless the clip itself stretches it farther."""
-STRAIGHTENING_RANGE: Any = np.float32(0.03)
+STRAIGHTENING_RANGE: Any = np.float32(0.06)
 """Over the last of this [m] a leg's extension is compressed, so that the knee does not snap straight."""
 PELVIS_DROP: Any = np.float32(0.05)
 """Maximum drop of the hips [m] so that both feet reach."""
