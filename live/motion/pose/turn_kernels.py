@@ -86,8 +86,8 @@ def place_dancers(
     `placement` and `correction` (A, 3): the clip's placement at the measure's start, and the change until its end. The
     translation is applied while a foot is in the air, by the `warp_curve` (N, KNOTS, 2) of each node
     (`footstep_plan`); `aimed` (A, 3) x, z [m] was applied when the share was its last column, and the rest continues
-    from there. If `on_support` (A,) is not 0, the turn happens during single support about the supporting foot: `turns` (N,
-    8, 8) holds per node and segment start, stop, weight, x, z [m] at both ends and softness, `node` (A,) the row of
+    from there. If `on_support` (A,) is not 0, the turn happens during single support about the supporting foot: `turns`
+    (N, 8, 8) holds per node and segment start, stop, weight, x, z [m] at both ends and softness, `node` (A,) the row of
     each dancer. Otherwise body and path are turned separately: the body by an ease about the hips.
     """
     for n in range(out.shape[0]):
