@@ -101,13 +101,13 @@ def test_dropout_holds_pose_then_blends_out_and_back_without_pop():
 
 
 def test_short_gap_is_caught_up_smoothly():
-    show = made_show()
+    show = made_show("[motion]\narm_clearance = 0.0\n")  # the arm is shown as it was captured
     gap = range(MEASURE + 40, MEASURE + 52)
     seen = run(show, 1, gap[-1] + 60, silent=lambda tick: tick in gap)
     speed = np.linalg.norm(np.diff(seen[MEASURE:, 0], axis=0), axis=-1).max(axis=1) / TICK
     assert speed.max() < 2.0 * speed[:30].max()
-    np.testing.assert_allclose(  # the arm keeps a few millimeters off the trunk
-        seen[-1, 0], joints_at(show.time - show.mocap.performers["live"].display_delay), atol=0.01
+    np.testing.assert_allclose(
+        seen[-1, 0], joints_at(show.time - show.mocap.performers["live"].display_delay), atol=2e-3
     )
 
 

@@ -86,7 +86,7 @@ def test_stalled_show_plans_everything_at_decision():
 
 
 def test_targets_stay_within_reach_and_report_suggests_recording():
-    show = made_show()
+    show = made_show("[locomotion]\ncorrection_m = 0.35\n")
     show.apply(events.SetSequence(steps="sway", group="*", **STAMP))
     run(show, 4.0)
     assert all(told["record"] is None for told in show.scheduler.reachability_report().values())
@@ -106,7 +106,7 @@ def test_targets_stay_within_reach_and_report_suggests_recording():
     show.motion.predicted_ends = sent
     far[:5] = [0.0, 2.0]
     run(show, 2.0 * (BEHIND_MEASURES + 2))
-    assert (np.hypot(*(choices.target - choices.start_position).T) < 0.4).all()
+    assert (np.hypot(*(choices.target - choices.start_position).T) < 0.3).all()
     assert (choices.lag[:5] > BEHIND_M).all()
     told = show.scheduler.reachability_report()
     assert told["front"]["behind"] == 5
