@@ -194,7 +194,8 @@ not enough: hips swing within a beat, so a contact may lie in between."""
 PUSH_MARGIN: Final = 0.1
 """Gap that a push leaves between two bodies [m]."""
 PUSH_STIFFNESS: Final = 36.0
-"""Acceleration per metre of overlap [1/s²]. At 24, recorded dancers who were thrown together came within 0.495 m."""
+"""Rate at which a push follows the missing gap, critically damped [1/s]. At 24, recorded dancers who were thrown
+together came within 0.495 m."""
 MAX_PUSH_ACCELERATION: Final = 30.0
 """Largest change of the speed of a push [m/s²]: more looks like a blow."""
 
