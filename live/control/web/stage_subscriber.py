@@ -121,7 +121,7 @@ class StageSubscriber:
         if isinstance(data, bytes) and (transport is None or transport.get_write_buffer_size() > MAX_UNSENT_BYTES):
             self.missed += 1  # the next one is newer
             return
-        self.missed += kind in self._frames
+        self.missed += self._frames.get(kind, data) != data
         self._frames[kind] = data
         self._wake.set()
 

@@ -29,6 +29,8 @@ RETURNS: Final = ("undo", "redo", "restore")
 NOTES: Final = "notes"
 MAX_EDIT_BYTES: Final = 60_000
 """Maximum length of an edit; a packet has 64 KiB."""
+TOO_MANY: Final = "too many messages at once"
+"""A page is told this once for all messages of a burst: a queue of answers would close it."""
 ANSWER_S: Final = 60.0
 """Longest wait for the answer to an edit [s]."""
 
@@ -89,7 +91,8 @@ class StageSubscribers:
                 why = self._take_message(page, message.data if message.type is WSMsgType.TEXT else None)
                 if why:
                     self.refused += 1
-                    page.put_text(json.dumps({"kind": "refused", "refused": why}))
+                    told = json.dumps({"kind": "refused", "refused": why})
+                    page.put_frame("refused", told) if why == TOO_MANY else page.put_text(told)
         except (ConnectionError, RuntimeError):  # disconnected meanwhile
             pass
         finally:
@@ -137,7 +140,7 @@ class StageSubscribers:
     def _take_message(self, page: StageSubscriber, text: str | None) -> str:
         """Take a message of a page; return why it is refused, or an empty text."""
         if not page.limit.try_take(self._now()):
-            return "too many messages at once"
+            return TOO_MANY
         said = read_object(text)
         if said is None:
             return "an object expected"
