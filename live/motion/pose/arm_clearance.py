@@ -1,5 +1,6 @@
 """Arm clearance: nobody's arms pass through the own trunk, or through another's arms and trunk; applied to poses."""
 
+import math
 from dataclasses import replace
 from typing import Final
 
@@ -15,19 +16,65 @@ from live.motion.pose.hand_hold import HeldArms
 
 NOBODY_HELD: Final = HeldArms(0)
 """No dancer's arm is in a hold."""
+EASING_S: Final = 0.05
+"""Time constant [s] of each of the three low-pass filters through which arms keep off others in a show: an arm that
+another one meets at 5 m/s gives way within 0.15 s, and its elbow is not thrown."""
+LEAD_S: Final = 0.1
+"""They look this far ahead [s] meanwhile: joints go on as they went since the last frame, ..."""
+MOST_LEAD: Final = np.float32(0.3)
+"""... by at most this [m] along each axis."""
+MAX_EASING_GAP: Final = 0.25
+"""After a longer gap between two frames [s] arms are at once where they should be."""
+AT_ONCE: Final = np.zeros((0, 0, 2, 3), np.float32)
+
+
+class ArmEasing:
+    """How arms have kept off other dancers in the frames of a show so far. Frames, not ticks, advance it: it belongs to
+    the pictures of a show, not to its state."""
+
+    def __init__(self) -> None:
+        self._filters = AT_ONCE
+        self._last = self._velocity = self._ahead = np.zeros((0, 0, 3), np.float32)
+        self._time = -math.inf
+
+    def advance(self, position: Float32, time: float) -> tuple[Float32, Float32, float]:
+        """Return where joints go from `position` (A, J, 3) [m], the filters, and how much of them stays, 0 to 1.
+
+        Everything of them stays at a frame at a `time` [s] that is not later than the last one.
+        """
+        passed, self._time = time - self._time, time
+        if len(self._last) != len(position):
+            self._filters = np.zeros((3, 2 * len(position), 2, 3), np.float32)
+            self._last, self._velocity, self._ahead = (np.zeros_like(position) for _ in range(3))
+            passed = math.inf
+        if passed > MAX_EASING_GAP:
+            self._velocity[:] = 0.0
+        elif passed > 0.0:
+            np.subtract(position, self._last, out=self._velocity)
+            np.multiply(self._velocity, np.float32(LEAD_S / passed), out=self._velocity)
+            np.clip(self._velocity, -MOST_LEAD, MOST_LEAD, out=self._velocity)
+        self._last[:] = position
+        np.add(position, self._velocity, out=self._ahead)
+        return self._ahead, self._filters, 0.0 if passed > MAX_EASING_GAP else math.exp(-max(passed, 0.0) / EASING_S)
 
 
 def apply_arm_clearance(
-    position: Float32, rotation: Float32, share: Float64, *, held: HeldArms | None = None, visible: Bool | None = None
-) -> None:
+    position: Float32, rotation: Float32, share: Float64, *, held: HeldArms | None = None, visible: Bool | None = None,
+    easing: ArmEasing | None = None, time: float = 0.0,
+) -> None:  # fmt: skip
     """Move arms in poses (A, J, 3) [m] and (A, J, 4), in place, by the share `share` (A,) of what is needed.
 
     Arms in a hold are not moved, and the arms of a couple may touch; without `held` nobody holds hands. Dancers who are
-    not `visible` (A,) are in nobody's way; without it all are visible. There is no state: the same poses give the same.
+    not `visible` (A,) are in nobody's way; without it all are visible. Without `easing` there is no state: the same
+    poses give the same; with it arms that others come near to at `time` [s] give way softly.
     """
     held = NOBODY_HELD if held is None else held
     visible = np.ones(len(position), np.bool_) if visible is None else visible
-    clear_arms(position, rotation, share, held.share, held.partner, held.together, visible, TRUNK_JOINTS, ARM_CHAINS)
+    ahead, filters, kept = (position, AT_ONCE, 0.0) if easing is None else easing.advance(position, time)
+    clear_arms(
+        position, rotation, ahead, share, held.share, held.partner, held.together, visible, filters, kept, TRUNK_JOINTS,
+        ARM_CHAINS,
+    )  # fmt: skip
 
 
 def clear_own_trunk(clip: Clip) -> Clip:

@@ -23,8 +23,8 @@ Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 Int32 = npt.NDArray[np.int32]
 
-DRAWN_WHOLLY: Any = np.float32(0.02)
-"""An arm that draws back again by this [m] is also pushed out of the own trunk again, wholly; by less, in part."""
+LEAST_DRAWN: Any = np.float32(1e-4)
+"""Arms that draw back by less [m] are not moved."""
 TRUNK_BEND: Any = np.float32(0.06)
 """The trunk's axis is bent away from the line between hips and neck by at most this [m]."""
 _NEAR: Any = np.float32((TRUNK_HALF_WIDTH + 0.06 + float(ARM_GAP) + float(MARGIN)) ** 2)
@@ -101,15 +101,18 @@ def _find_distances(rows: Float32, square: Float32, side: int) -> None:
 
 @inline_kernel
 def _find_arms(
-    position: Float32, rotation: Float32, box: Float32, near: Bool, amount: Float32, trunk: Int32, arms: Int32
-) -> None:
-    """Compute all dancers' boxes (4, A), and which arms may be pushed out of the own trunk (2 A,)."""
+    position: Float32, ahead: Float32, rotation: Float32, box: Float32, near: Bool, amount: Float32, trunk: Int32,
+    arms: Int32,
+) -> None:  # fmt: skip
+    """Compute all dancers' boxes (4, A) at the places `ahead`, and which arms may be pushed out of the own trunk
+    (2 A,)."""
     rows, edges = np.empty((_ROWS, BLOCK), np.float32), np.empty((4, BLOCK), np.float32)
     square = np.empty(BLOCK, np.float32)
     for start in range(0, len(position), BLOCK):
         stop = min(start + BLOCK, len(position))
-        _gather_block(rows, position, rotation, trunk, arms, start, stop)
+        _gather_block(rows, ahead, rotation, trunk, arms, start, stop)
         _find_boxes(rows, edges)
+        _gather_block(rows, position, rotation, trunk, arms, start, stop)
         for k in range(4):
             for i in range(stop - start):
                 box[k, start + i] = edges[k, i]
@@ -126,15 +129,39 @@ def _size(drawn: Float32, m: int) -> Any:
     return abs(drawn[m, 0, 0]) + abs(drawn[m, 0, 2]) + abs(drawn[m, 1, 0]) + abs(drawn[m, 1, 2])
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1], f8[::1], f4[:,::1], i4[::1], f4[::1], b1[::1], i4[::1], i4[:,::1])")
+@inline_kernel
+def _ease(drawn: Float32, easing: Float32, kept: Any) -> None:
+    """Let `drawn` (M, 2, 3) follow what it was through equal low-pass filters, `easing` (K, M, 2, 3), of which `kept`
+    stays."""
+    for m in range(len(drawn)):
+        rest = _ZERO
+        for part in range(2):
+            for c in range(3):
+                value = drawn[m, part, c]
+                for k in range(len(easing)):
+                    value += kept * (easing[k, m, part, c] - value)
+                    easing[k, m, part, c] = value
+                    rest = max(rest, abs(value))
+                drawn[m, part, c] = value
+        if rest < LEAST_DRAWN:
+            drawn[m] = _ZERO
+            easing[:, m] = _ZERO
+
+
+@kernel(
+    "void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f8[::1], f4[:,::1], i4[::1], f4[::1], b1[::1], "
+    "f4[:,:,:,::1], f4, i4[::1], i4[:,::1])"
+)
 def clear_arms(
-    position: Float32, rotation: Float32, share: Float64, held: Float32, partner: Int32, together: Float32,
-    visible: Bool, trunk: Int32, arms: Int32,
+    position: Float32, rotation: Float32, ahead: Float32, share: Float64, held: Float32, partner: Int32,
+    together: Float32, visible: Bool, easing: Float32, kept: Any, trunk: Int32, arms: Int32,
 ) -> None:  # fmt: skip
     """Keep all arms off other dancers and out of the own trunks, in poses (A, J, 3) [m] and (A, J, 4), in place.
 
-    `share` (A,): how far, 0 to 1; `held` (A, 2), `partner` (A,), `together` (A,) as in `HeldArms`, or all empty; others
-    than `visible` dancers (A,) are in nobody's way; `trunk` (7,), `arms` (2, 3): joints as in `body_capsules`.
+    `ahead` (A, J, 3): where arms are about to be [m], by which they keep off others; `share` (A,): how far, 0 to 1;
+    `held` (A, 2), `partner` (A,), `together` (A,) as in `HeldArms`, or all empty; others than `visible` dancers (A,)
+    are in nobody's way; `easing` (K, 2 A, 2, 3), `kept`: how arms kept off others so far and how much of it stays, or
+    empty: at once; `trunk` (7,), `arms` (2, 3): joints as in `body_capsules`.
     """
     count = len(position)
     amount, near = np.empty(2 * count, np.float32), np.empty(2 * count, np.bool_)
@@ -146,24 +173,14 @@ def clear_arms(
         most = max(most, amount[m])
     if most <= _ZERO:
         return
-    _find_arms(position, rotation, box, near, amount, trunk, arms)
+    _find_arms(position, ahead, rotation, box, near, amount, trunk, arms)
     pairs = find_pairs(box, visible)
-    draw_back_arms(position, rotation, drawn, pairs, amount, held, partner, together, trunk, arms)
+    draw_back_arms(ahead, rotation, drawn, pairs, amount, held, partner, together, trunk, arms)
+    if len(easing):
+        _ease(drawn, easing, kept)
     moving = 0
     for m in range(2 * count):
         if near[m] or _size(drawn, m) > _ZERO:
-            which[moving] = m
-            moving += 1
-    move_arms(position, rotation, drawn, amount, which, moving, trunk, arms)
-    if moving == 0 or len(pairs) == 0:
-        return
-    # a bent elbow may have come near somebody, too
-    draw_back_arms(position, rotation, drawn, pairs, amount, held, partner, together, trunk, arms)
-    moving = 0
-    for m in range(2 * count):
-        size = _size(drawn, m)
-        if size > _ZERO:
-            amount[m] *= min(size / DRAWN_WHOLLY, _ONE)
             which[moving] = m
             moving += 1
     move_arms(position, rotation, drawn, amount, which, moving, trunk, arms)

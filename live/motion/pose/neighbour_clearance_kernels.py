@@ -2,7 +2,7 @@
 
 The shortest way between two crossing arms changes sides as they cross. So arms are drawn back along the line between
 the two bodies instead, a way that is continuous: both by half of what they overlap along it, with a weight that grows
-as they near. Hands are kept out of another's trunk in the same way. There is no state.
+as they near. Hands are kept out of another's trunk in the same way. There is no state here: `ArmEasing` has it.
 
 Pairs are found in a grid, by the boxes that trunk and arms fill on the floor.
 """
@@ -35,6 +35,10 @@ NEAR_TRUNK, FAR_TRUNK = np.float32(0.15), np.float32(0.5)
 """The same for the distance of an arm to the line between another's hips and neck [m]."""
 KEPT: Any = np.float32(0.14)
 """An arm is not drawn back nearer to the own trunk's middle than this [m]."""
+LEAST_REACH: Any = np.float32(0.22)
+"""Nor is a wrist drawn back nearer to its shoulder than this [m], about half an arm: there the elbow would spin."""
+REACH_MARGIN: Any = np.float32(0.02)
+"""Softness of that [m²]."""
 EVENED: Any = np.float32(0.05)
 """Points that extend equally far within this way [m] count as one that extends a little farther."""
 RAISED: Any = np.float32(0.4)
@@ -190,9 +194,19 @@ def _way_up(arm: Float32, first: int, k: int) -> Any:
 
 
 @inline_kernel
-def _way_back(wish: Any, along: Any) -> Any:
-    """Return how far a point is drawn back [m], no farther than to KEPT: of both ways about the shorter, but smooth."""
-    room = soft(along - KEPT, OVERLAP_MARGIN)
+def _find_room(arm: Float32, first: int, along: Float32, nx: Any, nz: Any) -> Any:
+    """Return how far a wrist may be drawn back against (nx, nz) [m], so that it stays LEAST_REACH from the shoulder."""
+    x, z = arm[first + WRIST, 0] - arm[first + SHOULDER, 0], arm[first + WRIST, 2] - arm[first + SHOULDER, 2]
+    y = arm[first + WRIST, 1] - arm[first + SHOULDER, 1]
+    on = x * nx + z * nz
+    aside = x * x + z * z - on * on + y * y
+    return min(along[WRIST] - KEPT, on - math.sqrt(soft(LEAST_REACH * LEAST_REACH - aside, REACH_MARGIN)))
+
+
+@inline_kernel
+def _way_back(wish: Any, room: Any) -> Any:
+    """Return how far a point is drawn back [m], no farther than `room` [m]: of both about the shorter, but smooth."""
+    room = soft(room, OVERLAP_MARGIN)
     room *= room
     room *= room
     return math.sqrt(math.sqrt(wish * room / max(wish + room, _TINY)))
@@ -203,13 +217,11 @@ def _draw_arm(
     drawn: Float32, m: int, arm: Float32, first: int, wish: Float32, along: Float32, nx: Any, nz: Any
 ) -> None:
     """Add to `drawn` by how much elbow and wrist of arm `m` are drawn back against (nx, nz)."""
-    over = _way_back(wish[ELBOW], along[ELBOW])
+    over = _way_back(wish[ELBOW], along[ELBOW] - KEPT)
     drawn[m, 0, 0] -= over * nx
     drawn[m, 0, 1] += over * _way_up(arm, first, ELBOW)
     drawn[m, 0, 2] -= over * nz
-    over = _way_back(wish[WRIST], along[WRIST])
-    palm = _way_back(wish[PALM_POINT], along[PALM_POINT])
-    over = math.sqrt(math.sqrt(over**4 + palm**4))
+    over = _way_back(wish[WRIST] + wish[PALM_POINT], _find_room(arm, first, along, nx, nz))
     drawn[m, 1, 0] -= over * nx
     drawn[m, 1, 1] += over * over / (over + FOLDED) * _way_up(arm, first, WRIST)
     drawn[m, 1, 2] -= over * nz

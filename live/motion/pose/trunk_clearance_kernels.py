@@ -27,9 +27,11 @@ PALM_GAP: Any = np.float32(0.015)
 MARGIN: Any = np.float32(0.02)
 """The push begins this far [m] before the gap is reached, and is whole as far behind it."""
 ELBOW_BIAS: Any = np.float32(0.6)
-"""Backward bias of a straight arm's elbow in the upper arm's axes, as a share of the way of elbow and hand ..."""
+"""Bias of a straight arm's elbow downwards and backwards, as a share of the way of elbow and hand ..."""
 BENT, STRAIGHT = np.float32(0.75), np.float32(0.98)
 """... none for an arm whose wrist is as far from the shoulder as BENT of its length, all from STRAIGHT on."""
+BACKWARD: Any = np.float32(0.3)
+"""The bias points backwards by this share of what it points downwards."""
 STAYING: Any = np.float32(0.9)
 """Share of the way from the elbow to the line from shoulder to wrist that a push towards it never exceeds."""
 LENGTH_BUFFER: Any = np.float32(0.003)
@@ -102,8 +104,8 @@ def _keep_places(arm: Float32) -> None:
 
 @inline_kernel
 def _gather_arms(
-    arm: Float32, position: Float32, rotation: Float32, drawn: Float32, amount: Float32, arms: Int32, which: Int32,
-    start: int, stop: int,
+    arm: Float32, rows: Float32, position: Float32, rotation: Float32, drawn: Float32, amount: Float32, arms: Int32,
+    which: Int32, start: int, stop: int,
 ) -> None:  # fmt: skip
     """Copy the block's arms into rows, elbow and wrist displaced by `drawn`."""
     for i in range(BLOCK):
@@ -123,10 +125,12 @@ def _gather_arms(
         arm[_PALM, i] = palm * (_ONE - _TWO * (y * y + z * z))
         arm[_PALM + 1, i] = palm * _TWO * (x * y + w * z)
         arm[_PALM + 2, i] = palm * _TWO * (x * z - w * y)
-        w, x, y, z = rotation[n, upper, 0], rotation[n, upper, 1], rotation[n, upper, 2], rotation[n, upper, 3]
-        arm[_BACK, i] = -_TWO * (x * z + w * y)
-        arm[_BACK + 1, i] = -_TWO * (y * z - w * x)
-        arm[_BACK + 2, i] = _TWO * (x * x + y * y) - _ONE
+        scale = BACKWARD * math.sqrt(rows[_PER, i])
+        ax, ay, az = rows[_AXIS, i] * scale, rows[_AXIS + 1, i] * scale, rows[_AXIS + 2, i] * scale
+        sx, sy, sz = rows[_HIGH, i], rows[_HIGH + 1, i], rows[_HIGH + 2, i]
+        arm[_BACK, i] = ay * sz - az * sy
+        arm[_BACK + 1, i] = az * sx - ax * sz - _ONE
+        arm[_BACK + 2, i] = ax * sy - ay * sx
         arm[_SHARE, i] = amount[m]
         arm[_MOVED, i] = moved
     for i in range(BLOCK):
@@ -296,7 +300,7 @@ def move_arms(
     for start in range(0, count, BLOCK):
         stop = min(start + BLOCK, count)
         _gather_trunks(rows, position, trunk, which, start, stop)
-        _gather_arms(arm, position, rotation, drawn, amount, arms, which, start, stop)
+        _gather_arms(arm, rows, position, rotation, drawn, amount, arms, which, start, stop)
         for _ in range(ROUNDS):
             for k in range(3):
                 _push_out(arm, rows, _HALF * np.float32(k), _ZERO, ARM_GAP)

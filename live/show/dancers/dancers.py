@@ -10,7 +10,7 @@ from live.base.motion_parameters import ARM_CLEARANCE, FOOT_LOCK, HEAD
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import starting_placement
 from live.motion.foot_contact import TOES_OVER_SOLE
-from live.motion.pose.arm_clearance import apply_arm_clearance
+from live.motion.pose.arm_clearance import ArmEasing, apply_arm_clearance
 from live.motion.pose.foot_lock import LEG_JOINTS, CutFootLift, FootLock
 from live.motion.pose.foot_lock_kernels import HELD, SHIFT_X, SHIFT_Z
 from live.motion.pose.gather_kernels import set_clearance, set_steps, shift_feet
@@ -131,11 +131,13 @@ class Dancers(CurrentMeasures):
         out: tuple[Float32, Float32] | None = None,
         *,
         visible: Bool | None = None,
+        easing: ArmEasing | None = None,
     ) -> tuple[Float32, Float32]:
         """Return world positions (A, J, 3) and rotations (A, J, 4) at `fraction` of the measure.
 
         `time` [s] is at most a tick after the last one. Fills and returns `out` if given, else the dancers' own arrays.
-        Arms keep off dancers who are `visible` (A,), all without it.
+        Arms keep off dancers who are `visible` (A,), all without it, and do so softly with the `easing` of the frames
+        before.
         """
         self._request_samples(fraction)
         self.inertia.update_age(time)
@@ -160,7 +162,9 @@ class Dancers(CurrentMeasures):
         if self.partner_response is not None:
             self.partner_response.join_hands(position, rotation, max(time - self._locked_at, 0.0))
         held = self.held_arms(time)
-        apply_arm_clearance(position, rotation, variation[ARM_CLEARANCE], held=held, visible=visible)
+        apply_arm_clearance(
+            position, rotation, variation[ARM_CLEARANCE], held=held, visible=visible, easing=easing, time=time
+        )
         return position, rotation
 
     def held_arms(self, time: float) -> HeldArms | None:

@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from live.motion.pose.arm_clearance import ArmEasing
 from live.show.audience.audience import Audience
 from live.show.audience.audience import TouchCluster as AudiencePlace
 from live.show.audience.voting import Turn, Vote, VoteNames
@@ -267,7 +268,7 @@ KINDS: Final = [
     Kind("seen", ViewBuilder, """
         _dancers:dancers _motion:group-motion _division:division _desk:desk _audience:audience _light:light
         _follower:timeline-follower _frozen_view:stage-view|none
-    """),
+    """, factories={"_easing": ArmEasing}),
     Kind("spots", Spots, "_parameters:parameters _followers:row[chase] _levels:list[int]"),
     Kind("subgroup", Subgroup, """
         words:str group:int program:group-programme chosen:b1 entry:tuple[int,int,int,int]|none

@@ -8,6 +8,7 @@ import numpy as np
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.control.events.events import FreezePicture
+from live.motion.pose.arm_clearance import ArmEasing
 from live.motion.skeleton import JOINT_COUNT
 from live.show.group.division import Division
 from live.show.journal.state_hash import hash_of
@@ -46,6 +47,7 @@ class ViewBuilder:
         self._dancers, self._motion, self._division, self._desk = dancers, motion, division, desk
         self._audience, self._light, self._follower = audience, light, follower
         self._frozen_view: StageView | None = None
+        self._easing = ArmEasing()
 
     def view(self) -> StageView:
         """Return an empty drawing snapshot of the right size, to be filled each frame."""
@@ -78,7 +80,11 @@ class ViewBuilder:
         # after a stall, when several lines are overdue and no pose exists that far ahead
         on = min(max(beat - span.end, 0.0), MAX_EXTRAPOLATION * timeline.tempo / 60.0) / timeline.beats_per_measure
         self._dancers.pose(
-            fraction + on, time, out=(view.joint_position, view.joint_rotation), visible=self._motion.present
+            fraction + on,
+            time,
+            out=(view.joint_position, view.joint_rotation),
+            visible=self._motion.present,
+            easing=self._easing,
         )
         self._motion.show(view)
         view.group[:] = self._division.part

@@ -7,7 +7,7 @@ import pytest
 
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.pose.arm_clearance import apply_arm_clearance, clear_own_trunk
+from live.motion.pose.arm_clearance import ArmEasing, apply_arm_clearance, clear_own_trunk
 from live.motion.pose.body_capsules import ARM_CHAINS
 from live.motion.pose.hand_hold import HeldArms
 from live.motion.pose.neighbour_clearance_kernels import BACK, FRONT, LEFT, RIGHT, find_pairs
@@ -230,6 +230,62 @@ def test_both_give_way_alike_and_one_alone_gives_way_wholly():
     np.testing.assert_array_equal(one[1], poses[0][1])
     assert np.linalg.norm(one - poses[0], axis=-1)[0, ARM_CHAINS[0, 2]] > both[0, ARM_CHAINS[0, 2]]
     assert arm_distances(one, np.array([0]), np.array([1])).min() > 0.06
+
+
+def arms_that_meet(rate, speed=1.0):
+    """Two dancers 0.9 m apart who lower their arms towards each other and raise them again: poses (T, 2, J, ...)."""
+    time = np.arange(int(2.0 / speed * rate)) / rate
+    raised = 1.2 - 1.7 * np.sin(np.pi * 0.5 * speed * time) ** 2
+    local = np.tile(from_axis_angle(UP, np.zeros(JOINT_COUNT)), (len(time), 2, 1, 1))
+    for side, sign in enumerate((1.0, -1.0)):
+        local[:, :, ARM_CHAINS[side, 0]] = from_axis_angle(np.array([0.0, 0.0, 1.0]), sign * raised)[:, None]
+    place = np.tile([[-0.45, 0.0], [0.45, 0.0]], (len(time), 1))
+    position, rotation = posed(local.reshape(-1, JOINT_COUNT, 4), place)
+    return time, position.reshape(len(time), 2, -1, 3), rotation.reshape(len(time), 2, -1, 4)
+
+
+def eased(time, position, rotation):
+    """The frames after arm clearance with easing."""
+    frames, easing = [], ArmEasing()
+    for at, *pose in zip(time, position, rotation, strict=True):
+        frames.append(cleared(pose, easing=easing, time=at))
+    return np.array([frame[0] for frame in frames]), np.array([frame[1] for frame in frames])
+
+
+def jolt(position, rate):
+    """Largest change of velocity of arm joints from frame to frame [m/s]."""
+    return np.linalg.norm(np.diff(position[:, :, ARM_JOINTS], 2, axis=0), axis=-1).max() * rate
+
+
+@pytest.mark.parametrize(("speed", "softer", "touching"), [(1.5, 0.9, 0.0), (4.0, 0.7, 0.3)])
+def test_arms_of_a_show_give_way_softly_and_in_time(speed, softer, touching):
+    """Hands come together at 4 m/s, and at 11 m/s: those still touch for a moment."""
+    time, position, rotation = arms_that_meet(60.0, speed)
+    at_once = np.array([cleared(pose)[0] for pose in zip(position, rotation, strict=True)])
+    soft, turned = eased(time, position, rotation)
+    before, after = (sum(neighbour_contacts(frame)[0] for frame in frames) for frames in (position, soft))
+    assert before > 20
+    assert after <= touching * before
+    assert jolt(soft, 60.0) < softer * jolt(at_once, 60.0)
+    length = np.linalg.norm(SKELETON.offsets[ARM_JOINTS], axis=-1)
+    parents = [SKELETON.parents[joint] for joint in ARM_JOINTS]
+    bones = np.linalg.norm(soft[:, :, ARM_JOINTS] - soft[:, :, parents], axis=-1)
+    np.testing.assert_allclose(bones, np.broadcast_to(length, bones.shape), atol=1e-4)
+    np.testing.assert_allclose(np.linalg.norm(turned, axis=-1), 1.0, atol=1e-4)
+
+
+def test_arms_give_way_about_the_same_at_every_frame_rate():
+    slow, fast = (eased(*arms_that_meet(rate))[0] for rate in (60.0, 240.0))
+    moved = np.linalg.norm(slow - arms_that_meet(60.0)[1], axis=-1).max()
+    assert np.linalg.norm(slow - fast[::4], axis=-1).max() < 0.2 * moved
+
+
+def test_arms_are_at_once_where_they_should_be_at_the_first_frame_and_after_a_gap():
+    poses, others = arms_together(), posed(random_local(2, seed=3, ahead=0.5), [[0.0, 0.0], [0.65, 0.0]])
+    easing = ArmEasing()
+    for time, pose in ((5.0, poses), (7.0, others), (7.0, others)):
+        for soft, once in zip(cleared(pose, easing=easing, time=time), cleared(pose), strict=True):
+            np.testing.assert_allclose(soft, once, atol=1e-6)
 
 
 def test_who_is_not_visible_is_in_nobodys_way():
