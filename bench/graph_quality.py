@@ -16,7 +16,8 @@ from live.graph.search.path_following import follow_line, follow_path, smoothed
 from live.graph.select.candidates import find_candidates
 from live.graph.step_library import build_library
 from live.library.step_folder import load_folder
-from live.motion.quality.metrics import beat_alignment, beat_offsets, mean_speed, motion_beats
+from live.motion.quality.beat_chance import compare_with_chance
+from live.motion.quality.metrics import beat_offsets, mean_speed, motion_beats
 from live.motion.step_clip import StepClip
 
 Float64 = npt.NDArray[np.float64]
@@ -138,27 +139,32 @@ def _free_slide(figures: DanceMetrics) -> Float64:
 
 
 def _beat_rows(name: str, danced: Danced | None) -> list[Row]:
-    """Annotated: found in the motion itself, by the pose that the clip has on its beat; kinematic beside the raw."""
+    """Annotated: found in the motion itself, by the pose that the clip has on its beat; kinematic beside the raw and
+    beside chance."""
     names = [f"{name}: annotated beat offset, {what}" for what in ("median", "p95")]
     if danced is None:
         return [Row(names[0], None, "ms", 5.0), Row(names[1], None, "ms", 15.0)]
     found = 1e3 * np.abs(np.concatenate([_shown_beats(each.graph, each.dance) for each in danced.figures]))
-    music, motion, raw = [], [], []
+    raw = []
     rate, seconds = danced.raw.rate, danced.raw.seconds
-    for each in danced.figures:
-        kinematic = motion_beats(mean_speed(each.position, rate), rate)
-        motion.append(beat_offsets(each.dance.beat_time, kinematic))
-        music.append(beat_alignment(each.dance.beat_time, kinematic) or 0.0)
+    compared = [
+        compare_with_chance(each.dance.beat_time, [motion_beats(mean_speed(each.position, rate), rate)])
+        for each in danced.figures
+    ]
     for step, (position, _) in zip(danced.raw.steps, danced.raw.sampled_clips, strict=True):
         begin = step.first / step.samples_per_measure * seconds
         beats = begin + np.arange(step.beats) * seconds / step.beats_per_measure
         raw.append(beat_offsets(beats, motion_beats(mean_speed(position, rate), rate)))
-    medians = [1e3 * float(np.median(np.abs(np.concatenate(each)))) for each in (motion, raw)]
+    kinds = ([each.offset for each in compared], raw, [each.chance_offset for each in compared])
+    motion, recorded, chance = (1e3 * float(np.median(np.abs(np.concatenate(each)))) for each in kinds)
+    music, usual = (
+        float(np.mean([each.alignment[name] or 0.0 for each in compared])) for name in ("music", "music_chance")
+    )
     return [
         Row(names[0], float(np.median(found)), "ms", 5.0, peers={"beats": float(len(found))}),
         Row(names[1], float(np.percentile(found, 95)), "ms", 15.0),
-        Row(f"{name}: kinematic beat offset, median", medians[0], "ms", peers={"raw": medians[1]}),
-        Row(f"{name}: beat alignment of the music's beats", float(np.mean(music)), ""),
+        Row(f"{name}: kinematic beat offset, median", motion, "ms", peers={"raw": recorded, "chance": chance}),
+        Row(f"{name}: beat alignment of the music's beats", music, "", peers={"chance": usual}),
     ]
 
 

@@ -15,10 +15,9 @@ from live.graph.select.candidates import wrap_angle
 from live.motion import quaternion
 from live.motion.clip import read_clip
 from live.motion.forward_kinematics import forward_kinematics
+from live.motion.quality.beat_chance import compare_with_chance
 from live.motion.quality.body_contact import self_contacts
 from live.motion.quality.metrics import (
-    beat_alignment,
-    beat_offsets,
     contact_slide_speeds,
     half_width,
     largest_around,
@@ -136,7 +135,7 @@ class DanceMetrics:
         slide, skating = self.slide, skating_frames(self.position, rate)
         change, acceleration = self.joins
         raw_change, raw_acceleration = self.raw.p99(self.half) if len(change) else (0.0, 0.0)
-        kinematic = motion_beats(mean_speed(self.position, rate), rate)
+        beats = compare_with_chance(dance.beat_time, [motion_beats(mean_speed(self.position, rate), rate)])
         path, heading = self._errors()
         return {
             "foot_slide_mean": float(slide.mean()) if len(slide) else None,
@@ -146,12 +145,10 @@ class DanceMetrics:
             "join_acceleration_ratio": ratio(acceleration, raw_acceleration),
             "beat_offset_ms": {
                 "annotated": median_and_p95(self.annotated_offsets.reshape(-1)),
-                "kinematic": median_and_p95(beat_offsets(dance.beat_time, kinematic)),
+                "kinematic": median_and_p95(beats.offset),
+                "kinematic_chance": median_and_p95(beats.chance_offset),
             },
-            "beat_alignment": {
-                "music": beat_alignment(dance.beat_time, kinematic),
-                "kinematic": beat_alignment(kinematic, dance.beat_time),
-            },
+            "beat_alignment": beats.alignment,
             "path_error_m": list_and_p95(path),
             "heading_error_deg": list_and_p95(heading),
             "overlaps": 0,

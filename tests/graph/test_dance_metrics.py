@@ -12,7 +12,7 @@ from live.graph.render_dance import render_dance
 from live.graph.search.path_following import Targets
 from live.graph.step_library import build_library
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.quality.metrics import largest_at_samples
+from live.motion.quality.metrics import beat_alignment, largest_at_samples, mean_speed, motion_beats
 from tests.fixtures.made_steps import made_clip
 from tests.fixtures.steps_of_the_project import project_steps
 
@@ -47,6 +47,19 @@ def test_result_has_all_keys_and_is_json(graph, dance):
     assert len(values["path_error_m"]["list"]) == 8
     assert values["heading_error_deg"]["p95"] == pytest.approx(0.0, abs=1e-6)
     assert DanceMetrics(graph, dance).result()["path_error_m"] == {"list": [], "p95": None}
+
+
+def test_kinematic_beats_are_told_beside_chance(graph, dance):
+    figures = DanceMetrics(graph, dance)
+    values, own = figures.result(), motion_beats(mean_speed(figures.position, 60.0), 60.0)
+    told = values["beat_alignment"]
+    assert told["music"] == beat_alignment(dance.beat_time, own)
+    assert told["kinematic"] == beat_alignment(own, dance.beat_time)
+    beat = 60.0 / 117.0
+    assert told["kinematic_chance"] == pytest.approx(np.sqrt(2.0 * np.pi) * 0.05 / beat, rel=1e-3)
+    for name in ("music", "kinematic"):
+        assert told[f"{name}_ratio"] == told[name] / told[f"{name}_chance"]
+    assert 0.0 < values["beat_offset_ms"]["kinematic_chance"]["median"] < 1e3 * beat
 
 
 def test_only_jumps_at_joins_are_measured(graph, dance):

@@ -1,12 +1,24 @@
 """Command `live steps cut`: finds the steps of whole recordings, shows them, and adds those that are accepted."""
 
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import Annotated, Any, Final
 
 import typer
 
-PANEL_FILE: Final = "Reading the files"
-PANEL_MUSIC: Final = "Music"
+from live.cli.steps.recording_options import (
+    Anchor,
+    BeatsPerMeasure,
+    Bpm,
+    Click,
+    Count,
+    DropFrames,
+    FrameRate,
+    Repair,
+    Song,
+    Unit,
+    UpAxis,
+)
+
 PANEL_STEPS: Final = "What is a step"
 
 
@@ -44,36 +56,17 @@ def cut(
     ] = False,
     author: Annotated[str | None, typer.Option(help="Name of the dancer.", rich_help_panel=PANEL_STEPS)] = None,
     style: Annotated[str | None, typer.Option(help="Dance style.", rich_help_panel=PANEL_STEPS)] = None,
-    bpm: Annotated[float | None, typer.Option(help="Tempo of the recorded dance.", rich_help_panel=PANEL_MUSIC)] = None,
-    anchor: Annotated[
-        float | None,
-        typer.Option(help="Start of measure 1. Default: detected.", metavar="SECONDS", rich_help_panel=PANEL_MUSIC),
-    ] = None,
-    click: Annotated[
-        float | None, typer.Option(help="Tempo of the click that the claps follow.", rich_help_panel=PANEL_MUSIC)
-    ] = None,
-    count: Annotated[
-        int | None, typer.Option(help="Number of clapped beats of the click.", rich_help_panel=PANEL_MUSIC)
-    ] = None,
-    song: Annotated[
-        Path | None, typer.Option(help="Audio file that the claps follow.", rich_help_panel=PANEL_MUSIC)
-    ] = None,
-    beats_per_measure: Annotated[int | None, typer.Option(help="Default: 4.", rich_help_panel=PANEL_MUSIC)] = None,
-    fps: Annotated[
-        float | None, typer.Option(help="True frame rate, if the header is wrong.", rich_help_panel=PANEL_FILE)
-    ] = None,
-    unit: Annotated[
-        float | None, typer.Option(help="Metres per unit, to check the size.", rich_help_panel=PANEL_FILE)
-    ] = None,
-    up: Annotated[
-        Literal["Y", "Z"] | None, typer.Option(help="The axis that points up.", rich_help_panel=PANEL_FILE)
-    ] = None,
-    drop_frames: Annotated[
-        int | None, typer.Option(help="Leading frames to leave out.", rich_help_panel=PANEL_FILE)
-    ] = None,
-    repair: Annotated[
-        bool, typer.Option("--repair", help="Repair tracking errors where that is safe.", rich_help_panel=PANEL_FILE)
-    ] = False,
+    bpm: Bpm = None,
+    anchor: Anchor = None,
+    click: Click = None,
+    count: Count = None,
+    song: Song = None,
+    beats_per_measure: BeatsPerMeasure = None,
+    fps: FrameRate = None,
+    unit: Unit = None,
+    up: UpAxis = None,
+    drop_frames: DropFrames = None,
+    repair: Repair = False,
     json_out: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Cut whole recordings into steps by themselves.

@@ -6,6 +6,21 @@ from typing import Annotated, Literal
 import typer
 
 from live.cli.steps.cut import cut
+from live.cli.steps.recording_options import (
+    PANEL_FILE,
+    PANEL_MUSIC,
+    Anchor,
+    BeatsPerMeasure,
+    Bpm,
+    Click,
+    Count,
+    DropFrames,
+    FrameRate,
+    Repair,
+    Song,
+    Unit,
+    UpAxis,
+)
 
 app = typer.Typer(
     help="The step library: recordings and sketches, with their annotations and previews.",
@@ -14,8 +29,6 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-PANEL_FILE = "Reading the file"
-PANEL_MUSIC = "Music"
 PANEL_STEP = "Annotations of the step"
 
 Library = Annotated[
@@ -31,21 +44,12 @@ JsonOut = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 def add(
     file: Annotated[Path, typer.Argument(help="A recording: a motion file of any format (docs/steps.md).")],
     name: Annotated[str, typer.Option(help="The step's name; steps with the same name are variations.")],
-    bpm: Annotated[float | None, typer.Option(help="Tempo of the recorded dance.", rich_help_panel=PANEL_MUSIC)] = None,
-    anchor: Annotated[
-        float | None,
-        typer.Option(help="Start of measure 1. Default: detected.", metavar="SECONDS", rich_help_panel=PANEL_MUSIC),
-    ] = None,
-    click: Annotated[
-        float | None, typer.Option(help="Tempo of the click that the claps follow.", rich_help_panel=PANEL_MUSIC)
-    ] = None,
-    count: Annotated[
-        int | None, typer.Option(help="Number of clapped beats of the click.", rich_help_panel=PANEL_MUSIC)
-    ] = None,
-    song: Annotated[
-        Path | None, typer.Option(help="Audio file that the claps follow.", rich_help_panel=PANEL_MUSIC)
-    ] = None,
-    beats_per_measure: Annotated[int | None, typer.Option(help="Default: 4.", rich_help_panel=PANEL_MUSIC)] = None,
+    bpm: Bpm = None,
+    anchor: Anchor = None,
+    click: Click = None,
+    count: Count = None,
+    song: Song = None,
+    beats_per_measure: BeatsPerMeasure = None,
     start: Annotated[
         int | None,
         typer.Option(help="Measure in which the step begins. Default: 1.", rich_help_panel=PANEL_MUSIC),
@@ -53,27 +57,17 @@ def add(
     measures: Annotated[
         int | None, typer.Option(help="Length in measures. Default: 1.", rich_help_panel=PANEL_MUSIC)
     ] = None,
-    fps: Annotated[
-        float | None, typer.Option(help="True frame rate, if the header is wrong.", rich_help_panel=PANEL_FILE)
-    ] = None,
-    unit: Annotated[
-        float | None, typer.Option(help="Metres per unit, to check the size.", rich_help_panel=PANEL_FILE)
-    ] = None,
-    up: Annotated[
-        Literal["Y", "Z"] | None, typer.Option(help="The axis that points up.", rich_help_panel=PANEL_FILE)
-    ] = None,
+    fps: FrameRate = None,
+    unit: Unit = None,
+    up: UpAxis = None,
     skeleton: Annotated[
         Path | None,
         typer.Option(
             help="The file with its skeleton, as for .amc. Default: the one next to it.", rich_help_panel=PANEL_FILE
         ),
     ] = None,
-    drop_frames: Annotated[
-        int | None, typer.Option(help="Leading frames to leave out.", rich_help_panel=PANEL_FILE)
-    ] = None,
-    repair: Annotated[
-        bool, typer.Option("--repair", help="Repair tracking errors where that is safe.", rich_help_panel=PANEL_FILE)
-    ] = False,
+    drop_frames: DropFrames = None,
+    repair: Repair = False,
     leading_foot: Annotated[
         Literal["left", "right"] | None,
         typer.Option(help="The foot that begins.", rich_help_panel=PANEL_STEP),

@@ -350,3 +350,13 @@ def pop_slide(lock: Float32, slid: Float64, stood: Float64) -> None:
         stood[n] = float(lock[n, 0, STAND_TIME]) + float(lock[n, 1, STAND_TIME])
         for side in range(2):
             lock[n, side, SLIDE] = lock[n, side, STAND_TIME] = np.float32(0.0)
+
+
+@kernel("void(f4[:,:,::1], f8[:,:,::1])")
+def held_foot_shifts(lock: Float32, held: Float64) -> None:
+    """Compute the shift of each held foot of the lock (A, 2, 16) from its clip, `held` (A, 2, 2) [m]; 0 for free
+    feet."""
+    for n in range(lock.shape[0]):
+        for foot in range(2):
+            held[n, foot, 0] = float(lock[n, foot, SHIFT_X]) * lock[n, foot, HELD]
+            held[n, foot, 1] = float(lock[n, foot, SHIFT_Z]) * lock[n, foot, HELD]

@@ -1,4 +1,5 @@
-"""Kernels of footstep plans: how far a measure may be corrected in each direction, and what feet are held against."""
+"""Kernels of footstep plans: how far a plan has moved a foot, how far a measure may be corrected in each direction, and
+what feet are held against."""
 
 import math
 
@@ -6,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import kernel
-from live.motion.pose.root_warp_kernels import WARP_RATE, WARP_SHARE
+from live.motion.pose.warp_curve_kernels import SWING_BEGIN, SWING_END, SWING_PART, WARP_RATE, WARP_SHARE, warp_share
 
 Bool = npt.NDArray[np.bool_]
 Float32 = npt.NDArray[np.float32]
@@ -16,6 +17,37 @@ SLIDE_DISTANCE = 0.2
 """A foot that moves this far [m] during annotated contact is not planted in the clip itself."""
 MIN_AHEAD = 1e-3
 """A foot that is ahead of the hips by a smaller share of the correction does not limit it."""
+STEP_HEIGHT = 0.09
+"""Height of a step of a footstep plan [m] ..."""
+STEP_LENGTH = 0.08
+"""... which has half of it if it moves the foot so far [m] ..."""
+STEP_TIME = 0.2
+"""... and less if it is shorter than this share of the measure."""
+AIM_X, AIM_Z, AIM_SHARE, SETTLED, SETTLED_X, SETTLED_Z = range(6)
+"""Columns of the aim of a foot: its shift [m] and share when the measure's correction last changed; 1 if that came too
+late for the foot, which then keeps its goal [m]."""
+
+
+@kernel("UniTuple(f8,3)(f8[:,::1], f8, f8[::1], f8, f8)")
+def foot_shift(
+    curve: Float64, fraction: float, aim: Float64, goal_x: float, goal_z: float
+) -> tuple[float, float, float]:
+    """Return how far the footstep plan has moved a foot at `fraction` of the measure, x, z [m], and how high it lifts
+    the foot [m]. `curve` (KNOTS, 5) of the foot, `aim` (6,), `goal_x` and `goal_z`: the measure's correction."""
+    left = 1.0 - aim[AIM_SHARE]
+    if left < 1e-6:
+        return aim[AIM_X], aim[AIM_Z], 0.0
+    if aim[SETTLED] > 0.0:
+        goal_x, goal_z = aim[SETTLED_X], aim[SETTLED_Z]
+    way_x, way_z = (goal_x - aim[AIM_X]) / left, (goal_z - aim[AIM_Z]) / left
+    passed = max(warp_share(curve, fraction) - aim[AIM_SHARE], 0.0)
+    k = min(int(min(max(fraction, 0.0), 1.0) * (curve.shape[0] - 1)), curve.shape[0] - 2)
+    lift, begin, size = 0.0, curve[k, SWING_BEGIN], curve[k, SWING_END] - curve[k, SWING_BEGIN]
+    if size > 0.0:
+        u = min(max((fraction - begin) / size, 0.0), 1.0)
+        moved = math.sqrt(way_x * way_x + way_z * way_z) * curve[k, SWING_PART]
+        lift = STEP_HEIGHT * min(1.0, size / STEP_TIME) * moved / (moved + STEP_LENGTH) * 16.0 * (u * (1.0 - u)) ** 2
+    return aim[AIM_X] + passed * way_x, aim[AIM_Z] + passed * way_z, lift
 
 
 @kernel("f8(f8[:,::1], i8, i8)")

@@ -16,7 +16,8 @@ import numpy as np
 from live.base.arrays import Bool, Float32, Float64
 from live.motion.editing.foot_correction import LEG_LENGTH
 from live.motion.pose.footstep_kernels import initial_holds, limit_by_legs, limit_by_speed
-from live.motion.pose.root_warp_kernels import DIRECTIONS, KNOTS, SWING_BEGIN, WARP_RATE
+from live.motion.pose.root_warp_kernels import DIRECTIONS
+from live.motion.pose.warp_curve_kernels import KNOTS, SWING_BEGIN, WARP_RATE
 
 SAMPLES_PER_KNOT: Final = 4
 SAMPLES: Final = SAMPLES_PER_KNOT * (KNOTS - 1) + 1

@@ -15,8 +15,9 @@ from live.motion.pose.foot_lock_kernels import (
     RAISE,
     RAISE_SPEED,
 )
-from live.motion.pose.root_warp_kernels import foot_shift, warp_share, warped_shift
+from live.motion.pose.footstep_kernels import foot_shift
 from live.motion.pose.turn_kernels import place_clip
+from live.motion.pose.warp_curve_kernels import warp_share, warped_shift
 from live.motion.yaw_kernels import yaw_rotate
 
 Float32 = npt.NDArray[np.float32]

@@ -1,4 +1,4 @@
-"""Root warp kernels: the share of a measure's root correction applied so far, and its retargeting within the measure.
+"""Root warp kernels: what a measure's root correction shall be, its limits, and its retargeting within the measure.
 
 `rows` (ROWS, A, 2) [m] holds the per-dancer correction state, see `live.show.dancers.root_correction`.
 """
@@ -9,76 +9,17 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import kernel
-from live.motion.pose.foot_lock_kernels import HELD, SHIFT_X, SHIFT_Z
+from live.motion.pose.foot_lock_kernels import held_foot_shifts
+from live.motion.pose.footstep_kernels import AIM_SHARE, AIM_X, AIM_Z, SETTLED, SETTLED_X, SETTLED_Z, foot_shift
+from live.motion.pose.warp_curve_kernels import warp_share, warped_shift
 from live.motion.yaw_kernels import yaw_rotate
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
-KNOTS = 65
-"""Knots of a warp curve over a measure, including both ends."""
-WARP_SHARE, WARP_RATE, SWING_BEGIN, SWING_END, SWING_PART = range(5)
-"""Columns of a warp curve: the share applied at a knot, and its slope there [1 per measure]. Those of a foot have three
-more for the swing that begins at a knot or is going on there: where it begins and ends [share of the measure], and its
-part of the correction."""
 DIRECTIONS = 16
 """Directions about a clip's heading for which the reach margin is stored."""
-
-
-@kernel("f8(f8[:,::1], f8)")
-def warp_share(warp_curve: Float64, fraction: float) -> float:
-    """Return the share of the correction applied at `fraction` of the measure, 0 to 1, C1; `warp_curve` (KNOTS, 2).
-
-    The rate is linear between knots, so the share is a parabola.
-    """
-    place = min(max(fraction, 0.0), 1.0) * (warp_curve.shape[0] - 1)
-    k = min(math.floor(place), warp_curve.shape[0] - 2)
-    u = place - k
-    slope = warp_curve[k, WARP_RATE] + 0.5 * u * (warp_curve[k + 1, WARP_RATE] - warp_curve[k, WARP_RATE])
-    share: float = warp_curve[k, WARP_SHARE] + u * slope / (warp_curve.shape[0] - 1)
-    return share
-
-
-STEP_HEIGHT = 0.09
-"""Height of a step of a footstep plan [m] ..."""
-STEP_LENGTH = 0.08
-"""... which has half of it if it moves the foot so far [m] ..."""
-STEP_TIME = 0.2
-"""... and less if it is shorter than this share of the measure."""
-AIM_X, AIM_Z, AIM_SHARE, SETTLED, SETTLED_X, SETTLED_Z = range(6)
-"""Columns of the aim of a foot: its shift [m] and share when the measure's correction last changed; 1 if that came too
-late for the foot, which then keeps its goal [m]."""
-
-
-@kernel("UniTuple(f8,3)(f8[:,::1], f8, f8[::1], f8, f8)")
-def foot_shift(
-    curve: Float64, fraction: float, aim: Float64, goal_x: float, goal_z: float
-) -> tuple[float, float, float]:
-    """Return how far the footstep plan has moved a foot at `fraction` of the measure, x, z [m], and how high it lifts
-    the foot [m]. `curve` (KNOTS, 5) of the foot, `aim` (6,), `goal_x` and `goal_z`: the measure's correction."""
-    left = 1.0 - aim[AIM_SHARE]
-    if left < 1e-6:
-        return aim[AIM_X], aim[AIM_Z], 0.0
-    if aim[SETTLED] > 0.0:
-        goal_x, goal_z = aim[SETTLED_X], aim[SETTLED_Z]
-    way_x, way_z = (goal_x - aim[AIM_X]) / left, (goal_z - aim[AIM_Z]) / left
-    passed = max(warp_share(curve, fraction) - aim[AIM_SHARE], 0.0)
-    k = min(int(min(max(fraction, 0.0), 1.0) * (curve.shape[0] - 1)), curve.shape[0] - 2)
-    lift, begin, size = 0.0, curve[k, SWING_BEGIN], curve[k, SWING_END] - curve[k, SWING_BEGIN]
-    if size > 0.0:
-        u = min(max((fraction - begin) / size, 0.0), 1.0)
-        moved = math.sqrt(way_x * way_x + way_z * way_z) * curve[k, SWING_PART]
-        lift = STEP_HEIGHT * min(1.0, size / STEP_TIME) * moved / (moved + STEP_LENGTH) * 16.0 * (u * (1.0 - u)) ** 2
-    return aim[AIM_X] + passed * way_x, aim[AIM_Z] + passed * way_z, lift
-
-
-@kernel("f8(f8, f8, f8, f8)")
-def warped_shift(share_now: float, share_then: float, shift: float, goal: float) -> float:
-    """Return a dancer's shift [m] on the way from `shift` at `share_then` to `goal` at the end of the measure."""
-    if share_then >= 1.0:
-        return goal
-    return shift + (share_now - share_then) / (1.0 - share_then) * (goal - shift)
 
 
 @kernel("void(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[::1], f8)")
@@ -273,16 +214,6 @@ def desire_corrections(
         heard = obedience[n] * max(size - dead_zone, 0.0) / max(size, 1e-9)
         rows[DESIRED, n, 0] += x * heard
         rows[DESIRED, n, 1] += z * heard
-
-
-@kernel("void(f4[:,:,::1], f8[:,:,::1])")
-def held_foot_shifts(lock: Float32, held: Float64) -> None:
-    """Compute the shift of each held foot of the lock (A, 2, 16) from its clip, `held` (A, 2, 2) [m]; 0 for free
-    feet."""
-    for n in range(lock.shape[0]):
-        for foot in range(2):
-            held[n, foot, 0] = float(lock[n, foot, SHIFT_X]) * lock[n, foot, HELD]
-            held[n, foot, 1] = float(lock[n, foot, SHIFT_Z]) * lock[n, foot, HELD]
 
 
 @kernel(

@@ -62,7 +62,7 @@ class MeasureState:
         self.aim_origin: Float64 = np.zeros((count, 3))
         """The part x, z [m] of it already applied at the last re-aim, and the warp curve's value then, (A, 3)."""
         self.foot_aim: Float64 = np.zeros((count, 2, 6))
-        """The same of both feet, columns as in `root_warp_kernels`, (A, 2, 6)."""
+        """The same of both feet, columns as in `footstep_kernels`, (A, 2, 6)."""
         self.on_support: Float64 = np.zeros(count)
         """1 where the turn happens on the support foot (T048-T050), 0 where it is spread over the measure, (A,)."""
         self.take: Int32 = np.full(count, NO_TAKE, np.int32)

@@ -8,10 +8,9 @@ from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.stage_snapshot import StageView
 from live.graph.dance_metrics import RawClips, list_and_p95, median_and_p95, ratio
 from live.motion.editing.path_bend import source_name
+from live.motion.quality.beat_chance import compare_with_chance
 from live.motion.quality.body_contact import ContactRecorder
 from live.motion.quality.metrics import (
-    beat_alignment,
-    beat_offsets,
     contact_slide_speeds,
     half_width,
     largest_around,
@@ -249,26 +248,19 @@ class MotionReport:
         return {"mean": float(found.mean()), "p95": float(np.percentile(found, 95))} if len(found) else None
 
     def _beat_figures(self) -> dict[str, Any]:
-        """Return offsets and alignment of the clips' annotated beats and of kinematic beats."""
-        near: list[Float64] = []
-        music: list[float] = []
-        kinematic: list[float] = []
+        """Return offsets and alignment of the clips' annotated beats and of kinematic beats, those also by chance."""
+        motion: list[Float64] = []
         if self._trace is not None:
-            times = np.array(self._music)
-            for speed in self._trace.speeds().T[self._always_visible]:
-                own = motion_beats(speed, self._rate, self._times[0])
-                near.append(beat_offsets(times, own))
-                music += [value] if (value := beat_alignment(times, own)) is not None else []
-                kinematic += [value] if (value := beat_alignment(own, times)) is not None else []
+            speeds = self._trace.speeds().T[self._always_visible]
+            motion = [motion_beats(speed, self._rate, self._times[0]) for speed in speeds]
+        found = compare_with_chance(np.array(self._music), motion)
         return {
             "beat_offset_ms": {
                 "annotated": median_and_p95(np.array(self._beats)),
-                "kinematic": median_and_p95(np.concatenate(near) if near else np.zeros(0)),
+                "kinematic": median_and_p95(found.offset),
+                "kinematic_chance": median_and_p95(found.chance_offset),
             },
-            "beat_alignment": {
-                "music": float(np.mean(music)) if music else None,
-                "kinematic": float(np.mean(kinematic)) if kinematic else None,
-            },
+            "beat_alignment": found.alignment,
         }
 
     @property

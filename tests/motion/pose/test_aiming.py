@@ -5,16 +5,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from live.motion.pose.footstep_kernels import foot_shift
 from live.motion.pose.footstep_plan import plan_footsteps
-from live.motion.pose.root_warp_kernels import (
-    DIRECTIONS,
-    foot_shift,
-    limit_corrections,
-    limit_goals,
-    redirect_dancers,
-    warp_share,
-    warped_shift,
-)
+from live.motion.pose.root_warp_kernels import DIRECTIONS, limit_corrections, limit_goals, redirect_dancers
+from live.motion.pose.warp_curve_kernels import warp_share, warped_shift
 
 CONTACT = np.ones((257, 2), np.bool_)
 CONTACT[20:80, 0] = CONTACT[100:190, 1] = False

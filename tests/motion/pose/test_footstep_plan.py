@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from live.motion.editing.foot_correction import LEG_LENGTH
+from live.motion.pose.footstep_kernels import foot_shift
 from live.motion.pose.footstep_plan import (
     LENGTH_BUFFER,
     MAX_FOOT_SPEED,
@@ -17,15 +18,8 @@ from live.motion.pose.footstep_plan import (
     initial_hold_shares,
     plan_footsteps,
 )
-from live.motion.pose.root_warp_kernels import (
-    DIRECTIONS,
-    KNOTS,
-    SWING_END,
-    WARP_RATE,
-    foot_shift,
-    margin_towards,
-    warp_share,
-)
+from live.motion.pose.root_warp_kernels import DIRECTIONS, margin_towards
+from live.motion.pose.warp_curve_kernels import KNOTS, SWING_END, WARP_RATE, warp_share
 
 LAST = 0.8125
 BEATS = 4

@@ -11,7 +11,6 @@ from live.motion.pose.root_warp_kernels import (
     DESIRED,
     END,
     GOAL,
-    KNOTS,
     PLAN,
     ROWS,
     clamp_ends,
@@ -19,6 +18,7 @@ from live.motion.pose.root_warp_kernels import (
     desire_corrections,
     follow_goals,
 )
+from live.motion.pose.warp_curve_kernels import KNOTS
 
 COUNT = 50
 

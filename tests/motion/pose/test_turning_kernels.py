@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from live.motion.editing.turn_insertion import SupportTurns, ease_progress
-from live.motion.pose.root_warp_kernels import KNOTS
 from live.motion.pose.turn_kernels import eased_share, place_dancers
+from live.motion.pose.warp_curve_kernels import KNOTS
 
 NODES, DANCERS = 12, 40
 CHANCE = np.random.default_rng(9)

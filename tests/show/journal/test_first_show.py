@@ -84,6 +84,10 @@ def test_joins_are_smooth_and_beat_metrics_are_in_range(first_show_run):
     assert 0.0 < figures["beat_offset_ms"]["kinematic"]["median"] < 300.0
     assert 0.2 < figures["beat_alignment"]["music"] < 1.0
     assert 0.2 < figures["beat_alignment"]["kinematic"] < 1.0
+    by_chance = np.sqrt(2.0 * np.pi) * 0.05 * 112 / 60
+    assert figures["beat_alignment"]["kinematic_chance"] == pytest.approx(by_chance, rel=0.02)
+    assert figures["beat_alignment"]["kinematic_ratio"] > 1.1
+    assert figures["beat_offset_ms"]["kinematic_chance"]["median"] > figures["beat_offset_ms"]["kinematic"]["median"]
     rows = [row for row in figures["steps"] if row["measure"] > 2]
     assert all(row["weight"] <= 1.0 for row in rows)
     assert max(row["cost"] for row in rows if row["cost"] is not None) < 0.5
