@@ -16,7 +16,7 @@ from live.show.patch.patch_search_path import PatchError
 from tests.fixtures.made_steps import made_steps
 from tests.show.made_show import PATCH, made_show
 
-PLAIN = "[motion]\nwarp_beats = 0\namplitude = 0\nfoot_lock = false\n"
+PLAIN = "[motion]\nwarp_beats = 0\namplitude = 0\nfoot_lock = false\narm_clearance = 0\n"
 
 
 def follower_group(beats=0, *, mirrored=False):
@@ -55,7 +55,7 @@ def test_canon_repeats_each_pose_after_given_beats(beats):
     later = round(beats * 0.5 / TICK)  # at 120 bpm
     begin = 64 * 6
     lead, follow = rows[begin : len(rows) - later, 0], rows[begin + later :, 1]
-    assert np.abs(lead - follow).max() < 0.02
+    assert np.abs(lead - follow).max() < 0.005
     assert np.abs(rows[begin:, 0] - rows[begin:, 1]).max() > 0.03  # and not at once
 
 
