@@ -5,7 +5,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.motion.pose.body_capsules import ARM_CHAINS
 from live.show.journal.motion_report import MotionReport
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
@@ -31,16 +30,11 @@ def first_show_run():
 
 
 def test_joint_accelerations_have_no_pops(first_show_run):
-    """Jumps reach 112 m/s², and 190 when danced up to a third faster; a joint that pops shows thousands.
-
-    Arms are asked apart: once an elbow that gives way to a neighbour's has 374.
-    """
+    """Jumps reach 112 m/s², and 190 when danced up to a third faster; a joint that pops shows thousands."""
     _, frames, _ = first_show_run
     acceleration = np.linalg.norm(np.diff(frames, n=2, axis=0), axis=3) * FPS * FPS
-    body = np.delete(acceleration, ARM_CHAINS.ravel(), axis=2)
-    assert body.max() < 190.0
-    assert np.percentile(body.max(axis=(1, 2)), 50) < 30.0
-    assert acceleration.max() < 400.0
+    assert acceleration.max() < 190.0
+    assert np.percentile(acceleration.max(axis=(1, 2)), 50) < 30.0
 
 
 def test_dancers_stay_on_stage_and_above_floor(first_show_run):
