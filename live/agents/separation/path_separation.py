@@ -52,8 +52,9 @@ class PlaceSeparation:
 
 MOMENTS: Final = 17
 """Moments of a measure at which paths are sampled, the first at its beginning, the last at its end."""
-MARGIN: Final = 0.1
-"""Minimum gap between bodies on their paths [m]; covers frames between two moments and blends."""
+MARGIN: Final = 0.0
+"""Minimum gap between bodies on their paths [m]. Planned paths may touch: each further centimetre sends dancers of a
+dense group away from where they should be. Pushes (`ContactResolver`) keep the gap that moments and blends need."""
 
 
 class Paths:

@@ -130,9 +130,9 @@ def _size(drawn: Float32, m: int) -> Any:
 
 
 @inline_kernel
-def _ease(drawn: Float32, easing: Float32, kept: Any) -> None:
+def _ease(drawn: Float32, easing: Float32, kept: Any, held: Float32) -> None:
     """Let `drawn` (M, 2, 3) follow what it was through equal low-pass filters, `easing` (K, M, 2, 3), of which `kept`
-    stays."""
+    stays; arms in a hold follow their hands instead, by `held` (M / 2, 2)."""
     for m in range(len(drawn)):
         rest = _ZERO
         for part in range(2):
@@ -142,7 +142,7 @@ def _ease(drawn: Float32, easing: Float32, kept: Any) -> None:
                     value += kept * (easing[k, m, part, c] - value)
                     easing[k, m, part, c] = value
                     rest = max(rest, abs(value))
-                drawn[m, part, c] = value
+                drawn[m, part, c] = value * (_ONE - held[m // 2, m % 2]) if len(held) else value
         if rest < LEAST_DRAWN:
             drawn[m] = _ZERO
             easing[:, m] = _ZERO
@@ -177,7 +177,7 @@ def clear_arms(
     pairs = find_pairs(box, visible)
     draw_back_arms(ahead, rotation, drawn, pairs, amount, held, partner, together, trunk, arms)
     if len(easing):
-        _ease(drawn, easing, kept)
+        _ease(drawn, easing, kept, held)
     moving = 0
     for m in range(2 * count):
         if near[m] or _size(drawn, m) > _ZERO:

@@ -196,7 +196,7 @@ PUSH_MARGIN: Final = 0.1
 PUSH_STIFFNESS: Final = 36.0
 """Rate at which a push follows the missing gap, critically damped [1/s]. At 24, recorded dancers who were thrown
 together came within 0.495 m."""
-MAX_PUSH_ACCELERATION: Final = 30.0
+MAX_PUSH_ACCELERATION: Final = 15.0
 """Largest change of the speed of a push [m/s²]: more looks like a blow."""
 
 
@@ -231,6 +231,7 @@ class ContactResolver:
             dancers.drawn_hips, self._soon, margin=PUSH_MARGIN, stiffness=PUSH_STIFFNESS, dt=TICK
         )
         if moved is None and not self._speed.any():
+            dancers.push_velocity[:] = 0.0
             return
         change = (0.0 if moved is None else moved / TICK) - self._speed
         size = np.hypot(*change.T)[:, None]
@@ -246,6 +247,7 @@ class ContactResolver:
             displacement, dancers.drawn_hips.astype(np.float64), np.maximum(carried.room, np.abs(dancers.drawn_hips))
         )
         displacement[np.abs(displacement) < 1e-7] = 0.0
+        dancers.push_velocity[:] = displacement / TICK
         self.count += int(np.count_nonzero(displacement.any(axis=1)))
         for danced in dancers.measures():
             danced.placement[:, :2] += displacement

@@ -30,7 +30,7 @@ TRACE_TICKS: Final = 8
 EASE_SHARE: Final = 0.2
 """Share by which corrections return to the decided ones in the first round of separation, so that no dancer keeps a
 larger detour than necessary."""
-EASE_DECAY: Final = 0.9
+EASE_DECAY: Final = 0.97
 """Factor of that share from round to round: in the end separation prevails over the decision."""
 
 

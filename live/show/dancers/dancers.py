@@ -65,6 +65,8 @@ class Dancers(CurrentMeasures):
         """Live partner response, None if the patch has none (H024)."""
         self._settled = np.full(dancer_count, MAX_FADE_TIME, np.float32)
         self._bare_legs = np.zeros_like(self._legs.position), np.zeros_like(self._legs.rotation)
+        self.push_velocity: Float64 = np.zeros((dancer_count, 2))
+        """Velocity at which each dancer was pushed in the last tick [m/s], (A, 2). Frames go on with it."""
         self.drawn_hips: Float32 = np.zeros((dancer_count, 2), np.float32)
         """Hips of each dancer at the last tick, as drawn [m], shape (A, 2)."""
 
@@ -142,6 +144,8 @@ class Dancers(CurrentMeasures):
         self._request_samples(fraction)
         self.inertia.update_age(time)
         pipeline, variation = self._pipeline, self.variation
+        if self.push_velocity.any():
+            pipeline.placement[:, :, :2] += self.push_velocity * max(time - self._locked_at, 0.0)
         pipeline.head[:] = variation[HEAD]
         pipeline.lock = variation.any(FOOT_LOCK) or self.lock.max_shift > 1e-3  # released feet still have to swing back
         if pipeline.lock:

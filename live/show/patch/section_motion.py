@@ -200,7 +200,8 @@ class GroupSection(Section):
     """The step danced instead when the target is farther away than the next step can travel."""
     facing: Annotated[str, Field(min_length=1, max_length=64)] = "public"
     """Where dancers face when a measure ends: `public`, `path` (along their way), `centre` (of the group), `attractor`
-    (the newest for them), degrees (`"30"`: towards +x), `dancer 3`, or a group by name. Turns take three measures."""
+    (the newest for them), degrees (`"30"`: towards +x), `dancer 3`, or a group by name. Turns take three measures.
+    Whoever could not get where they should turns otherwise."""
     obedience: Share | None = None
     """Strength of position corrections for its dancers, 0 to 1; left out: as in `[locomotion]`."""
     ripple_beats: Annotated[float, Field(ge=0, le=16)] = 0.0

@@ -4,11 +4,13 @@ import math
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
+import numpy.typing as npt
 
 from live.base.arrays import Float64, Int32
 from live.base.motion_parameters import FACE_AVERAGE, OBEDIENCE, TURN_ON_SUPPORT
 from live.graph.motion_graph import MotionGraph
-from live.graph.select.selector import StepSelector, with_direction
+from live.graph.select.candidates import wrap_angle
+from live.graph.select.selector import CORRECTION_COST, PLACE_COST, StepSelector, with_direction
 from live.show.dancers.partners import Partners
 from live.show.dancers.root_correction import MIN_CORRECTION_SHARE
 from live.show.patch.patch import Patch
@@ -20,6 +22,16 @@ if TYPE_CHECKING:
     from live.show.selection.step_targets import StepTargets
 
 
+BEHIND: Final = 0.2
+"""Dancers who would end farther than this [m] from their wishes, though corrected, may turn any way, ..."""
+TURNS: Final = (0.0, math.pi / 2.0, math.pi, -math.pi / 2.0)
+"""... by these angles from their way [rad], ..."""
+SHORTFALL_COST: Final = 4.0
+"""... at this cost of each metre that they still lack ..."""
+TURNED_COST: Final = 0.05
+"""... and of a squared radian from the wanted heading, ..."""
+TURNED_GAIN: Final = 0.8
+"""... if it all costs less by this: 0.2 m."""
 BATCH_SIZE: Final = 48
 """Most dancers whose measures are chosen in one piece."""
 
@@ -95,8 +107,53 @@ class StepSearch:
         )
 
     def choose(self, rows: slice) -> None:
-        """Choose the next measures of these dancers."""
+        """Choose the next measures of these dancers; those who would not get where they should may turn any way."""
         self._choosing.choose(rows, *self._arguments)
+        behind = rows.start + np.flatnonzero(self._targets.free_heading[rows] & (self._choices.edge[rows, 0] >= 0))
+        within = self._corrected(self._choices.target[behind], self._choices.outputs, behind)
+        behind = behind[self._shortfalls(behind, within, self._choices.end[behind]) > BEHIND]
+        if len(behind):
+            self._choose_turned(behind)
+
+    def _corrected(self, target: Float64, out: tuple[Any, ...], at: npt.NDArray[np.intp]) -> Float64:
+        """Return how far measures in the rows `at` (n,) of `out`, chosen for `target` (n, 2) [m], are corrected [m]."""
+        square = ((target - out[3][at, :2]) ** 2).sum(axis=1)
+        return np.asarray(
+            np.sqrt(np.maximum(PLACE_COST * square - out[2][at, 0, 0], 0.0) / (PLACE_COST - CORRECTION_COST))
+        )
+
+    def _shortfalls(self, rows: npt.NDArray[np.intp], corrected: Float64, end: Float64) -> Float64:
+        """Return how far from their wishes dancers `rows` (n,) get who are `corrected` (n,) [m] from `end` (n, 4)."""
+        return np.asarray(np.maximum(np.hypot(*(self._choices.wish[rows] - end[:, :2]).T) - corrected, 0.0))
+
+    def _choose_turned(self, rows: npt.NDArray[np.intp]) -> None:
+        """Choose again for the dancers `rows` (n,), who may turn along their ways, against them or across."""
+        node, placement, wish, row, ahead, side, manner, out = self._arguments
+        choices, targets, place = self._choices, self._targets, np.arange(len(rows))
+        goal = choices.wish[rows]
+        way = goal - choices.start_position[rows]
+        path, wanted = np.arctan2(way[:, 0], way[:, 1]), targets.heading[rows].copy()
+        short = self._shortfalls(rows, self._corrected(choices.target[rows], out, rows), choices.end[rows])
+        cost = _cost(short, choices.terms[rows, 0]) - TURNED_GAIN
+        for turn in TURNS:
+            heading = path + turn
+            fresh = with_direction(np.column_stack([goal, heading]))
+            results: Any = tuple(np.ascontiguousarray(array[rows]) for array in out)
+            self._choosing.choose(
+                slice(0, len(rows)), node[rows], placement[rows], fresh, row[rows], ahead, side[rows], manner[rows],
+                results,
+            )  # fmt: skip
+            within, end = self._corrected(goal, results, place), results[3]
+            short = self._shortfalls(rows, within, end)
+            found = _cost(short, results[2][:, 0]) + TURNED_COST * wrap_angle(heading - wanted) ** 2
+            better = found < cost
+            cost[better], who = found[better], rows[better]
+            targets.heading[who] = heading[better]
+            reached = (within / np.maximum(within + short, 1e-9))[:, None]
+            choices.target[who] = (end[:, :2] + reached * (goal - end[:, :2]))[better]
+            for array, result in zip(out, results, strict=True):
+                array[who] = result[better]
+        wish[rows] = with_direction(np.column_stack([choices.target[rows], targets.heading[rows]]))
 
     def set_follower_targets(self) -> None:
         """Set the followers' targets from the ends of their leaders' measures, which are chosen already."""
@@ -125,6 +182,11 @@ class StepSearch:
         for row in changed.tolist():
             self.choose(slice(row, row + 1))
         return True
+
+
+def _cost(shortfall: Float64, terms: Float64) -> Float64:
+    """Return the cost of measures (n,) that end `shortfall` (n,) [m] from the wish, with `terms` (n, 5) of theirs."""
+    return np.asarray(SHORTFALL_COST * shortfall + terms[:, 1:].sum(axis=1))
 
 
 TOO_FAR: Final = 0.4

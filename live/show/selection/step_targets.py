@@ -187,8 +187,9 @@ class StepTargets:
         """Row of `ahead` that applies to each dancer, shape (A,)."""
         self.heading = np.zeros(count)
         """Target heading of each dancer at the end [rad], shape (A,)."""
-        self._free_heading = np.zeros(count, np.bool_)
-        """Dancers who may turn where they go, shape (A,)."""
+        self.free_heading = np.zeros(count, np.bool_)
+        """Dancers who may turn where they go, (A,): all but partners and captured ones. To arrive counts more than
+        where they face."""
 
     def reorder(self) -> None:
         """Update the order after a change of the groups that echo others."""
@@ -258,8 +259,12 @@ class StepTargets:
         choices.begin(*present.ends(), self._motion.present)
         choices.wish[:] = wish
         self.heading[:] = self.headings.advance(choices.start_position, wish, planned, known)
-        self._free_heading[:] = ~known
-        self._free_heading[self._motion.partners.leader] = self._free_heading[self._motion.partners.follower] = False
+        self.free_heading[:] = True
+        self.free_heading[self._motion.partners.leader] = self.free_heading[self._motion.partners.follower] = False
+        if (answers := self._dancers.partner_response) is not None:
+            for pair in answers.pairs:
+                self.free_heading[[pair.leader, pair.follower]] = False
+        self.free_heading[self._dancers.captured_dancers()] = False
         if len(self._motion.partners.leader):
             self._motion.partners.adjust_targets(
                 choices.wish, self.heading, choices.start_position, choices.heading, known
@@ -300,7 +305,7 @@ class StepTargets:
         reached = self._reached(choices, way, self.heading, bound)
         path = np.arctan2(way[:, 0], way[:, 1])
         turned = self._reached(choices, way, path, bound)
-        turns = self._free_heading & (np.hypot(*turned.T) > np.hypot(*reached.T) + MIN_TURN_GAIN)
+        turns = self.free_heading & (np.hypot(*turned.T) > np.hypot(*reached.T) + MIN_TURN_GAIN)
         self.heading[turns] = path[turns]
         choices.target[:] = choices.start_position + np.where(turns[:, None], turned, reached)
         if len(self._motion.partners.leader):

@@ -52,7 +52,7 @@ KINDS: Final = [
         _subgroups:subgroups _group:i4(group) order:list[int] headings:headings speed:f4 _row_count:int
         _wanted_steps:list[tuple[int|none,int]]
         step:i4(step) row:i4(aim) heading:f8 _choosing:constant-choosing step_costs:constant-foresight ahead:f8
-        _reach:f8 _pace:f8 _free_heading:b1
+        _reach:f8 _pace:f8 free_heading:b1
     """),
     Kind("anchor", DriftCorrection, "offset:tuple[float,float] difference:tuple[float,float] _mean:tuple[float,float]"),
     Kind("answer-leaders", LeaderReaders, """
@@ -118,7 +118,7 @@ KINDS: Final = [
         _pipeline:pose-pipeline _everybody:i8(dancer) _phase:f8 _foot_offset:f4 lock:foot-lock hands:hands
         _locked_at:float _aside:pose-pipeline _legs:pose-pipeline inertia:inertia landing:landing texture:texturing
         captured:dict[str,captured] beats:int partner_response:answering|none _settled:f4 _bare_legs:tuple[f4,f4]
-        drawn_hips:f4
+        drawn_hips:f4 push_velocity:f8
     """),
     Kind("division", Division, """
         _group:i4(group) group_count:int part:i4(part) group_of:i4(group)

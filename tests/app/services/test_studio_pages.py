@@ -335,8 +335,8 @@ def test_hostile_pages_are_refused_and_the_show_goes_on(studio: Studio) -> None:
             await bad.say(positions=10)
         await bad.wait("refused", lambda one: "too many" in one["refused"])
         await bad.ws.send_str("x" * 100_000)
-        while (await bad.ws.receive(timeout=DEADLINE)).type is not aiohttp.WSMsgType.CLOSE:
-            pass
+        while not bad.ws.closed:
+            await bad.ws.receive(timeout=DEADLINE)
         await good.say(do="set", at=["seed"], value=7, id="still")
         assert (await good.wait("answer"))["revision"] == 1
 
