@@ -22,10 +22,8 @@ if TYPE_CHECKING:
     from live.show.selection.step_targets import StepTargets
 
 
-BEHIND: Final = 0.2
-"""Dancers who would end farther than this [m] from their wishes, though corrected, may turn any way, ..."""
 TURNS: Final = (0.0, math.pi / 2.0, math.pi, -math.pi / 2.0)
-"""... by these angles from their way [rad], ..."""
+"""Dancers who would be left behind may turn by these angles from their way [rad] instead, ..."""
 SHORTFALL_COST: Final = 4.0
 """... at this cost of each metre that they still lack ..."""
 TURNED_COST: Final = 0.05
@@ -109,9 +107,10 @@ class StepSearch:
     def choose(self, rows: slice) -> None:
         """Choose the next measures of these dancers; those who would not get where they should may turn any way."""
         self._choosing.choose(rows, *self._arguments)
-        behind = rows.start + np.flatnonzero(self._targets.free_heading[rows] & (self._choices.edge[rows, 0] >= 0))
+        behind = rows.start + np.flatnonzero(self._choices.edge[rows, 0] >= 0)
         within = self._corrected(self._choices.target[behind], self._choices.outputs, behind)
-        behind = behind[self._shortfalls(behind, within, self._choices.end[behind]) > BEHIND]
+        short = self._shortfalls(behind, within, self._choices.end[behind])
+        behind = behind[short > self._targets.turn_shortfall[behind]]
         if len(behind):
             self._choose_turned(behind)
 

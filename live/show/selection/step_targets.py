@@ -154,6 +154,13 @@ Steps in place may use all of it."""
 
 MIN_TURN_GAIN: float = 0.3
 """Dancers turn where they go if that gets them farther by this [m]."""
+FREE_SHORTFALL: float = 0.2
+"""To arrive counts more than where one faces. Dancers who would end farther than this [m] from their targets, though
+corrected, turn any way that helps, ..."""
+PLANNED_SHORTFALL: float = 0.4
+"""... those in an evolution only if it is farther than this [m], ..."""
+NO_SHORTFALL: float = 1e6
+"""... and partners and captured dancers never."""
 
 
 class StepTargets:
@@ -187,9 +194,8 @@ class StepTargets:
         """Row of `ahead` that applies to each dancer, shape (A,)."""
         self.heading = np.zeros(count)
         """Target heading of each dancer at the end [rad], shape (A,)."""
-        self.free_heading = np.zeros(count, np.bool_)
-        """Dancers who may turn where they go, (A,): all but partners and captured ones. To arrive counts more than
-        where they face."""
+        self.turn_shortfall = np.zeros(count)
+        """How far from their targets dancers would have to end to turn any way instead [m], (A,)."""
 
     def reorder(self) -> None:
         """Update the order after a change of the groups that echo others."""
@@ -259,12 +265,14 @@ class StepTargets:
         choices.begin(*present.ends(), self._motion.present)
         choices.wish[:] = wish
         self.heading[:] = self.headings.advance(choices.start_position, wish, planned, known)
-        self.free_heading[:] = True
-        self.free_heading[self._motion.partners.leader] = self.free_heading[self._motion.partners.follower] = False
+        self.turn_shortfall[:] = np.where(known, PLANNED_SHORTFALL, FREE_SHORTFALL)
+        self.turn_shortfall[self._motion.partners.leader] = self.turn_shortfall[self._motion.partners.follower] = (
+            NO_SHORTFALL
+        )
         if (answers := self._dancers.partner_response) is not None:
             for pair in answers.pairs:
-                self.free_heading[[pair.leader, pair.follower]] = False
-        self.free_heading[self._dancers.captured_dancers()] = False
+                self.turn_shortfall[[pair.leader, pair.follower]] = NO_SHORTFALL
+        self.turn_shortfall[self._dancers.captured_dancers()] = NO_SHORTFALL
         if len(self._motion.partners.leader):
             self._motion.partners.adjust_targets(
                 choices.wish, self.heading, choices.start_position, choices.heading, known
@@ -305,7 +313,8 @@ class StepTargets:
         reached = self._reached(choices, way, self.heading, bound)
         path = np.arctan2(way[:, 0], way[:, 1])
         turned = self._reached(choices, way, path, bound)
-        turns = self.free_heading & (np.hypot(*turned.T) > np.hypot(*reached.T) + MIN_TURN_GAIN)
+        free = self.turn_shortfall <= FREE_SHORTFALL
+        turns = free & (np.hypot(*turned.T) > np.hypot(*reached.T) + MIN_TURN_GAIN)
         self.heading[turns] = path[turns]
         choices.target[:] = choices.start_position + np.where(turns[:, None], turned, reached)
         if len(self._motion.partners.leader):

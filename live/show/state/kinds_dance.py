@@ -52,7 +52,7 @@ KINDS: Final = [
         _subgroups:subgroups _group:i4(group) order:list[int] headings:headings speed:f4 _row_count:int
         _wanted_steps:list[tuple[int|none,int]]
         step:i4(step) row:i4(aim) heading:f8 _choosing:constant-choosing step_costs:constant-foresight ahead:f8
-        _reach:f8 _pace:f8 free_heading:b1
+        _reach:f8 _pace:f8 turn_shortfall:f8
     """),
     Kind("anchor", DriftCorrection, "offset:tuple[float,float] difference:tuple[float,float] _mean:tuple[float,float]"),
     Kind("answer-leaders", LeaderReaders, """
