@@ -19,13 +19,16 @@ NOBODY_HELD: Final = HeldArms(0)
 EASING_S: Final = 0.05
 """Time constant [s] of each of the three low-pass filters through which arms keep off others in a show: an arm that
 another one meets at 5 m/s gives way within 0.15 s, and its elbow is not thrown."""
+PUSH_EASING_S: Final = 0.02
+"""The same for arms that are pushed out of the own trunk, which nobody sees ahead."""
 LEAD_S: Final = 0.1
 """They look this far ahead [s] meanwhile: joints go on as they went since the last frame, ..."""
 MOST_LEAD: Final = np.float32(0.3)
 """... by at most this [m] along each axis."""
 MAX_EASING_GAP: Final = 0.25
 """After a longer gap between two frames [s] arms are at once where they should be."""
-AT_ONCE: Final = np.zeros((0, 0, 2, 3), np.float32)
+AT_ONCE: Final = np.zeros((0, 0, 0, 2, 3), np.float32)
+NOTHING: Final = np.zeros(2, np.float32)
 
 
 class ArmEasing:
@@ -35,16 +38,17 @@ class ArmEasing:
     def __init__(self) -> None:
         self._filters = AT_ONCE
         self._last = self._velocity = self._ahead = np.zeros((0, 0, 3), np.float32)
+        self._kept: Float32 = np.zeros(2, np.float32)
         self._time = -math.inf
 
-    def advance(self, position: Float32, time: float) -> tuple[Float32, Float32, float]:
-        """Return where joints go from `position` (A, J, 3) [m], the filters, and how much of them stays, 0 to 1.
+    def advance(self, position: Float32, time: float) -> tuple[Float32, Float32, Float32]:
+        """Return where joints go from `position` (A, J, 3) [m], the filters, and how much of them stays (2,), 0 to 1.
 
         Everything of them stays at a frame at a `time` [s] that is not later than the last one.
         """
         passed, self._time = time - self._time, time
         if len(self._last) != len(position):
-            self._filters = np.zeros((3, 2 * len(position), 2, 3), np.float32)
+            self._filters = np.zeros((2, 3, 2 * len(position), 2, 3), np.float32)
             self._last, self._velocity, self._ahead = (np.zeros_like(position) for _ in range(3))
             passed = math.inf
         if passed > MAX_EASING_GAP:
@@ -55,7 +59,9 @@ class ArmEasing:
             np.clip(self._velocity, -MOST_LEAD, MOST_LEAD, out=self._velocity)
         self._last[:] = position
         np.add(position, self._velocity, out=self._ahead)
-        return self._ahead, self._filters, 0.0 if passed > MAX_EASING_GAP else math.exp(-max(passed, 0.0) / EASING_S)
+        for k, constant in enumerate((EASING_S, PUSH_EASING_S)):
+            self._kept[k] = 0.0 if passed > MAX_EASING_GAP else math.exp(-max(passed, 0.0) / constant)
+        return self._ahead, self._filters, self._kept
 
 
 def apply_arm_clearance(
@@ -70,7 +76,7 @@ def apply_arm_clearance(
     """
     held = NOBODY_HELD if held is None else held
     visible = np.ones(len(position), np.bool_) if visible is None else visible
-    ahead, filters, kept = (position, AT_ONCE, 0.0) if easing is None else easing.advance(position, time)
+    ahead, filters, kept = (position, AT_ONCE, NOTHING) if easing is None else easing.advance(position, time)
     clear_arms(
         position, rotation, ahead, share, held.share, held.partner, held.together, visible, filters, kept, TRUNK_JOINTS,
         ARM_CHAINS,

@@ -130,6 +130,20 @@ def _size(drawn: Float32, m: int) -> Any:
 
 
 @inline_kernel
+def _is_pushed(easing: Float32, m: int) -> bool:
+    """Return whether arm `m` still returns from a push out of the own trunk; otherwise end it."""
+    if len(easing) == 0:
+        return False
+    rest = _ZERO
+    for k in range(easing.shape[1]):
+        for c in range(6):
+            rest = max(rest, abs(easing[1, k, m, c // 3, c % 3]))
+    if rest < LEAST_DRAWN:
+        easing[1, :, m] = _ZERO
+    return bool(rest >= LEAST_DRAWN)
+
+
+@inline_kernel
 def _ease(drawn: Float32, easing: Float32, kept: Any, held: Float32) -> None:
     """Let `drawn` (M, 2, 3) follow what it was through equal low-pass filters, `easing` (K, M, 2, 3), of which `kept`
     stays; arms in a hold follow their hands instead, by `held` (M / 2, 2)."""
@@ -150,18 +164,18 @@ def _ease(drawn: Float32, easing: Float32, kept: Any, held: Float32) -> None:
 
 @kernel(
     "void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f8[::1], f4[:,::1], i4[::1], f4[::1], b1[::1], "
-    "f4[:,:,:,::1], f4, i4[::1], i4[:,::1])"
+    "f4[:,:,:,:,::1], f4[::1], i4[::1], i4[:,::1])"
 )
 def clear_arms(
     position: Float32, rotation: Float32, ahead: Float32, share: Float64, held: Float32, partner: Int32,
-    together: Float32, visible: Bool, easing: Float32, kept: Any, trunk: Int32, arms: Int32,
+    together: Float32, visible: Bool, easing: Float32, kept: Float32, trunk: Int32, arms: Int32,
 ) -> None:  # fmt: skip
     """Keep all arms off other dancers and out of the own trunks, in poses (A, J, 3) [m] and (A, J, 4), in place.
 
     `ahead` (A, J, 3): where arms are about to be [m], by which they keep off others; `share` (A,): how far, 0 to 1;
     `held` (A, 2), `partner` (A,), `together` (A,) as in `HeldArms`, or all empty; others than `visible` dancers (A,)
-    are in nobody's way; `easing` (K, 2 A, 2, 3), `kept`: how arms kept off others so far and how much of it stays, or
-    empty: at once; `trunk` (7,), `arms` (2, 3): joints as in `body_capsules`.
+    are in nobody's way; `easing` (2, K, 2 A, 2, 3), `kept` (2,): how arms kept off others and out of the own trunk so
+    far and how much of it stays, or empty: at once; `trunk` (7,), `arms` (2, 3): joints as in `body_capsules`.
     """
     count = len(position)
     amount, near = np.empty(2 * count, np.float32), np.empty(2 * count, np.bool_)
@@ -177,10 +191,12 @@ def clear_arms(
     pairs = find_pairs(box, visible)
     draw_back_arms(ahead, rotation, drawn, pairs, amount, held, partner, together, trunk, arms)
     if len(easing):
-        _ease(drawn, easing, kept, held)
+        _ease(drawn, easing[0], kept[0], held)
     moving = 0
     for m in range(2 * count):
-        if near[m] or _size(drawn, m) > _ZERO:
+        if near[m] or _size(drawn, m) > _ZERO or _is_pushed(easing, m):
             which[moving] = m
             moving += 1
-    move_arms(position, rotation, drawn, amount, which, moving, trunk, arms)
+    none = np.empty((0, 0, 2, 3), np.float32)
+    pushes = easing[1] if len(easing) else none
+    move_arms(position, rotation, drawn, amount, which, moving, pushes, kept[1], trunk, arms)

@@ -285,16 +285,51 @@ def _write_arms(
             position[n, hand, c] = arm[_WRIST + c, i]
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4[::1], i4[::1], i8, i4[::1], i4[:,::1])")
+@inline_kernel
+def _ease_pushes(
+    arm: Float32, position: Float32, arms: Int32, which: Int32, start: int, stop: int, easing: Float32, kept: Any
+) -> None:
+    """Let what elbows and wrists of the block were pushed follow what it was, through equal low-pass filters."""
+    for i in range(stop - start):
+        m = which[start + i]
+        for c in range(6):
+            there = position[m // 2, arms[m % 2, 1 + c // 3], c % 3] + arm[_DRAWN + c, i]
+            value = arm[_ELBOW + c, i] - there
+            for k in range(len(easing)):
+                value += kept * (easing[k, m, c // 3, c % 3] - value)
+                easing[k, m, c // 3, c % 3] = value
+            arm[_ELBOW + c, i] = there + value
+            arm[_MOVED, i] += abs(value)
+    for i in range(BLOCK):  # lengths again, the elbow in the plane where it is
+        sx, sy, sz = arm[0, i], arm[1, i], arm[2, i]
+        gx, gy, gz = arm[_WRIST, i] - sx, arm[_WRIST + 1, i] - sy, arm[_WRIST + 2, i] - sz
+        ux, uy, uz = arm[_ELBOW, i] - sx, arm[_ELBOW + 1, i] - sy, arm[_ELBOW + 2, i] - sz
+        upper, lower = arm[_UPPER, i], arm[_LOWER, i]
+        size = math.sqrt(max(gx * gx + gy * gy + gz * gz, _TINY))
+        length = min(max(size, abs(upper - lower) + LENGTH_BUFFER), arm[_REACH, i])
+        gx, gy, gz = gx / size, gy / size, gz / size
+        along = (upper * upper - lower * lower + length * length) / (_TWO * length)
+        on = ux * gx + uy * gy + uz * gz
+        ux, uy, uz = ux - on * gx, uy - on * gy, uz - on * gz
+        aside = math.sqrt(max(upper * upper - along * along, _ZERO))
+        scale = aside / math.sqrt(max(ux * ux + uy * uy + uz * uz, _TINY))
+        arm[_ELBOW, i] = sx + along * gx + scale * ux
+        arm[_ELBOW + 1, i] = sy + along * gy + scale * uy
+        arm[_ELBOW + 2, i] = sz + along * gz + scale * uz
+        arm[_WRIST, i], arm[_WRIST + 1, i], arm[_WRIST + 2, i] = sx + length * gx, sy + length * gy, sz + length * gz
+
+
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4[::1], i4[::1], i8, f4[:,:,:,::1], f4, i4[::1], i4[:,::1])")
 def move_arms(
-    position: Float32, rotation: Float32, drawn: Float32, amount: Float32, which: Int32, count: int, trunk: Int32,
-    arms: Int32,
+    position: Float32, rotation: Float32, drawn: Float32, amount: Float32, which: Int32, count: int, easing: Float32,
+    kept: Any, trunk: Int32, arms: Int32,
 ) -> None:  # fmt: skip
     """Displace arms by `drawn` and push them out of the own trunks, in poses (A, J, 3) [m] and (A, J, 4), in place.
 
     Arms are numbered 2 dancer + side; `which`: the first `count` of it are those arms. `drawn` (2 A, 2, 3):
     displacement of elbow and wrist [m]; `amount` (2 A,): how much of the push is applied, 0 to 1; `trunk` (7,), `arms`
-    (2, 3): joints as in `body_capsules`.
+    (2, 3): joints as in `body_capsules`; `easing` (K, 2 A, 2, 3), `kept`: low-pass filters of the push and how much of
+    them stays, or empty: at once.
     """
     rows, arm = np.empty((TRUNK_ROWS, BLOCK), np.float32), np.empty((ARM_ROWS, BLOCK), np.float32)
     for start in range(0, count, BLOCK):
@@ -307,4 +342,6 @@ def move_arms(
             _push_out(arm, rows, _ONE, _ONE, PALM_GAP)
             _restore_lengths(arm)
             _keep_places(arm)
+        if len(easing):
+            _ease_pushes(arm, position, arms, which, start, stop, easing, kept)
         _write_arms(arm, position, rotation, arms, which, start, stop)
