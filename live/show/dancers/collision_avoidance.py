@@ -191,7 +191,7 @@ def _shortfall(ways: Float64, others: Float64) -> Float64:
 PUSH_AHEAD: Final = np.array([0.1, 0.2, 0.3, 0.4])
 """Times of predicted positions [s]. Dancers who would touch on straight lines to them are pushed apart. One time is
 not enough: hips swing within a beat, so a contact may lie in between."""
-PUSH_MARGIN: Final = 0.1
+PUSH_MARGIN: Final = 0.13
 """Gap that a push leaves between two bodies [m]."""
 PUSH_STIFFNESS: Final = 36.0
 """Rate at which a push follows the missing gap, critically damped [1/s]. At 24, recorded dancers who were thrown
