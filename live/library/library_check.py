@@ -23,12 +23,13 @@ from live.library.textured_steps import read_textured, stale_textures
 from live.motion.beats.tempo_estimation import SAME_TEMPO, SIMPLE_RATIOS, estimate_tempo
 from live.motion.cleanup.frame_rate_check import suspect_frame_rate
 from live.motion.cleanup.glitch_detection import Glitch
-from live.motion.cleanup.trim_start import find_recording_start
+from live.motion.cleanup.trim_start import MAX_ARM_COSINE, MAX_ARM_SLOPE, find_recording_start
 from live.motion.clip import read_clip
 from live.motion.editing.facing import circular_mean, heading_of
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.formats.source_axes import BODY_HEIGHT_RANGE, UNITS
 from live.motion.forward_kinematics import forward_kinematics
+from live.motion.pose.body_capsules import ARM_CHAINS
 from live.motion.retarget.body_tracks import body_tracks
 from live.motion.skeleton import BODY_HEIGHT, SOLE_BELOW_ANKLE
 from live.motion.step_clip import FEET, StepClip, measured_direction, measured_distance, travel
@@ -46,6 +47,10 @@ MAX_FACING_OFFSET = math.radians(120.0)
 """A step with its average heading farther than this from that at its first beat shows the back (T122)."""
 MIN_FLIGHT = 0.08
 """A step that begins or ends with both soles higher than this [m] is in the air there."""
+MIN_T_POSE = 0.5
+"""A step that begins or ends with a longer T-pose [s] holds a calibration."""
+MAX_T_POSE_SPEED = 0.25
+"""Hands are slower in one [m/s]."""
 _BEARING = {"forward": 0.0, "left": math.pi / 2, "back": math.pi, "right": -math.pi / 2}
 
 
@@ -89,12 +94,34 @@ def step_warnings(entry: RecordingEntry, step: StepClip) -> list[tuple[str, str]
             "in the patch"
         )
         doubts.append(("start_measure", words))
+    for field, place, seconds in zip(
+        ("start_measure", "measures"), ("begins", "ends"), t_pose_seconds(step), strict=True
+    ):
+        if seconds > MIN_T_POSE:
+            words = f"it {place} with {seconds:.1f} s of standing with the arms stretched out, as for a calibration"
+            doubts.append((field, f"{words}; leave those measures out"))
     beat = 60.0 / recording.bpm
     begins = recording.first_beat_s + (recording.start_measure - 1) * recording.beats_per_measure * beat
     if begins < LEAD_IN_BEATS * beat:
         words = f"the recording begins {begins:.2f} s before the step: its first pose is held for the lead-in (T039)"
         doubts.append(("first_beat_s", words))
     return doubts
+
+
+def t_pose_seconds(step: StepClip) -> tuple[float, float]:
+    """Return for how long [s] the step stands in a T-pose at its beginning and at its end: both arms straight and
+    level, and hardly moving, as performers stand while a suit is calibrated."""
+    rate = step.clip.sample_rate
+    at = np.arange(math.ceil(step.first), int(step.first + step.measures * step.samples_per_measure) + 1)
+    root, rotation, _ = read_clip(step.clip, at.astype(np.float64))
+    position = forward_kinematics(root, rotation)[0].astype(np.float64)
+    shoulder, hand = position[:, ARM_CHAINS[:, 0]], position[:, ARM_CHAINS[:, 2]]
+    arm = (hand - shoulder) / np.linalg.norm(hand - shoulder, axis=-1, keepdims=True)
+    level = (np.abs(arm[..., 1]) < MAX_ARM_SLOPE).all(axis=1) & ((arm[:, 0] * arm[:, 1]).sum(axis=1) < MAX_ARM_COSINE)
+    speed = np.linalg.norm(np.gradient(hand, axis=0), axis=-1).max(axis=1) * rate
+    stands = level & (speed < MAX_T_POSE_SPEED)
+    ends = [int(np.argmin(np.append(order, False))) / rate for order in (stands, stands[::-1])]
+    return ends[0], ends[1]
 
 
 def _flight_height(step: StepClip, sample: float) -> float:

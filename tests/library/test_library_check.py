@@ -85,6 +85,24 @@ def test_step_with_back_to_audience_is_reported(folder: Path) -> None:
     assert step_warnings(entry, replace(step, clip=turn_clip(step.clip, math.radians(90.0)))) == []
 
 
+@pytest.mark.parametrize(("at", "field", "words"), [(0, "start_measure", "begins"), (-1, "measures", "ends")])
+def test_a_t_pose_at_either_end_is_reported(folder: Path, at: int, field: str, words: str) -> None:
+    """A second of the rest pose, whose arms are level, at the beginning or the end of the step."""
+    checked = check_folder(folder)
+    entry, step = checked.entries[0], checked.steps[0]
+    rotation, root = step.clip.rotation.copy(), step.clip.root_position.copy()
+    first, last = math.ceil(step.first), int(step.first + step.measures * step.samples_per_measure)
+    second = round(step.clip.sample_rate)
+    still = slice(first, first + second) if at == 0 else slice(last + 1 - second, last + 1)
+    rotation[still], root[still] = [1.0, 0.0, 0.0, 0.0], root[still.start]
+    (doubt,) = step_warnings(entry, replace(step, clip=replace(step.clip, rotation=rotation, root_position=root)))
+    assert doubt[0] == field
+    assert f"it {words} with 1.0 s of standing with the arms stretched out" in doubt[1]
+    rotation = rotation.copy()  # clips make theirs read-only
+    rotation[still.start + second // 2] = step.clip.rotation[first + second]  # arms that move are no calibration
+    assert step_warnings(entry, replace(step, clip=replace(step.clip, rotation=rotation, root_position=root))) == []
+
+
 def test_guess_is_reported_until_confirmed(folder: Path) -> None:
     toml = folder / "dance.toml"
     toml.write_text(ONE.replace("= 120", "= 120 # guess: confirm").replace("= 2.5", "= 2.5 #guess: confirm"))
