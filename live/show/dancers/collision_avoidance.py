@@ -196,6 +196,8 @@ PUSH_MARGIN: Final = 0.13
 PUSH_STIFFNESS: Final = 36.0
 """Rate at which a push follows the missing gap, critically damped [1/s]. At 24, recorded dancers who were thrown
 together came within 0.495 m."""
+MAX_PUSH_SPEED: Final = 1.0
+"""Largest speed of a push [m/s]: a faster one cannot end before the next dancer."""
 MAX_PUSH_ACCELERATION: Final = 15.0
 """Largest change of the speed of a push [m/s²]: more looks like a blow."""
 
@@ -233,7 +235,9 @@ class ContactResolver:
         if moved is None and not self._speed.any():
             dancers.push_velocity[:] = 0.0
             return
-        change = (0.0 if moved is None else moved / TICK) - self._speed
+        wanted = np.zeros_like(self._speed) if moved is None else moved / TICK
+        wanted *= np.minimum(1.0, MAX_PUSH_SPEED / np.maximum(np.hypot(*wanted.T), 1e-9))[:, None]
+        change = wanted - self._speed
         size = np.hypot(*change.T)[:, None]
         self._speed += change * np.minimum(1.0, MAX_PUSH_ACCELERATION * TICK / np.maximum(size, 1e-9))
         self._speed[np.abs(self._speed).max(axis=1) < 1e-4] = 0.0

@@ -26,7 +26,7 @@ TURNS: Final = (0.0, math.pi / 2.0, math.pi, -math.pi / 2.0)
 """Dancers who would be left behind may turn by these angles from their way [rad] instead, ..."""
 SHORTFALL_COST: Final = 4.0
 """... at this cost of each metre that they still lack ..."""
-TURNED_COST: Final = 0.05
+TURNED_COST: Final = 0.12
 """... and of a squared radian from the wanted heading, ..."""
 TURNED_GAIN: Final = 0.8
 """... if it all costs less by this: 0.2 m."""
