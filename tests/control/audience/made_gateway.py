@@ -126,7 +126,9 @@ class FakePhone:
         return self
 
     async def hear(self):
-        """Receives one message."""
+        """Receives one message; ConnectionError after the last one, so that no test waits for more without an end."""
+        if self.ws.closed:
+            raise ConnectionError("closed")
         message = await self.ws.receive(timeout=20.0)
         if message.type is aiohttp.WSMsgType.TEXT:
             said = json.loads(message.data)
