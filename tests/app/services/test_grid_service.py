@@ -89,7 +89,7 @@ class GridNight:
             self.service.frame()
             return fits()
 
-        assert wait_for(step, 10.0)
+        assert wait_for(step, 40.0)
 
 
 @pytest.fixture
