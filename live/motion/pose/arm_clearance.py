@@ -10,7 +10,7 @@ from live.base.arrays import Bool, Float32, Float64
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics, local_rotations
-from live.motion.pose.arm_clearance_kernels import clear_arms
+from live.motion.pose.arm_clearance_kernels import clear_arms, look_ahead
 from live.motion.pose.body_capsules import ARM_CHAINS, TRUNK_JOINTS
 from live.motion.pose.hand_hold import HeldArms
 
@@ -37,7 +37,7 @@ class ArmEasing:
 
     def __init__(self) -> None:
         self._filters = AT_ONCE
-        self._last = self._velocity = self._ahead = np.zeros((0, 0, 3), np.float32)
+        self._last = self._way = self._ahead = np.zeros((0, 0, 3), np.float32)
         self._kept: Float32 = np.zeros(2, np.float32)
         self._time = -math.inf
 
@@ -49,16 +49,13 @@ class ArmEasing:
         passed, self._time = time - self._time, time
         if len(self._last) != len(position):
             self._filters = np.zeros((2, 3, 2 * len(position), 2, 3), np.float32)
-            self._last, self._velocity, self._ahead = (np.zeros_like(position) for _ in range(3))
+            self._last, self._way, self._ahead = (np.zeros_like(position) for _ in range(3))
             passed = math.inf
         if passed > MAX_EASING_GAP:
-            self._velocity[:] = 0.0
-        elif passed > 0.0:
-            np.subtract(position, self._last, out=self._velocity)
-            np.multiply(self._velocity, np.float32(LEAD_S / passed), out=self._velocity)
-            np.clip(self._velocity, -MOST_LEAD, MOST_LEAD, out=self._velocity)
-        self._last[:] = position
-        np.add(position, self._velocity, out=self._ahead)
+            self._way[:] = 0.0
+        later = 0.0 < passed <= MAX_EASING_GAP
+        per = LEAD_S / passed if later else 0.0
+        look_ahead(position, self._last, self._way, self._ahead, per, later, MOST_LEAD, TRUNK_JOINTS, ARM_CHAINS)
         for k, constant in enumerate((EASING_S, PUSH_EASING_S)):
             self._kept[k] = 0.0 if passed > MAX_EASING_GAP else math.exp(-max(passed, 0.0) / constant)
         return self._ahead, self._filters, self._kept

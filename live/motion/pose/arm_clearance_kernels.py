@@ -129,6 +129,27 @@ def _size(drawn: Float32, m: int) -> Any:
     return abs(drawn[m, 0, 0]) + abs(drawn[m, 0, 2]) + abs(drawn[m, 1, 0]) + abs(drawn[m, 1, 2])
 
 
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4, b1, f4, i4[::1], i4[:,::1])")
+def look_ahead(
+    position: Float32, last: Float32, way: Float32, ahead: Float32, per: Any, later: bool, most: Any, trunk: Int32,
+    arms: Int32,
+) -> None:  # fmt: skip
+    """Write to `ahead` (A, J, 3) where hips, necks and arms go from `position`, and `position` to `last` [m].
+
+    They go on as since `last`, by `per` of that way, at most `most` [m] along each axis, if this frame is `later`; else
+    by the `way` of before. Other joints of the arrays are not used.
+    """
+    for n in range(len(position)):
+        for k in range(8):
+            j = trunk[HIPS if k == 0 else NECK] if k < 2 else arms[(k - 2) // 3, (k - 2) % 3]
+            for c in range(3):
+                at = position[n, j, c]
+                if later:
+                    way[n, j, c] = min(max((at - last[n, j, c]) * per, -most), most)
+                last[n, j, c] = at
+                ahead[n, j, c] = at + way[n, j, c]
+
+
 @inline_kernel
 def _is_pushed(easing: Float32, m: int) -> bool:
     """Return whether arm `m` still returns from a push out of the own trunk; otherwise end it."""
