@@ -22,13 +22,14 @@ another one meets at 5 m/s gives way within 0.15 s, and its elbow is not thrown.
 PUSH_EASING_S: Final = 0.02
 """The same for arms that are pushed out of the own trunk, which nobody sees ahead."""
 LEAD_S: Final = 0.1
-"""They look this far ahead [s] meanwhile: joints go on as they went since the last frame, ..."""
+"""Arms keep off where others will be after this time [s], if joints go on as they went since the last frame, ..."""
 MOST_LEAD: Final = np.float32(0.3)
 """... by at most this [m] along each axis."""
 MAX_EASING_GAP: Final = 0.25
 """After a longer gap between two frames [s] arms are at once where they should be."""
-AT_ONCE: Final = np.zeros((0, 0, 0, 2, 3), np.float32)
-NOTHING: Final = np.zeros(2, np.float32)
+NO_FILTERS: Final = np.zeros((0, 0, 0, 2, 3), np.float32)
+NOTHING_KEPT: Final = np.zeros(2, np.float32)
+"""Arguments of `clear_arms` without easing."""
 
 
 class ArmEasing:
@@ -36,7 +37,7 @@ class ArmEasing:
     the pictures of a show, not to its state."""
 
     def __init__(self) -> None:
-        self._filters = AT_ONCE
+        self._filters = NO_FILTERS
         self._last = self._way = self._ahead = np.zeros((0, 0, 3), np.float32)
         self._kept: Float32 = np.zeros(2, np.float32)
         self._time = -math.inf
@@ -73,7 +74,7 @@ def apply_arm_clearance(
     """
     held = NOBODY_HELD if held is None else held
     visible = np.ones(len(position), np.bool_) if visible is None else visible
-    ahead, filters, kept = (position, AT_ONCE, NOTHING) if easing is None else easing.advance(position, time)
+    ahead, filters, kept = (position, NO_FILTERS, NOTHING_KEPT) if easing is None else easing.advance(position, time)
     clear_arms(
         position, rotation, ahead, share, held.share, held.partner, held.together, visible, filters, kept, TRUNK_JOINTS,
         ARM_CHAINS,

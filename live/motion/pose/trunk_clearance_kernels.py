@@ -2,8 +2,8 @@
 
 The trunk is the capsule of `body_capsules`. Points along forearm and palm are pushed out the shortest way, in blocks of
 arms with one row per number (see `sample_kernels`); then two-bone IK restores the lengths, with the elbow towards where
-it was pushed. There is no state, so everything is continuous in the poses: an arm is moved the more the farther it is
-in, beginning a little before it touches.
+it was pushed. It is continuous in the poses: an arm is moved the more the farther it is in, beginning a little before
+it touches. In the frames of a show the push passes low-pass filters besides (`ArmEasing`).
 """
 
 import math
@@ -208,6 +208,23 @@ def _push_out(arm: Float32, rows: Float32, at: Any, beyond: Any, gap: Any) -> No
 
 
 @inline_kernel
+def _place_arm(arm: Float32, i: int, gx: Any, gy: Any, gz: Any, length: Any, px: Any, py: Any, pz: Any) -> None:
+    """Put the wrist of arm `i` `length` [m] from its shoulder along g (unit), and the elbow on the side of p."""
+    upper, lower = arm[_UPPER, i], arm[_LOWER, i]
+    along = (upper * upper - lower * lower + length * length) / (_TWO * length)
+    aside = math.sqrt(max(upper * upper - along * along, _ZERO))
+    on = px * gx + py * gy + pz * gz
+    px, py, pz = px - on * gx, py - on * gy, pz - on * gz
+    scale = aside / math.sqrt(max(px * px + py * py + pz * pz, _TINY))
+    arm[_ELBOW, i] = arm[0, i] + along * gx + scale * px
+    arm[_ELBOW + 1, i] = arm[1, i] + along * gy + scale * py
+    arm[_ELBOW + 2, i] = arm[2, i] + along * gz + scale * pz
+    arm[_WRIST, i] = arm[0, i] + length * gx
+    arm[_WRIST + 1, i] = arm[1, i] + length * gy
+    arm[_WRIST + 2, i] = arm[2, i] + length * gz
+
+
+@inline_kernel
 def _restore_lengths(arm: Float32) -> None:
     """Two-bone IK of positions: the wrist within reach, the elbow swung with the arm and turned to where it was pushed.
 
@@ -224,8 +241,6 @@ def _restore_lengths(arm: Float32) -> None:
         length = min(max(size, abs(upper - lower) + LENGTH_BUFFER), arm[_REACH, i])
         swing = shortest_rotation(ex, ey, ez, gx, gy, gz)
         gx, gy, gz = gx / size, gy / size, gz / size
-        along = (upper * upper - lower * lower + length * length) / (_TWO * length)
-        aside = math.sqrt(max(upper * upper - along * along, _ZERO))
         on = (ux * ex + uy * ey + uz * ez) / max(ex * ex + ey * ey + ez * ez, _TINY)
         ux, uy, uz = rotate_vector(
             swing,
@@ -244,15 +259,7 @@ def _restore_lengths(arm: Float32) -> None:
         over = max(inwards, _ZERO)
         back = over - most * over / (most + over)
         px, py, pz = px + ux + back * ux / off, py + uy + back * uy / off, pz + uz + back * uz / off
-        on = px * gx + py * gy + pz * gz
-        px, py, pz = px - on * gx, py - on * gy, pz - on * gz
-        scale = aside / math.sqrt(max(px * px + py * py + pz * pz, _TINY))
-        arm[_ELBOW, i] = sx + along * gx + scale * px
-        arm[_ELBOW + 1, i] = sy + along * gy + scale * py
-        arm[_ELBOW + 2, i] = sz + along * gz + scale * pz
-        arm[_WRIST, i] = sx + length * gx
-        arm[_WRIST + 1, i] = sy + length * gy
-        arm[_WRIST + 2, i] = sz + length * gz
+        _place_arm(arm, i, gx, gy, gz, length, px, py, pz)
 
 
 @inline_kernel
@@ -307,16 +314,7 @@ def _ease_pushes(
         upper, lower = arm[_UPPER, i], arm[_LOWER, i]
         size = math.sqrt(max(gx * gx + gy * gy + gz * gz, _TINY))
         length = min(max(size, abs(upper - lower) + LENGTH_BUFFER), arm[_REACH, i])
-        gx, gy, gz = gx / size, gy / size, gz / size
-        along = (upper * upper - lower * lower + length * length) / (_TWO * length)
-        on = ux * gx + uy * gy + uz * gz
-        ux, uy, uz = ux - on * gx, uy - on * gy, uz - on * gz
-        aside = math.sqrt(max(upper * upper - along * along, _ZERO))
-        scale = aside / math.sqrt(max(ux * ux + uy * uy + uz * uz, _TINY))
-        arm[_ELBOW, i] = sx + along * gx + scale * ux
-        arm[_ELBOW + 1, i] = sy + along * gy + scale * uy
-        arm[_ELBOW + 2, i] = sz + along * gz + scale * uz
-        arm[_WRIST, i], arm[_WRIST + 1, i], arm[_WRIST + 2, i] = sx + length * gx, sy + length * gy, sz + length * gz
+        _place_arm(arm, i, gx / size, gy / size, gz / size, length, ux, uy, uz)
 
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4[::1], i4[::1], i8, f4[:,:,:,::1], f4, i4[::1], i4[:,::1])")
