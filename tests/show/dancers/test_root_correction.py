@@ -20,7 +20,7 @@ def test_slices_contain_each_row_exactly_once(who):
 
 
 def test_frames_between_ticks_go_on_with_a_push():
-    """A push moves dancers at ticks; without this, a frame that saw two ticks showed twice the way of its neighbours."""
+    """A push moves dancers at ticks; without this, a frame after two ticks shows twice the way of its neighbours."""
     show = made_show("[motion]\nfoot_lock = false\narm_clearance = 0\n")
     for tick in range(1, 40):
         show.tick(tick * TICK)
