@@ -11,13 +11,13 @@ from live.library.motion_file import read_bytes, read_motion
 from live.library.motion_formats import installed_formats, is_readable_name, readable_suffixes
 from live.library.recording_file import Recording, read_step_files
 from live.motion.beats.tempo_estimation import estimate_tempo
+from live.motion.cleanup.calibration_poses import trim_calibration_poses
 from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.clip import Clip
 from live.motion.formats.file_error import MotionFileError
 from live.motion.retarget.body_tracks import body_tracks
 from live.motion.retarget.retarget import retarget
 from live.motion.step_clip import StepClip
-from live.motion.texture.foot_constraints import trim_calibration_poses
 
 MIN_SECONDS: Final = 1.0
 """Recordings shorter than this [s] are too short for texture matching."""

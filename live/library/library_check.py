@@ -21,15 +21,15 @@ from live.library.recordings import RecordingReader, cut_recording
 from live.library.step_folder import StepsError, sketched_steps, unify_names
 from live.library.textured_steps import read_textured, stale_textures
 from live.motion.beats.tempo_estimation import SAME_TEMPO, SIMPLE_RATIOS, estimate_tempo
+from live.motion.cleanup.calibration_poses import calibration_ends
 from live.motion.cleanup.frame_rate_check import suspect_frame_rate
 from live.motion.cleanup.glitch_detection import Glitch
-from live.motion.cleanup.trim_start import MAX_ARM_COSINE, MAX_ARM_SLOPE, find_recording_start
-from live.motion.clip import read_clip
+from live.motion.cleanup.trim_start import find_recording_start
+from live.motion.clip import clip_part, read_clip
 from live.motion.editing.facing import circular_mean, heading_of
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.formats.source_axes import BODY_HEIGHT_RANGE, UNITS
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.pose.body_capsules import ARM_CHAINS
 from live.motion.retarget.body_tracks import body_tracks
 from live.motion.skeleton import BODY_HEIGHT, SOLE_BELOW_ANKLE
 from live.motion.step_clip import FEET, StepClip, measured_direction, measured_distance, travel
@@ -47,10 +47,8 @@ MAX_FACING_OFFSET = math.radians(120.0)
 """A step with its average heading farther than this from that at its first beat shows the back (T122)."""
 MIN_FLIGHT = 0.08
 """A step that begins or ends with both soles higher than this [m] is in the air there."""
-MIN_T_POSE = 0.5
-"""A step that begins or ends with a longer T-pose [s] holds a calibration."""
-MAX_T_POSE_SPEED = 0.25
-"""Hands are slower in one [m/s]."""
+MAX_DELAY = 0.2
+"""A T-pose that begins later than this [s] is not at the beginning."""
 _BEARING = {"forward": 0.0, "left": math.pi / 2, "back": math.pi, "right": -math.pi / 2}
 
 
@@ -94,10 +92,10 @@ def step_warnings(entry: RecordingEntry, step: StepClip) -> list[tuple[str, str]
             "in the patch"
         )
         doubts.append(("start_measure", words))
-    for field, place, seconds in zip(
-        ("start_measure", "measures"), ("begins", "ends"), t_pose_seconds(step), strict=True
-    ):
-        if seconds > MIN_T_POSE:
+    held = calibration_ends(clip_part(step.clip, first, last + 1), within=MAX_DELAY)
+    for field, place, samples in zip(("start_measure", "measures"), ("begins", "ends"), held, strict=True):
+        if samples:
+            seconds = samples / step.clip.sample_rate
             words = f"it {place} with {seconds:.1f} s of standing with the arms stretched out, as for a calibration"
             doubts.append((field, f"{words}; leave those measures out"))
     beat = 60.0 / recording.bpm
@@ -106,22 +104,6 @@ def step_warnings(entry: RecordingEntry, step: StepClip) -> list[tuple[str, str]
         words = f"the recording begins {begins:.2f} s before the step: its first pose is held for the lead-in (T039)"
         doubts.append(("first_beat_s", words))
     return doubts
-
-
-def t_pose_seconds(step: StepClip) -> tuple[float, float]:
-    """Return for how long [s] the step stands in a T-pose at its beginning and at its end: both arms straight and
-    level, and hardly moving, as performers stand while a suit is calibrated."""
-    rate = step.clip.sample_rate
-    at = np.arange(math.ceil(step.first), int(step.first + step.measures * step.samples_per_measure) + 1)
-    root, rotation, _ = read_clip(step.clip, at.astype(np.float64))
-    position = forward_kinematics(root, rotation)[0].astype(np.float64)
-    shoulder, hand = position[:, ARM_CHAINS[:, 0]], position[:, ARM_CHAINS[:, 2]]
-    arm = (hand - shoulder) / np.linalg.norm(hand - shoulder, axis=-1, keepdims=True)
-    level = (np.abs(arm[..., 1]) < MAX_ARM_SLOPE).all(axis=1) & ((arm[:, 0] * arm[:, 1]).sum(axis=1) < MAX_ARM_COSINE)
-    speed = np.linalg.norm(np.gradient(hand, axis=0), axis=-1).max(axis=1) * rate
-    stands = level & (speed < MAX_T_POSE_SPEED)
-    ends = [int(np.argmin(np.append(order, False))) / rate for order in (stands, stands[::-1])]
-    return ends[0], ends[1]
 
 
 def _flight_height(step: StepClip, sample: float) -> float:

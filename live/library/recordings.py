@@ -24,6 +24,7 @@ from live.library.recording_file import (
     StepFiles,
     combine_problems,
 )
+from live.motion.cleanup.calibration_poses import danced_part
 from live.motion.cleanup.foot_planting import PlantedClip, plant_feet
 from live.motion.cleanup.glitch_detection import Glitch, find_glitches
 from live.motion.cleanup.glitch_repair import repair
@@ -156,7 +157,8 @@ def cut_recording(entry: RecordingEntry, clip: Clip) -> list[StepClip]:
 def cut_stream(entry: RecordingEntry, clip: Clip) -> list[StepClip]:
     """Return the measures of a stream from `start_measure` on: the number in `measures`, else all whole ones.
 
-    A first measure with less than a beat recorded before it is left out if others follow.
+    A first measure with less than a beat recorded before it is left out if others follow, and so are measures at
+    both ends with a T-pose in them.
     """
     recording = entry.recording
     for field in STEP_ONLY_FIELDS:
@@ -166,16 +168,25 @@ def cut_stream(entry: RecordingEntry, clip: Clip) -> list[StepClip]:
     cut_step(
         _with_measures(entry, recording.start_measure, count), clip
     )  # raises the error for a stream that is too long as a whole
-    # a measure without a beat recorded before it would start from a standstill in every blend into it
-    bare = recording.first_beat_s + (recording.start_measure - 1) * _measure_s(recording) < 60.0 / recording.bpm - 1e-6
+    first, last = _danced_measures(recording, count, clip)
     return [
         replace(cut_step(_with_measures(entry, recording.start_measure + n, 1), clip), in_stream=True)
-        for n in range(1 if bare and count > 1 else 0, count)
+        for n in range(first, last)
     ]
 
 
-def _measure_s(recording: Recording) -> float:
-    return recording.beats_per_measure * 60.0 / recording.bpm
+def _danced_measures(recording: Recording, count: int, clip: Clip) -> tuple[int, int]:
+    """Return the first of `count` measures with a beat recorded before it and no T-pose in it, and the last and one.
+
+    A measure without a beat before it would start from a standstill in every blend into it. All are returned if
+    these are none.
+    """
+    beat, measure = 60.0 / recording.bpm, recording.beats_per_measure * 60.0 / recording.bpm
+    begins = recording.first_beat_s + (recording.start_measure - 1) * measure
+    posed, ends = (sample / clip.sample_rate for sample in danced_part(clip))
+    first = max(0, math.ceil((max(beat, posed) - begins) / measure - 1e-6))
+    last = min(count, math.floor((ends - begins) / measure + 1e-6))
+    return (first, last) if first < last else (0, count)
 
 
 def _whole_measures(entry: RecordingEntry, clip: Clip) -> int:

@@ -1,6 +1,6 @@
 """Motion clips on the engine's skeleton (immutable), with sampling between frames and resampling (T035)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -45,6 +45,14 @@ class Clip:
     def seconds(self) -> float:
         """Duration [s] at the clip's original tempo, from the first to the last sample."""
         return (self.sample_count - 1) / self.sample_rate
+
+
+def clip_part(clip: Clip, first: int, last: int) -> Clip:
+    """Return the samples from `first` up to, but not with, `last`."""
+    part = slice(first, last)
+    return replace(
+        clip, root_position=clip.root_position[part], rotation=clip.rotation[part], contact=clip.contact[part]
+    )
 
 
 def read_clip(clip: Clip, samples: Float) -> tuple[Float, Float, Bool]:

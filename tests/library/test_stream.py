@@ -13,7 +13,7 @@ from live.library.recording_file import RecordingError
 from live.library.step_folder import load_folder
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
-from tests.motion.formats.made_bvh import body_bvh, dance_values
+from tests.motion.formats.made_bvh import body_bvh, dance_values, still
 
 STREAM = """
 file = "dance.bvh"
@@ -60,6 +60,21 @@ def test_selected_measures_are_mirrored(tmp_path: Path) -> None:
         "samba, dance from measure 2",
         "samba, dance from measure 3",
     ]
+
+
+@pytest.mark.parametrize(
+    ("posed", "danced"),
+    [(slice(0, 150), ["3", "4"]), (slice(510, 601), ["1", "2", "3"]), (slice(240, 330), ["1", "2", "3", "4"])],
+)
+def test_measures_with_a_calibration_pose_at_an_end_are_left_out(
+    tmp_path: Path, posed: slice, danced: list[str]
+) -> None:
+    """Arms are held out for 2.5 s at the beginning, 1.5 s at the end, or in the middle, where that is dance."""
+    values = dance_values(601)
+    values[posed] = still()
+    place = folder(tmp_path, STREAM)
+    (place / "dance.bvh").write_text(body_bvh(values))
+    assert [clip.clip.name.split()[-1] for clip in load_folder(place)] == danced
 
 
 def test_show_loads_stream(tmp_path: Path) -> None:

@@ -2,9 +2,6 @@
 
 The order is the paper's: first the pelvis and the upper body, then IK brings the legs to the sketch's feet, then the
 legs are textured, only while a foot is off the floor.
-
-Also trims T-poses held for calibration from recordings. The paper only rejects fragments that last too long, but a
-held pose trembles and is still cut into short fragments.
 """
 
 from collections.abc import Mapping, Sequence
@@ -12,7 +9,6 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-import numpy.typing as npt
 
 from live.base.arrays import Bool, Float, Float64
 from live.motion import quaternion
@@ -129,57 +125,3 @@ def _texture_share(sketch: Clip, textured: Clip, first: float, last: float, max_
         np.sqrt((np.linalg.norm(places[0] - places[1], axis=-1)[:, list(UPPER)] ** 2).sum(axis=1).max() / _ALL)
     )
     return min(1.0, max_distance / max(apart, 1e-9))
-
-
-MAX_ARM_SLOPE: Final = 0.35
-"""An arm is level while the vertical part of its unit direction is below this."""
-MAX_ARM_COSINE: Final = -0.8
-"""Arms point away from each other while the dot product of their directions is below this."""
-MAX_HAND_SPEED: Final = 0.3
-"""Hands are still while they are slower than this [m/s]."""
-MIN_POSE_S: Final = 0.5
-"""A pose held for less than this [s] is part of the dance."""
-MAX_EDGE_S: Final = 3.0
-"""A pose that starts later than this [s] after the beginning, or ends earlier before the end, belongs to the dance."""
-LOWERING_S: Final = 0.5
-"""Time it takes to leave the pose [s]."""
-_ARMS: Final = tuple((SKELETON.index(s + "UpperArm"), SKELETON.index(s + "Hand")) for s in ("left", "right"))
-
-
-def trim_calibration_poses(clip: Clip) -> Clip:
-    """Return the clip without T-poses at its beginning and end.
-
-    The clip is unchanged if it has no T-poses or nothing else.
-    """
-    position, _ = forward_kinematics(clip.root_position, clip.rotation)
-    arms = [position[:, hand] - position[:, shoulder] for shoulder, hand in _ARMS]
-    arms = [arm / np.maximum(np.linalg.norm(arm, axis=-1, keepdims=True), 1e-6) for arm in arms]
-    level = np.maximum(np.abs(arms[0][:, 1]), np.abs(arms[1][:, 1])) < MAX_ARM_SLOPE
-    still = np.max([_speed(position[:, hand], clip.sample_rate) for _, hand in _ARMS], axis=0) < MAX_HAND_SPEED
-    posed = level & still & (np.sum(arms[0] * arms[1], axis=-1) < MAX_ARM_COSINE)
-    first, last = (
-        _calibration_end(posed, clip.sample_rate),
-        clip.sample_count - _calibration_end(posed[::-1], clip.sample_rate),
-    )
-    if (first, last) == (0, clip.sample_count) or last - first < clip.sample_rate:
-        return clip
-    part = slice(first, last)
-    root, rotation = np.ascontiguousarray(clip.root_position[part]), np.ascontiguousarray(clip.rotation[part])
-    return Clip(clip.name, root, rotation, clip.sample_rate, np.ascontiguousarray(clip.contact[part]))
-
-
-def _speed(position: Float, rate: float) -> Float:
-    """Return the speed [m/s] of a joint at positions (T, 3), around each sample."""
-    if len(position) < 2:
-        return np.zeros(len(position))
-    return np.asarray(np.linalg.norm(np.gradient(position, axis=0), axis=-1) * rate)
-
-
-def _calibration_end(posed: npt.NDArray[np.bool_], rate: float) -> int:
-    """Return the number of samples until the last pose held at the beginning is left, 0 if there is none."""
-    edges = np.flatnonzero(np.diff(np.concatenate(([False], posed, [False])).astype(np.int8)))
-    first = 0
-    for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
-        if begin - first < MAX_EDGE_S * rate and end - begin >= MIN_POSE_S * rate:
-            first = end
-    return 0 if first == 0 else min(len(posed), first + round(LOWERING_S * rate))

@@ -6,10 +6,11 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
+from live.motion.cleanup.calibration_poses import trim_calibration_poses
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.quality.metrics import contact_slide_speeds
-from live.motion.texture.foot_constraints import texture_weights, trim_calibration_poses
+from live.motion.texture.foot_constraints import texture_weights
 from live.motion.texture.frequency_bands import RATE, columns_of, sample_clip, split_bands, tracks_of
 from live.motion.texture.texture_corpus import make_corpus
 from live.motion.texture.texture_report import make_report
