@@ -16,12 +16,12 @@ from live.motion.pose.hand_hold import HeldArms
 
 NOBODY_HELD: Final = HeldArms(0)
 """No dancer's arm is in a hold."""
-EASING_S: Final = 0.05
+EASING_S: Final = 0.03
 """Time constant [s] of each of the three low-pass filters through which arms keep off others in a show: an arm that
-another one meets at 5 m/s gives way within 0.15 s, and its elbow is not thrown."""
-PUSH_EASING_S: Final = 0.02
+another one meets at 5 m/s gives way within 0.1 s, its elbow is not thrown, and poses are still struck on the beat."""
+PUSH_EASING_S: Final = 0.012
 """The same for arms that are pushed out of the own trunk, which nobody sees ahead."""
-LEAD_S: Final = 0.1
+LEAD_S: Final = 0.06
 """Arms keep off where others will be after this time [s], if joints go on as they went since the last frame, ..."""
 MOST_LEAD: Final = np.float32(0.3)
 """... by at most this [m] along each axis."""

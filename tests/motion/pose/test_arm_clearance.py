@@ -257,9 +257,9 @@ def jolt(position, rate):
     return np.linalg.norm(np.diff(position[:, :, ARM_JOINTS], 2, axis=0), axis=-1).max() * rate
 
 
-@pytest.mark.parametrize(("speed", "softer", "touching"), [(1.5, 0.9, 0.0), (4.0, 0.7, 0.3)])
+@pytest.mark.parametrize(("speed", "softer", "touching"), [(1.5, 0.93, 0.0), (4.0, 0.85, 0.0)])
 def test_arms_of_a_show_give_way_softly_and_in_time(speed, softer, touching):
-    """Hands come together at 4 m/s, and at 11 m/s: those still touch for a moment."""
+    """Hands come together at 4 m/s, and at 11 m/s. Softer arms would miss the beat."""
     time, position, rotation = arms_that_meet(60.0, speed)
     at_once = np.array([cleared(pose)[0] for pose in zip(position, rotation, strict=True)])
     soft, turned = eased(time, position, rotation)
