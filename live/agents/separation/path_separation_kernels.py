@@ -19,6 +19,8 @@ MIN_SHARE = 0.08
 """A correction with a smaller share applied by then has no effect."""
 MAX_APPROACH = 1.6
 """Maximum short-term approach of two dancers [m]."""
+BOX_ROUNDING = 1e-4
+"""By so much [m] boxes and circles around paths are larger than calculated."""
 CORRECTION_SHARE = 0.7
 """Share of the missing distance that one round corrects: several pairs may act on the same dancer."""
 
@@ -78,17 +80,24 @@ def extrapolate_paths(
             out[m - 1, n, 0], out[m - 1, n, 1] = now[n, 0] + x - was_x, now[n, 1] + z - was_z
 
 
-@kernel("void(f4[:,:,::1], i8, f4[:,::1], f4[::1])")
-def path_bounds(path: Float32, first: int, middle: Float32, extent: Float32) -> None:
-    """Compute centre (A, 2) and half size (A,) [m] of the box around the paths (A, M, 2) from moment `first` on."""
+@kernel("void(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], i8, f4[:,::1], f4[::1])")
+def path_bounds(
+    path: Float32, share: Float32, goal: Float64, aim_origin: Float64, first: int, middle: Float32, extent: Float32
+) -> None:
+    """Compute centre (A, 2) and half size (A,) [m] of the boxes around corrected paths from moment `first` on."""
     for n in range(path.shape[0]):
-        low_x = high_x = path[n, first, 0]
-        low_z = high_z = path[n, first, 1]
-        for m in range(first + 1, path.shape[1]):
-            low_x, high_x = min(low_x, path[n, m, 0]), max(high_x, path[n, m, 0])
-            low_z, high_z = min(low_z, path[n, m, 1]), max(high_z, path[n, m, 1])
-        middle[n, 0], middle[n, 1] = 0.5 * (low_x + high_x), 0.5 * (low_z + high_z)
-        extent[n] = 0.5 * max(high_x - low_x, high_z - low_z)
+        per = 1.0 / max(1.0 - aim_origin[n, 2], 1e-9)
+        way_x, way_z = goal[n, 0] - aim_origin[n, 0], goal[n, 1] - aim_origin[n, 1]
+        low_x = low_z = np.inf
+        high_x = high_z = -np.inf
+        for m in range(first, path.shape[1]):
+            w = max(share[n, m] - aim_origin[n, 2], 0.0) * per
+            x, z = path[n, m, 0] + w * way_x, path[n, m, 1] + w * way_z
+            low_x, high_x = min(low_x, x), max(high_x, x)
+            low_z, high_z = min(low_z, z), max(high_z, z)
+        middle[n, 0] = 0.5 * (low_x + high_x) + aim_origin[n, 0]
+        middle[n, 1] = 0.5 * (low_z + high_z) + aim_origin[n, 1]
+        extent[n] = 0.5 * max(high_x - low_x, high_z - low_z) + BOX_ROUNDING
 
 
 @kernel(
@@ -113,12 +122,19 @@ def largest_shortfall(
     """
     worst, nx, nz, wi, wj = -1e9, 0.0, 0.0, 0.0, 0.0
     bx, bz, before_i, before_j = 0.0, 0.0, 0.0, 0.0
+    own, other = aim_origin[i], aim_origin[j]
+    own_x, own_z, other_x, other_z = (
+        goal[i, 0] - own[0],
+        goal[i, 1] - own[1],
+        goal[j, 0] - other[0],
+        goal[j, 1] - other[1],
+    )
+    off_x, off_z = other[0] - own[0], other[1] - own[1]
+    per_i, per_j = 1.0 / max(1.0 - own[2], 1e-9), 1.0 / max(1.0 - other[2], 1e-9)
     for m in range(first, path.shape[1]):
-        ui, uj = change_weight(share[i, m], aim_origin[i, 2]), change_weight(share[j, m], aim_origin[j, 2])
-        x = path[j, m, 0] + aim_origin[j, 0] + uj * (goal[j, 0] - aim_origin[j, 0])
-        x -= path[i, m, 0] + aim_origin[i, 0] + ui * (goal[i, 0] - aim_origin[i, 0])
-        z = path[j, m, 1] + aim_origin[j, 1] + uj * (goal[j, 1] - aim_origin[j, 1])
-        z -= path[i, m, 1] + aim_origin[i, 1] + ui * (goal[i, 1] - aim_origin[i, 1])
+        ui, uj = max(share[i, m] - own[2], 0.0) * per_i, max(share[j, m] - other[2], 0.0) * per_j
+        x = path[j, m, 0] - path[i, m, 0] + off_x + uj * other_x - ui * own_x
+        z = path[j, m, 1] - path[i, m, 1] + off_z + uj * other_z - ui * own_z
         cx, cz, t = x, z, 1.0
         if m > first:  # the nearest point of the straight segment since the moment before
             dx, dz = x - bx, z - bz
@@ -188,7 +204,7 @@ def separate_paths(
     before this round; `middle`, `extent`, `cell_start` and `order` are scratch.
     """
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
-    path_bounds(path, first, middle, extent)
+    path_bounds(path, share, goal, aim_origin, first, middle, extent)
     sort_into_cells(middle, half_width, half_depth, NEIGHBOUR_RANGE, cell_start, order)
     shortfall[:] = np.float32(-1.0)
     for i in range(path.shape[0]):
@@ -203,7 +219,7 @@ def separate_paths(
                     if j <= i or yields[j] < 0.0:
                         continue
                     bodies = radius[i] + radius[j]
-                    near = extent[i] + extent[j] + bodies + margin_at_end + max_correction[i] + max_correction[j]
+                    near = extent[i] + extent[j] + bodies + max(margin, margin_at_end)
                     if abs(middle[i, 0] - middle[j, 0]) > near or abs(middle[i, 1] - middle[j, 1]) > near:
                         continue
                     short, nx, nz, wi, wj = largest_shortfall(
@@ -219,6 +235,8 @@ def separate_paths(
                     force = CORRECTION_SHARE * short / max(own * wi * wi + other * wj * wj, 0.05)
                     move_goal(goal, i, -force * own * wi * nx, -force * own * wi * nz, max_correction[i])
                     move_goal(goal, j, force * other * wj * nx, force * other * wj * nz, max_correction[j])
+                    extent[i] += force * own * wi  # no place on a path moves farther than its goal
+                    extent[j] += force * other * wj
 
 
 @kernel("b1(f8[:,::1], f8[:,::1], f8, f8)")
@@ -304,6 +322,17 @@ def predicted_shortfall(now: Float32, soon: Float32, i: int, j: int, gap: float,
     return worst
 
 
+@kernel("f8[::1](f4[:,::1], f4[:,:,::1])")
+def _largest_moves(now: Float32, soon: Float32) -> Float64:
+    """Return how far each dancer gets (A,) [m] from the place `now` (A, 2) at the moments `soon` (K, A, 2)."""
+    away = np.zeros(now.shape[0])
+    for k in range(soon.shape[0]):
+        for n in range(now.shape[0]):
+            x, z = soon[k, n, 0] - now[n, 0], soon[k, n, 1] - now[n, 1]
+            away[n] = max(away[n], math.sqrt(x * x + z * z))
+    return away
+
+
 @kernel("b1(f4[:,::1], f4[:,:,::1], f4[::1], f4[::1], f8, f8, f8, f8, f8, i8, i4[::1], i4[::1], f8[:,::1], f8[:,::1])")
 def push_apart(
     now: Float32,
@@ -330,6 +359,7 @@ def push_apart(
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
     sort_into_cells(now, half_width, half_depth, NEIGHBOUR_RANGE, cell_start, order)
     moved[:] = 0.0
+    away = _largest_moves(now, soon)
     for i in range(now.shape[0]):
         if yields[i] < 0.0:
             continue
@@ -344,7 +374,7 @@ def push_apart(
                     gap = radius[i] + radius[j] + margin
                     nx, nz = now[j, 0] - now[i, 0], now[j, 1] - now[i, 1]
                     size = math.sqrt(nx * nx + nz * nz)
-                    if size > gap + MAX_APPROACH:
+                    if size > gap + min(away[i] + away[j] + BOX_ROUNDING, MAX_APPROACH):
                         continue
                     if size < 1e-4:
                         angle = 2.0 * math.pi * hash_unit(seed, i, j)

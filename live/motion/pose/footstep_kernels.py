@@ -6,8 +6,16 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import kernel
-from live.motion.pose.warp_curve_kernels import SWING_BEGIN, SWING_END, SWING_PART, WARP_RATE, WARP_SHARE, warp_share
+from live.base.jit import inline_kernel, kernel
+from live.motion.pose.warp_curve_kernels import (
+    SWING_BEGIN,
+    SWING_END,
+    SWING_PART,
+    WARP_RATE,
+    WARP_SHARE,
+    curve_place,
+    share_between,
+)
 
 Bool = npt.NDArray[np.bool_]
 Float32 = npt.NDArray[np.float32]
@@ -28,26 +36,36 @@ AIM_X, AIM_Z, AIM_SHARE, SETTLED, SETTLED_X, SETTLED_Z = range(6)
 late for the foot, which then keeps its goal [m]."""
 
 
+@inline_kernel
+def shift_between(
+    curve: Float64, knot: int, part: float, fraction: float, aim: Float64, goal_x: float, goal_z: float
+) -> tuple[float, float, float]:
+    """Return the same as `foot_shift` at a place as of `curve_place`."""
+    left = 1.0 - aim[AIM_SHARE]
+    x, z, lift = aim[AIM_X], aim[AIM_Z], 0.0
+    if left >= 1e-6:
+        if aim[SETTLED] > 0.0:
+            goal_x, goal_z = aim[SETTLED_X], aim[SETTLED_Z]
+        way_x, way_z = (goal_x - x) / left, (goal_z - z) / left
+        passed = max(share_between(curve, knot, part) - aim[AIM_SHARE], 0.0)
+        begin, size = curve[knot, SWING_BEGIN], curve[knot, SWING_END] - curve[knot, SWING_BEGIN]
+        if size > 0.0:
+            u = min(max((fraction - begin) / size, 0.0), 1.0)
+            moved = math.sqrt(way_x * way_x + way_z * way_z) * curve[knot, SWING_PART]
+            high = STEP_HEIGHT * min(1.0, size / STEP_TIME) * moved / (moved + STEP_LENGTH)
+            lift = high * 16.0 * (u * (1.0 - u)) ** 2
+        x, z = x + passed * way_x, z + passed * way_z
+    return x, z, lift
+
+
 @kernel("UniTuple(f8,3)(f8[:,::1], f8, f8[::1], f8, f8)")
 def foot_shift(
     curve: Float64, fraction: float, aim: Float64, goal_x: float, goal_z: float
 ) -> tuple[float, float, float]:
     """Return how far the footstep plan has moved a foot at `fraction` of the measure, x, z [m], and how high it lifts
     the foot [m]. `curve` (KNOTS, 5) of the foot, `aim` (6,), `goal_x` and `goal_z`: the measure's correction."""
-    left = 1.0 - aim[AIM_SHARE]
-    if left < 1e-6:
-        return aim[AIM_X], aim[AIM_Z], 0.0
-    if aim[SETTLED] > 0.0:
-        goal_x, goal_z = aim[SETTLED_X], aim[SETTLED_Z]
-    way_x, way_z = (goal_x - aim[AIM_X]) / left, (goal_z - aim[AIM_Z]) / left
-    passed = max(warp_share(curve, fraction) - aim[AIM_SHARE], 0.0)
-    k = min(int(min(max(fraction, 0.0), 1.0) * (curve.shape[0] - 1)), curve.shape[0] - 2)
-    lift, begin, size = 0.0, curve[k, SWING_BEGIN], curve[k, SWING_END] - curve[k, SWING_BEGIN]
-    if size > 0.0:
-        u = min(max((fraction - begin) / size, 0.0), 1.0)
-        moved = math.sqrt(way_x * way_x + way_z * way_z) * curve[k, SWING_PART]
-        lift = STEP_HEIGHT * min(1.0, size / STEP_TIME) * moved / (moved + STEP_LENGTH) * 16.0 * (u * (1.0 - u)) ** 2
-    return aim[AIM_X] + passed * way_x, aim[AIM_Z] + passed * way_z, lift
+    knot, part = curve_place(fraction, curve.shape[0])
+    return shift_between(curve, knot, part, fraction, aim, goal_x, goal_z)
 
 
 @kernel("f8(f8[:,::1], i8, i8)")

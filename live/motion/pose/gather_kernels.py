@@ -15,9 +15,9 @@ from live.motion.pose.foot_lock_kernels import (
     RAISE,
     RAISE_SPEED,
 )
-from live.motion.pose.footstep_kernels import foot_shift
+from live.motion.pose.footstep_kernels import shift_between
 from live.motion.pose.turn_kernels import place_clip
-from live.motion.pose.warp_curve_kernels import warp_share, warped_shift
+from live.motion.pose.warp_curve_kernels import curve_place, share_between, warped_shift
 from live.motion.yaw_kernels import yaw_rotate
 
 Float32 = npt.NDArray[np.float32]
@@ -126,20 +126,28 @@ def gather_take(
     placement[row, n, 2], placement[row, n, 3] = path + turn, body + turn
 
 
-@kernel("void(i8, f8, i8, f8, f8[:,::1], f8[:,::1], f8[:,:,::1], f8[:,:,:,::1], f8[:,:,::1], f4[:,:,::1])")
+@kernel(
+    "void(i8[::1], f8[::1], f4[:,::1], i4[::1], f8[:,::1], f8[:,::1], f8[:,:,::1], f8[:,:,:,::1], f8[:,:,::1], f8[::1],"
+    " f4[:,:,::1])"
+)
 def plan_feet(
-    n: int, at: float, own: int, weight: float, correction: Float64, aimed: Float64, warp_curve: Float64,
-    foot_curve: Float64, foot_aim: Float64, foot_offset: Float32,
+    rows: Int64, phase: Float64, share: Float32, node: Int32, correction: Float64, aimed: Float64, warp_curve: Float64,
+    foot_curve: Float64, foot_aim: Float64, locks: Float64, foot_offset: Float32,
 ) -> None:  # fmt: skip
-    """Write how far dancer n's footstep plan has the feet from their places in the clip as placed, by `weight`."""
-    x, z = correction[n, 0], correction[n, 1]
-    share = warp_share(warp_curve[own], at)
-    root_x = warped_shift(share, aimed[n, 2], aimed[n, 0], x)
-    root_z = warped_shift(share, aimed[n, 2], aimed[n, 1], z)
-    for foot in range(2):
-        foot_x, foot_z, lift = foot_shift(foot_curve[own, foot], at, foot_aim[n, foot], x, z)
-        foot_offset[n, foot, 0], foot_offset[n, foot, 1] = weight * (foot_x - root_x), weight * (foot_z - root_z)
-        foot_offset[n, foot, 2] = weight * lift
+    """Write how far footstep plans have the feet from their places in the clips as placed; arrays as in
+    `gather_dancers`."""
+    for i in range(rows.shape[0]):
+        n, at = rows[i], min(max(phase[i], 0.0), 1.0)
+        own, weight = max(node[n], 0), locks[n] * (1.0 - share[INTO_NEXT, n])
+        x, z = correction[n, 0], correction[n, 1]
+        knot, part = curve_place(at, warp_curve.shape[1])
+        now = share_between(warp_curve[own], knot, part)
+        root_x = warped_shift(now, aimed[n, 2], aimed[n, 0], x)
+        root_z = warped_shift(now, aimed[n, 2], aimed[n, 1], z)
+        for foot in range(2):
+            foot_x, foot_z, lift = shift_between(foot_curve[own, foot], knot, part, at, foot_aim[n, foot], x, z)
+            foot_offset[n, foot, 0], foot_offset[n, foot, 1] = weight * (foot_x - root_x), weight * (foot_z - root_z)
+            foot_offset[n, foot, 2] = weight * lift
 
 
 @kernel(
@@ -214,7 +222,6 @@ def gather_dancers(
         loud = amplitude[0, n] + ease(fraction) * (amplitude[1, n] - amplitude[0, n])
         into = ease((at - (1.0 - window)) / window) if continues and next_node[n] >= 0 else 0.0
         share[INTO_NEXT, n] = into
-        plan_feet(n, at, own, locks[n] * (1.0 - into), correction, aimed, warp_curve, foot_curve, foot_aim, foot_offset)
         if into == 0.0:
             sample[NEXT, n], scaled_amplitude[n] = sample[PRESENT, n], loud
             share[NEXT_LOWER, n] = share[NEXT_UPPER, n] = 0.0  # clear the previous request
@@ -231,6 +238,9 @@ def gather_dancers(
         )  # fmt: skip
         mean[1, n] = max(next_take[n], 0) if next_take_share[1, n] > 0.5 else coming
         scaled_amplitude[n] = loud + into * (next_amplitude[0, n] - loud)
+    plan_feet(
+        rows, phase, share, node, correction, aimed, warp_curve, foot_curve, foot_aim, locks, foot_offset
+    )  # fmt: skip
 
 
 @kernel("void(f8[:,::1], i8[::1], f8[:,::1], f8[:,:,::1], f4[:,::1], f4[:,::1])")

@@ -49,22 +49,25 @@ def place_clip(
     if on_support == 0.0:
         return x, z, yaw, yaw + ease(fraction) * angle
     before, shift_x, shift_z = 0.0, 0.0, 0.0
+    sine, cosine = 0.0, 1.0  # of `before`; those of all angles come from half of each turn's
     for k in range(turns.shape[0]):
         row = turns[k]
         if row[2] == 0.0 or angle == 0.0 or fraction <= row[0]:
             continue
         passed = min((fraction - row[0]) / max(row[1] - row[0], 1e-12), 1.0)
         progress = eased_share(passed, row[7])
-        turn = angle * row[2] * progress
+        half = 0.5 * angle * row[2] * progress
+        s, c = math.sin(half), math.cos(half)
+        turn_s, turn_c = 2.0 * s * c, 1.0 - 2.0 * s * s
+        even = 1.0 if abs(half) < 1e-6 else s / half
         way_x, way_z = (row[5] - row[3]) * progress, (row[6] - row[4]) * progress
         # foot - turned(foot + way) + way turned on average, all rotated by the preceding turns
-        tx, tz = yaw_rotate(row[3] + way_x, row[4] + way_z, turn)
-        half = 0.5 * turn
-        even = 1.0 if abs(half) < 1e-6 else math.sin(half) / half
-        mx, mz = yaw_rotate(way_x, way_z, half)
-        dx, dz = yaw_rotate(row[3] - tx + even * mx, row[4] - tz + even * mz, before)
-        shift_x, shift_z = shift_x + dx, shift_z + dz
-        before += turn
+        foot_x, foot_z = row[3] + way_x, row[4] + way_z
+        x_off = row[3] - (turn_c * foot_x + turn_s * foot_z) + even * (c * way_x + s * way_z)
+        z_off = row[4] - (turn_c * foot_z - turn_s * foot_x) + even * (c * way_z - s * way_x)
+        shift_x, shift_z = shift_x + cosine * x_off + sine * z_off, shift_z + cosine * z_off - sine * x_off
+        sine, cosine = sine * turn_c + cosine * turn_s, cosine * turn_c - sine * turn_s
+        before += 2.0 * half
     dx, dz = yaw_rotate(shift_x, shift_z, yaw)
     return x + dx, z + dz, yaw + before, yaw + before
 

@@ -57,6 +57,24 @@ def test_head_on_paths_pass_each_other():
     assert part.shortfall.max() < 0.01
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_missing_distances_are_those_of_all_pairs(seed):
+    """Boxes around the corrected paths sort out most pairs: what is left has what brute force finds."""
+    chance = np.random.default_rng(seed)
+    paths, goal = random_straight_paths(40, seed), chance.uniform(-1.5, 1.5, (40, 2))
+    paths.path[:] = paths.path[:, :1] + 0.1 * (paths.path - paths.path[:, :1])
+    paths.share[:] = np.linspace(0.0, 0.08, MOMENTS)  # too little of the corrections for the round to change them
+    part, before = build_separation(40), goal.copy()
+    part.separate(paths, goal, np.zeros((40, 3)), np.full(40, 2.0))
+    np.testing.assert_array_equal(goal, before)
+    apart = pair_distances(paths, goal)
+    lack = np.maximum(2 * RADIUS + MARGIN - apart.min(axis=0), 0.7 - apart[-1]).max(axis=1)
+    found = lack > 0.01
+    assert 5 < found.sum() < 40
+    np.testing.assert_allclose(part.shortfall[found], lack[found], atol=5e-3)
+    assert part.shortfall[lack < -0.01].max(initial=-1.0) <= 0.0
+
+
 @settings(max_examples=25, deadline=None)
 @given(st.integers(2, 20), st.integers(0, 2**32 - 1), st.floats(0.05, 0.35))
 def test_paths_are_offset_within_limit_and_only_when_needed(count, seed, most):
