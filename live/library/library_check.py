@@ -30,7 +30,7 @@ from live.motion.editing.facing import circular_mean, heading_of
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.formats.source_axes import BODY_HEIGHT_RANGE, UNITS
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.retarget.body_tracks import body_tracks
+from live.motion.retarget.body_tracks import BodyTracks, body_tracks
 from live.motion.skeleton import BODY_HEIGHT, SOLE_BELOW_ANKLE
 from live.motion.step_clip import FEET, StepClip, measured_direction, measured_distance, travel
 
@@ -49,6 +49,8 @@ MIN_FLIGHT = 0.08
 """A step that begins or ends with both soles higher than this [m] is in the air there."""
 MAX_DELAY = 0.2
 """A T-pose that begins later than this [s] is not at the beginning."""
+MAX_OFFSET_FROM_FEET = 0.11
+"""A body leans whose hips are farther beside the feet than this [m] half of the time: dancers have 0.08 and less."""
 _BEARING = {"forward": 0.0, "left": math.pi / 2, "back": math.pi, "right": -math.pi / 2}
 
 
@@ -254,11 +256,27 @@ def reading_warnings(entry: RecordingEntry, reader: RecordingReader) -> list[tup
         suspicion = suspect_frame_rate(tracks, start)
         if suspicion is not None:
             doubts.append(("fps", str(suspicion)))
+    beside = hips_beside_feet(tracks)
+    if beside > MAX_OFFSET_FROM_FEET:
+        words = f"half of the time the hips are more than {beside:.2f} m beside the feet: the body leans as if it fell"
+        doubts.append(("file", f"{words}; the suit's hips have drifted, so record it again or correct it"))
     if recording.unit_m is None and tracks.unit_m not in (*UNITS, motion.unit_m):
         low, high = BODY_HEIGHT_RANGE
         words = f"in no usual unit is the dancer {low} to {high} m tall; body and ways are scaled to {BODY_HEIGHT} m"
         doubts.append(("unit_m", words))
     return doubts
+
+
+def hips_beside_feet(tracks: BodyTracks) -> float:
+    """Return the median horizontal distance [m] of the hips from the line between the ankles."""
+    hips, left, right = (
+        points[:, (0, 2)]
+        for points in (tracks.positions[:, tracks.column("hips") or 0], tracks.ankles[:, 0], tracks.ankles[:, 1])
+    )
+    way = right - left
+    along = ((hips - left) * way).sum(axis=1) / np.maximum((way**2).sum(axis=1), 1e-9)
+    off = hips - left - np.clip(along, 0.0, 1.0)[:, None] * way
+    return float(np.median(np.hypot(*off.T)))
 
 
 def check_connections(checked: Sequence[FolderCheck], folder: Path, threshold: float) -> list[Finding]:

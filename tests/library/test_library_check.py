@@ -20,9 +20,20 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
     path = tmp_path / "steps"
     path.mkdir()
-    (path / "dance.bvh").write_text(body_bvh(dance_values(601)))
+    (path / "dance.bvh").write_text(body_bvh(upright_dance()))
     (path / "dance.toml").write_text(ONE)
     return path
+
+
+def upright_dance() -> np.ndarray:
+    """The made dance with the feet below the hips."""
+    values = dance_values(601)
+    for joint in ("Hips", "LeftUpLeg", "RightUpLeg"):
+        for axis in "ZX":
+            values[:, column(joint, axis)] = 0.0
+    for side in ("Left", "Right"):
+        values[:, column(side + "UpLeg", "X")] = -0.5 * values[:, column(side + "Leg", "X")]
+    return values
 
 
 def finding_texts(findings: list[Finding]) -> list[str]:
@@ -61,6 +72,14 @@ def test_missing_lead_in_is_reported(folder: Path) -> None:
     (folder / "dance.toml").write_text(ONE.replace("2.5", "0.1"))
     findings = finding_texts(check_folder(folder).findings)
     assert any("line 4: first_beat_s: the recording begins 0.10 s before the step" in finding for finding in findings)
+
+
+def test_a_body_that_leans_as_if_it_fell_is_reported(folder: Path) -> None:
+    values = upright_dance()
+    values[:, column("Hips", "X")] += 15.0
+    (folder / "dance.bvh").write_text(body_bvh(values))
+    (finding,) = [text for text in finding_texts(check_folder(folder).findings) if "beside the feet" in text]
+    assert "half of the time the hips are more than 0.18 m beside the feet: the body leans" in finding
 
 
 def test_step_without_foot_contact_is_reported(folder: Path) -> None:
@@ -172,6 +191,7 @@ def test_unmatched_begin_and_end_poses_are_reported(folder: Path) -> None:
 
 
 def test_steps_without_transition_are_reported(folder: Path) -> None:
+    (folder / "dance.bvh").write_text(body_bvh(dance_values(601)))
     checked = check_folder(folder)
     (finding,) = finding_texts(check_connections([checked], folder, threshold=0.02))
     assert "no step of sway leads to another within 0.02 m" in finding
