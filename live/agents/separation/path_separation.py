@@ -136,12 +136,17 @@ class PathSeparation:
             *self._cells, self._speed, self._moved,
         )  # fmt: skip
         if pushed:
-            slow_down_near(
-                now, self._radius, self._yields, margin, *self._stage[:2], *self._cells, self._speed, self._moved
-            )
+            self.slow_down(now, self._speed, self._moved, margin=margin)
         things = self._surroundings
         if pushed and things is not None and things.wall_count + things.obstacle_count:
             clear_moves(
                 now, self._moved, self._radius, things.walls, things.wall_count, things.obstacles, things.obstacle_count
             )
         return self._moved if pushed else None
+
+    def slow_down(self, now: Float32, speed: Float64, moved: Float64, *, margin: float) -> None:
+        """Take from `speed` and `moved` (A, 2), in place, what leads two dancers nearer than `margin` [m] together.
+
+        Called after `push_apart`, which sorts the dancers at `now` (A, 2) [m].
+        """
+        slow_down_near(now, self._radius, self._yields, margin, *self._stage[:2], *self._cells, speed, moved)

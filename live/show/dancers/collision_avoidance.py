@@ -241,6 +241,8 @@ class ContactResolver:
         size = np.hypot(*change.T)[:, None]
         self._speed += change * np.minimum(1.0, MAX_PUSH_ACCELERATION * TICK / np.maximum(size, 1e-9))
         self._speed[np.abs(self._speed).max(axis=1) < 1e-4] = 0.0
+        # no acceleration keeps a push from ending before a third dancer
+        self._path_separation.slow_down(dancers.drawn_hips, self._speed, wanted, margin=PUSH_MARGIN)
         self._displace(self._speed * TICK)
 
     def _displace(self, displacement: Float64) -> None:
