@@ -70,6 +70,10 @@ class Sketch:
     """Lowering of the pelvis on each beat [m] if no line of [pelvis] has up or down."""
     swing: float = 0.7
     """Maximum duration of a swing to the next place [beats]."""
+    late: float = 0.08
+    """How late hands are at the places of their keys [beats]."""
+    breath: float = 1.0
+    """Depth of the breath, 1 as at rest."""
     attributes: Mapping[str, Any] = field(default_factory=dict)
     """Further attributes by the names of StepClip's fields (see `sketch_attributes`)."""
     takes: tuple[Take, ...] = ()
@@ -90,6 +94,8 @@ _NUMBERS: Final[Mapping[str, tuple[float, float, float]]] = {
     "long": (0.05, 3.0, 1.0),
     "bounce": (0.0, 20.0, 0.01),
     "swing": (0.2, 2.0, 1.0),
+    "late": (0.0, 0.5, 1.0),
+    "breath": (0.0, 4.0, 1.0),
 }
 _WHOLES: Final = {"beats": (1, MAX_BEATS), "beats_per_measure": (1, 12)}
 _SWITCHES: Final = ("travels", "mirror", "cyclic", "alternate")

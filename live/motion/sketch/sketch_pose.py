@@ -22,6 +22,7 @@ from live.motion.sketch.upper_body import (
     axis_rotation,
     body_rotation,
     extend_keys,
+    facing,
     joint_index,
     offset_of,
     pose_arm,
@@ -37,6 +38,10 @@ _WEIGHT_SHIFT: Final = 0.55
 """Share of the distance from the middle to the supporting foot by which the pelvis shifts."""
 _MAX_FOOT_DISTANCE: Final = 0.62
 """Maximum lateral distance of a foot from the pelvis [m]."""
+_HEAD_LEAD: Final = 0.35
+"""The head looks where the body will face so many beats later ..."""
+_MAX_HEAD_LEAD: Final = math.radians(55.0)
+"""... as far as the neck goes [rad]."""
 _LEFT_RIGHT: Final = ((1.0, "left"), (-1.0, "right"))
 
 
@@ -66,7 +71,7 @@ def _pose_pelvis(sketch: Sketch, ground: FootSupport, pelvis: Channels, pose: Po
     stride = gaussian_filter(stride_of(ground), 0.1 * SAMPLES_PER_BEAT)
     weight = gaussian_filter(ground.balance, 0.12 * SAMPLES_PER_BEAT)
     turn = pelvis["turn"] - 0.16 * np.tanh(stride / 0.45)
-    tilt = pelvis["tilt"] - (0.0 if "tilt" in pelvis.named else math.radians(3.5) * weight)
+    tilt = pelvis["tilt"] - (0.0 if "tilt" in pelvis.named else math.radians(5.0) * weight)
     rotation = body_rotation(ground.facing + turn, pelvis["lean"], tilt)
     position = np.empty((len(ground.beats), 3))
     middle = 0.5 * (ground.left.support_point + ground.right.support_point)
@@ -177,6 +182,21 @@ def _pose_leg(track: FootTrack, pose: Pose, name: str) -> Float:
 # --- spine and head ----------------------------------------------------------------------------------------------
 
 
+def _breath(sketch: Sketch, beats: Float) -> Float:
+    """Return the breath, 0 out and 1 in, (T,): in once a measure, out at its lines."""
+    beats = beats if sketch.cyclic else np.clip(beats, 0.0, sketch.beats)
+    return np.asarray(sketch.breath * (0.5 - 0.5 * np.cos(2.0 * np.pi * beats / sketch.beats_per_measure)))
+
+
+def _head_lead(sketch: Sketch, ground: FootSupport, head: Channels) -> Float:
+    """Return by how much the head is ahead of the body's turn [rad], (T,): eyes go first. Keys of the head decide
+    alone."""
+    if "turn" in head.named:
+        return np.zeros(len(ground.beats))
+    ahead = facing(sketch, ground.beats + _HEAD_LEAD) - ground.facing
+    return np.asarray(_MAX_HEAD_LEAD * np.tanh(ahead / _MAX_HEAD_LEAD))
+
+
 def _pose_trunk(sketch: Sketch, ground: FootSupport, pelvis: Channels, pose: Pose) -> None:
     beats = ground.beats
     chest, head = Channels(sketch, "chest", beats), Channels(sketch, "head", beats)
@@ -186,9 +206,13 @@ def _pose_trunk(sketch: Sketch, ground: FootSupport, pelvis: Channels, pose: Pos
     drop = spring_response(
         STANDING_HEIGHT - np.clip(height, STANDING_HEIGHT - 0.15, STANDING_HEIGHT + 0.05), 0.45 * SAMPLES_PER_BEAT, 0.55
     )
-    turn = chest["turn"] + 0.20 * np.tanh(stride / 0.45) + 0.15 * pelvis["turn"]
-    lean = chest["lean"] + math.radians(1.0) + 0.6 * drop + 0.3 * pelvis["lean"]
-    tilt = chest["tilt"] + math.radians(2.0) * weight + 0.2 * pelvis["tilt"]
+    # the shoulders answer the hips: they turn and tilt against them while the weight goes from foot to foot
+    turn = chest["turn"] + 0.25 * np.tanh(stride / 0.45) + 0.1 * pelvis["turn"]
+    tilt = chest["tilt"] + 0.2 * pelvis["tilt"]
+    turn += math.radians(2.0 if "turn" in chest.named else 5.0) * weight
+    tilt += math.radians(2.5 if "tilt" in chest.named else 4.5) * weight
+    breath = _breath(sketch, beats)
+    lean = chest["lean"] + math.radians(1.0) + 0.6 * drop + 0.3 * pelvis["lean"] - math.radians(1.5) * breath
     upright = body_rotation(ground.facing + turn, lean, tilt)
     _, hips = pose.transform_of("hips")
     bend = quaternion.mul(quaternion.inverse(hips), upright)
@@ -204,7 +228,7 @@ def _pose_trunk(sketch: Sketch, ground: FootSupport, pelvis: Channels, pose: Pos
     pose.attach("upperChest", upright)
     nod = 0.9 * spring_response(drop, 0.3 * SAMPLES_PER_BEAT, 0.5) - 0.5 * drop
     gaze = body_rotation(
-        ground.facing + head["turn"] + 0.2 * chest["turn"],
+        ground.facing + head["turn"] + 0.2 * chest["turn"] + _head_lead(sketch, ground, head),
         head["lean"] + 0.45 * chest["lean"] + nod,
         head["tilt"] + 0.35 * chest["tilt"],
     )

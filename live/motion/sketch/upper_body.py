@@ -1,6 +1,7 @@
 """Building blocks for the poses of a sketch: key channels as smooth functions of beats, the pose, and the arms.
 
-Arms follow their keys or hang with a counter-swing, and lag slightly behind the body.
+Arms follow their keys or hang with a counter-swing. They have weight: elbows hang, and hands and elbows arrive a little
+late and follow through.
 """
 
 import math
@@ -11,7 +12,15 @@ import numpy as np
 
 from live.base.arrays import Float
 from live.motion import quaternion
-from live.motion.curve import gaussian_filter, hermite, interpolate, monotone_slopes, repeat_keys, spring_response
+from live.motion.curve import (
+    gaussian_filter,
+    hermite,
+    interpolate,
+    monotone_slopes,
+    repeat_keys,
+    smoothstep,
+    spring_response,
+)
 from live.motion.skeleton import SKELETON
 from live.motion.sketch.foot_trajectories import FootTrack
 from live.motion.sketch.sketch_file import Key, Sketch
@@ -146,6 +155,20 @@ def stride_of(ground: FootSupport) -> Float:
 _REST_HAND: Final = np.array((0.115, -0.44, 0.075))
 """Position of a relaxed hand relative to its shoulder: out, up, forward [m]."""
 
+_HANGING: Final = float(np.linalg.norm(_REST_HAND))
+"""Distance of a relaxed hand from its shoulder [m]: where no height is written, a hand hangs that far away."""
+_LOW_ELBOW: Final = np.array((0.45, -0.4, -0.9))
+_LEVEL_ELBOW: Final = np.array((0.25, -1.0, -0.3))
+_HIGH_ELBOW: Final = np.array((0.95, -0.35, 0.0))
+_LATE_SHARE: Final = 0.2
+"""A hand is later than its keys by this share of its spring's period ..."""
+_HAND_DAMPING: Final = 0.62
+"""... with this damping: it goes on by a twelfth of its way before it comes back."""
+_ELBOW_PERIOD, _ELBOW_DAMPING = 0.7, 0.45
+"""The elbow swings about its place with this period [beats] and damping ..."""
+_MAX_ELBOW_SWING: Final = 0.4
+"""... by less than this share of the upper arm."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Hand:
@@ -164,7 +187,8 @@ def _hand(sketch: Sketch, part: str, beats: Float) -> _Hand:
         if "rest" in a:
             rows.append((key.beat, *_REST_HAND, 0.0, 0.0, 0.0, 0.0, 0.0))
             continue
-        place = a.get("out", 0.0), a.get("up", 0.0), a.get("forward", 0.0)
+        aside, ahead = a.get("out", 0.0), a.get("forward", 0.0)
+        place = aside, a.get("up", -math.sqrt(max(_HANGING**2 - aside**2 - ahead**2, 0.0))), ahead
         elbow = a.get("elbow out", 0.0), a.get("elbow up", 0.0), a.get("elbow forward", 0.0)
         rows.append((key.beat, *place, *elbow, a.get("wrist", 0.0), 1.0))
     rest = (*_REST_HAND, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -178,8 +202,22 @@ def _hand(sketch: Sketch, part: str, beats: Float) -> _Hand:
         cycles = np.arange(math.floor(beats[0] / sketch.beats) - 2, math.ceil(beats[-1] / sketch.beats) + 3)
         times = (times[None] + cycles[:, None] * sketch.beats).ravel()
         values = np.tile(values, (len(cycles), 1))
-    track = gaussian_filter(interpolate(times, values, beats), 0.06 * SAMPLES_PER_BEAT)
+    track = gaussian_filter(interpolate(times, values, beats), 0.055 * SAMPLES_PER_BEAT)
+    if sketch.late > 0.0:
+        late = spring_response(track, sketch.late / _LATE_SHARE * SAMPLES_PER_BEAT, _HAND_DAMPING) - track
+        if not sketch.cyclic:  # it begins and ends at rest
+            late *= smoothstep(np.minimum(beats, sketch.beats - beats) / 0.5)[:, None]
+        track = track + late
     return _Hand(track[:, :3], track[:, 3:6], track[:, 6], track[:, 7])
+
+
+def _elbow_pole(height: Float) -> Float:
+    """Return where elbows point, (T, 3) out, up, forward, for hands at `height` (T, 1) [m] over the shoulder.
+
+    The elbow of a low arm points back, that of a level one hangs, that of a high one points out.
+    """
+    level, high = smoothstep((height + 0.4) / 0.3), smoothstep((height - 0.02) / 0.4)
+    return (1.0 - level) * _LOW_ELBOW + level * ((1.0 - high) * _LEVEL_ELBOW + high * _HIGH_ELBOW)
 
 
 def pose_arm(sketch: Sketch, ground: FootSupport, pose: Pose, side: float, name: str) -> None:
@@ -203,10 +241,14 @@ def pose_arm(sketch: Sketch, ground: FootSupport, pose: Pose, side: float, name:
     frame = quaternion.slerp(axis_rotation(Y_AXIS, ground.facing), chest, np.full(len(chest), 0.6))
     hung = 0.5 * (spring_response(root, 0.4 * SAMPLES_PER_BEAT, 0.6) - root)
     target = root + hung + quaternion.rotate(frame, place)
-    raised = np.clip((place[:, 1:2] + 0.15) / 0.5, 0.0, 1.0) ** 2
-    pole = (1.0 - raised) * (0.6, -0.6, -0.5) + raised * (0.9, -0.35, -0.25) + hand.elbow / 0.3
+    pole = gaussian_filter(_elbow_pole(place[:, 1:2]) + hand.elbow / 0.3, 0.12 * SAMPLES_PER_BEAT)
     pole = quaternion.rotate(frame, pole * (side, 1.0, 1.0))
     upper, lower = float(abs(offset_of("leftLowerArm")[0])), float(abs(offset_of("leftHand")[0]))
+    elbow, _ = two_bone(root, target, pole, upper=upper, lower=lower)
+    late = spring_response(elbow - root, _ELBOW_PERIOD * SAMPLES_PER_BEAT, _ELBOW_DAMPING)
+    swung = (late - (elbow - root)) / upper
+    swung /= np.sqrt(1.0 + np.sum(swung * swung, axis=1, keepdims=True) / _MAX_ELBOW_SWING**2)
+    pole = quaternion.unit(pole) + swung
     elbow, wrist = two_bone(root, target, pole, upper=upper, lower=lower)
     hinge = hinge_axis(root, target, pole)
     pose.rotation[:, joint_index(f"{name}UpperArm")] = bone_rotation(elbow - root, hinge, side * X_AXIS, side * Y_AXIS)
