@@ -111,6 +111,26 @@ ARM_CLEARANCE: Final = _row(
     patch_text="How far arms are kept out of the own trunk and off other dancers; hands that are held stay together.",
 )  # fmt: skip
 
+
+def _mood(name: str, low: str, high: str, text: str) -> Parameter:
+    """Add a row of a mood: what it is at -1 and at 1, and what it does."""
+    return _row(
+        f"mood_{name}", "number", -1, 1, 0.0, patch=f"mood.{name}", words=f"-1: {low}, 1: {high}",
+        text=f"Mood from {low} to {high}: {text}",
+        patch_text=f"From {low} (-1) to {high} (1): {text}",
+    )  # fmt: skip
+
+
+MOODS: Final = (
+    _mood("weight", "light", "strong", "how low the body is, and how heavily its arms hang."),
+    _mood("time", "sustained", "sudden", "whether movements flow through the beats or are over early and held."),
+    _mood("space", "indirect", "direct", "whether trunk and gaze roam, or go straight to the public."),
+    _mood("flow", "bound", "free", "whether arms stay close and tense, or swing out."),
+    _mood("confidence", "shy", "proud", "chest, shoulders, and where the head looks."),
+    _mood("energy", "tired", "awake", "how large movements are, and how upright the trunk."),
+)
+"""Laban's four efforts and two moods of the thesis' shy and graceful dancers (T143), in the order of `MoodPose`."""
+
 MOTION_PARAMETERS: Final = tuple(_ROWS)
 """All of them, in the order of a group's row."""
 MOTION_SIZE: Final = len(MOTION_PARAMETERS)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Final, Literal
 
-from live.base.motion_parameters import MOTION_PARAMETERS
+from live.base.motion_parameters import MOODS, MOTION_PARAMETERS
 from live.base.parameter import Parameter
 from live.base.picture_parameters import GROUP_PARAMETERS, PARAMETERS
 from live.control.events.event import ControlEvent
@@ -44,5 +44,33 @@ def parameter_control(row: Parameter) -> Control:
     )  # fmt: skip
 
 
-PARAMETER_CONTROLS: Final = tuple(map(parameter_control, (*MOTION_PARAMETERS, *PARAMETERS, *GROUP_PARAMETERS.values())))
+_MOOD_NAMES: Final = {row.patch.partition(".")[2]: row for row in MOODS}
+
+
+def _mood_address(name: str) -> str:
+    if name.strip().lower() not in _MOOD_NAMES:
+        raise ValueError(name)
+    return _MOOD_NAMES[name.strip().lower()].address
+
+
+def _make_mood(*, time: float, source: str, group: str, name: str, value: float, measures: float) -> ControlEvent:
+    return SetParameter(time=time, source=source, address=name, value=(value,), group=group, measures=measures)
+
+
+MOOD_CONTROL: Final = Control(
+    "/dance/mood", _make_mood,
+    (
+        replace(DANCERS, name="group"),
+        Argument("name", "name", "the mood", convert=_mood_address, form=", ".join(_MOOD_NAMES)),
+        Argument("value", "float", "from one end to the other", "", -1, 1),
+        _MEASURES,
+    ),
+    "The mood of dancers: any step, recorded or sketched, is danced lighter or stronger, shyer or prouder (T143).",
+    "operator",
+)  # fmt: skip
+"""The moods with one address: the same as `/dance/motion/mood_...`."""
+
+PARAMETER_CONTROLS: Final = (
+    *map(parameter_control, (*MOTION_PARAMETERS, *PARAMETERS, *GROUP_PARAMETERS.values())), MOOD_CONTROL,
+)  # fmt: skip
 """Controls of all parameters."""

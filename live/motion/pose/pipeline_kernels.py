@@ -35,6 +35,7 @@ UPPER_FIRST, UPPER_LAST, CHEST, HEAD = range(4)
 """Entries of `body`: joints UPPER_FIRST..UPPER_LAST-1 are the upper body; -1 if there is no such joint."""
 _MAX_FADE_TIME: Any = np.float32(MAX_FADE_TIME)
 _ZERO: Any = np.float32(0.0)
+_HALF: Any = np.float32(0.5)
 _ONE: Any = np.float32(1.0)
 _TWO: Any = np.float32(2.0)
 
@@ -139,16 +140,35 @@ def _amplify(
     slerp_rows(local, other, row, first, last)
 
 
+@inline_kernel
+def _bend_joints(local: Float32, bend: Float32, first: int, start: int, stop: int) -> None:
+    """Bend joints from `first` on by `bend` (A, U, 3) [rad], rotation vectors about their parents' axes; (0, 0, 3): not
+    at all."""
+    for j in range(bend.shape[1]):
+        for i in range(BLOCK):
+            n = min(start + i, stop - 1)
+            x, y, z = _HALF * bend[n, j, 0], _HALF * bend[n, j, 1], _HALF * bend[n, j, 2]
+            w = _ONE / math.sqrt(_ONE + x * x + y * y + z * z)
+            x, y, z = w * x, w * y, w * z
+            qw, qx, qy, qz = (
+                local[first + j, 0, i], local[first + j, 1, i], local[first + j, 2, i], local[first + j, 3, i],
+            )  # fmt: skip
+            local[first + j, 0, i] = w * qw - x * qx - y * qy - z * qz
+            local[first + j, 1, i] = w * qx + x * qw + y * qz - z * qy
+            local[first + j, 2, i] = w * qy - x * qz + y * qw + z * qx
+            local[first + j, 3, i] = w * qz + x * qy - y * qx + z * qw
+
+
 @kernel(
     "void(f4[:,:,::1], f4[:,:,::1], f4[:,::1], f4[:,:,::1], f4[:,:,::1], f8[:,::1], f8[:,:,::1], f4[:,::1], i4[:,::1],"
-    " f4[::1], f4[::1], f4[:,:,::1], f4[:,:,::1], f4[::1], i4[::1], f4[:,::1], i4[::1], i4[::1], i4[::1], f4[::1],"
-    " i8, i8)"
+    " f4[::1], f4[:,:,::1], f4[::1], f4[:,:,::1], f4[:,:,::1], f4[::1], i4[::1], f4[:,::1], i4[::1],"
+    " i4[::1], i4[::1], f4[::1], i8, i8)"
 )
 def pose_dancers(
     position: Float32, rotation: Float32,
     clip_root: Float32, clip_rotation: Float32, mean_rotation: Float32,
-    sample: Float64, placement: Float64, share: Float32, mean: Int32, amplitude: Float32, head: Float32, feet: Float32,
-    difference: Float32, age: Float32, difference_rows: Int32,
+    sample: Float64, placement: Float64, share: Float32, mean: Int32, amplitude: Float32, bend: Float32, head: Float32,
+    feet: Float32, difference: Float32, age: Float32, difference_rows: Int32,
     offsets: Float32, parents: Int32, body: Int32, legs: Int32, soles: Float32,
     begin: int, end: int,
 ) -> None:  # fmt: skip
@@ -158,8 +178,9 @@ def pose_dancers(
     Out: `position` (A, J, 3) world [m], `rotation` (A, J, 4) world. In: all clips as `clip_root` (S, 3) and
     `clip_rotation` (S, J, 4); `mean_rotation` (N, J, 4) each node's mean pose; `sample` (4, A) fractional samples and
     `placement` (4, A, 4) x, z [m], yaw of path and body [rad] of the clips PRESENT .. NEXT_TAKE; `share` (5, A) LOWER
-    .. NEXT_UPPER; `mean` (2, A) nodes of the mean poses; `amplitude` (A,) about 1; `head` (A,) share of the head's turn
-    to the audience; `feet` (A, 2, 12) as in `foot_lock_kernels` (TOES below 0: legs unchanged); `difference`, `age`
+    .. NEXT_UPPER; `mean` (2, A) nodes of the mean poses; `amplitude` (A,) about 1; `bend` (A, U, 3) [rad] of the upper
+    body by the mood, or (0, 0, 3); `head` (A,) share of the head's turn to the audience; `feet` (A, 2, 12) as in
+    `foot_lock_kernels` (TOES below 0: legs unchanged); `difference`, `age`
     (A,) [s] and `difference_rows` (J,) as in `inertialization_kernels`. `soles`: heights [m] of ankle and toe joint of
     a standing foot.
     """
@@ -197,6 +218,7 @@ def pose_dancers(
             _amplify(present, take, mean_rotation, mean, share[INTO_NEXT], amplitude, row, body, start, stop)
         if _any_below(age, _MAX_FADE_TIME, start, stop):
             add_differences(present, root, difference, age, difference_rows, start, stop)
+        _bend_joints(present, bend, body[UPPER_FIRST], start, stop)
         forward_kinematics_rows(world, present, root, offsets, parents)
         if body[HEAD] >= 0 and _any_but(head, _ZERO, start, stop):
             face_audience(world, head, body[CHEST], body[HEAD], start, stop)

@@ -89,6 +89,9 @@ class ClipStore:
         return cls(*arrays)
 
 
+NOT_BENT: Final = np.zeros((0, 0, 3), np.float32)
+
+
 class PosePipeline:
     """Fill the public arrays, then call `run`. Per frame only the blocks' few kilobytes are allocated."""
 
@@ -105,6 +108,8 @@ class PosePipeline:
         """Nodes whose mean poses the amplitude refers to: present and next clip, shape (2, A)."""
         self.amplitude: Float32 = np.ones(count, np.float32)
         """Amplitude of the upper body, 1 = as recorded, shape (A,) (T058)."""
+        self.bend: Float32 = NOT_BENT
+        """How the mood bends the joints of the upper body, (A, U, 3) rotation vectors [rad]; empty: not at all."""
         self.head: Float32 = np.zeros(count, np.float32)
         """Share of the head's turn to the audience, 0 to 1, shape (A,) (T123-T125)."""
         self.feet: Float32 = np.zeros((count, 2, FEET_COLUMNS), np.float32)
@@ -135,7 +140,8 @@ class PosePipeline:
             (self.feet, (count, 2, FEET_COLUMNS)), (self.age, (count,)), (self.difference_rows, (joints,)),
             (self.position, (count, joints, 3)), (self.rotation, (count, joints, 4)),
         )  # fmt: skip
-        parts = all(0 <= begin <= end <= count for begin, end in self._parts)
+        bend = self.bend.shape in ((0, 0, 3), (count, self.skeleton.body[1] - self.skeleton.body[0], 3))
+        parts = bend and all(0 <= begin <= end <= count for begin, end in self._parts)
         return parts and all(array.shape == shape for array, shape in shapes)
 
     def run(
@@ -158,7 +164,7 @@ class PosePipeline:
         def part(begin: int, end: int) -> None:
             pose_dancers(
                 position, rotation, clips.root, clips.rotation, clips.mean,
-                self.sample, self.placement, self.share, self.mean, self.amplitude, self.head, self.feet,
+                self.sample, self.placement, self.share, self.mean, self.amplitude, self.bend, self.head, self.feet,
                 self.difference, self.age, self.difference_rows,
                 skeleton.offsets, skeleton.parents, skeleton.body, skeleton.legs, self._soles, begin, end,
             )  # fmt: skip

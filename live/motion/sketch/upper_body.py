@@ -217,7 +217,7 @@ def _elbow_pole(height: Float) -> Float:
     The elbow of a low arm points back, that of a level one hangs, that of a high one points out.
     """
     level, high = smoothstep((height + 0.4) / 0.3), smoothstep((height - 0.02) / 0.4)
-    return (1.0 - level) * _LOW_ELBOW + level * ((1.0 - high) * _LEVEL_ELBOW + high * _HIGH_ELBOW)
+    return np.asarray((1.0 - level) * _LOW_ELBOW + level * ((1.0 - high) * _LEVEL_ELBOW + high * _HIGH_ELBOW))
 
 
 def pose_arm(sketch: Sketch, ground: FootSupport, pose: Pose, side: float, name: str) -> None:

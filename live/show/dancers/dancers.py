@@ -12,12 +12,13 @@ from live.graph.select.candidates import starting_placement
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.pose.arm_clearance import ArmEasing, apply_arm_clearance
 from live.motion.pose.foot_lock import LEG_JOINTS, CutFootLift, FootLock
-from live.motion.pose.foot_lock_kernels import HELD, SHIFT_X, SHIFT_Z
+from live.motion.pose.foot_lock_kernels import HELD, HIP_DROP, SHIFT_X, SHIFT_Z
 from live.motion.pose.gather_kernels import set_clearance, set_steps, shift_feet
 from live.motion.pose.hand_hold import HandHolds, HeldArms
 from live.motion.pose.inertialization import Inertialization
 from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
-from live.motion.pose.pose_pipeline import PosePipeline, PoseSkeleton
+from live.motion.pose.mood_pose import MoodPose
+from live.motion.pose.pose_pipeline import NOT_BENT, PosePipeline, PoseSkeleton
 from live.motion.skeleton import JOINT_COUNT, SOLE_BELOW_ANKLE
 from live.motion.texture.live_bank import TextureBank
 from live.show.capture.performer import CapturedPerformer
@@ -67,6 +68,7 @@ class Dancers(CurrentMeasures):
         self._bare_legs = np.zeros_like(self._legs.position), np.zeros_like(self._legs.rotation)
         self.push_velocity: Float64 = np.zeros((dancer_count, 2))
         """Velocity at which each dancer was pushed in the last tick [m/s], (A, 2). Frames go on with it."""
+        self._mood = MoodPose(dancer_count)
         self.drawn_hips: Float32 = np.zeros((dancer_count, 2), np.float32)
         """Hips of each dancer at the last tick, as drawn [m], shape (A, 2)."""
 
@@ -113,6 +115,7 @@ class Dancers(CurrentMeasures):
     def tick(self, fraction: float, time: float, dt: float) -> None:
         """Advance foot lock and texturing to the tick at `time` [s], `dt` [s] after the last one."""
         self.inertia.update_age(time)
+        self.variation.follow_moods(dt)
         contact, landing = self.contact(fraction), self.landing_feet()
         contact[self.variation[FOOT_LOCK] == 0.0] = False  # these feet are never held
         if self.partner_response is not None:
@@ -147,6 +150,12 @@ class Dancers(CurrentMeasures):
         if self.push_velocity.any():
             pipeline.placement[:, :, :2] += self.push_velocity * max(time - self._locked_at, 0.0)
         pipeline.head[:] = variation[HEAD]
+        moods, pipeline.bend = variation.mood.any(), NOT_BENT
+        if moods:
+            self._mood.set(variation.mood, time)
+            pipeline.amplitude *= self._mood.size
+            pipeline.bend = self._mood.bend
+            np.maximum(pipeline.head, self._mood.gaze, out=pipeline.head)
         pipeline.lock = variation.any(FOOT_LOCK) or self.lock.max_shift > 1e-3  # released feet still have to swing back
         if pipeline.lock:
             age = max(time - self._locked_at, 0.0)
@@ -155,6 +164,8 @@ class Dancers(CurrentMeasures):
             set_steps(pipeline.feet, self._foot_offset, self.lock.state, age)
             if self.inertia.any_fading:
                 self.landing.apply(pipeline.feet, self.inertia.age)
+            if moods:
+                pipeline.feet[:, :, HIP_DROP] += self._mood.drop[:, None]
         position, rotation = pipeline.run(self.graph.library.store, out)
         self.texture.apply(self._phase, position, rotation)
         for captured in self.captured.values():

@@ -18,6 +18,7 @@ from live.base.motion_parameters import (
     LARGER,
     MIRRORED,
     MIX,
+    MOODS,
     MOTION_PARAMETERS,
     TEXTURE,
     TURN_ON_SUPPORT,
@@ -42,11 +43,11 @@ from live.show.patch.section_motion import GroupSection
 
 def section_values(patch: Patch, group: GroupSection) -> list[float]:
     """Return the motion parameters of a group: a key of its own counts before the one of the whole patch."""
-    values = []
+    values, overlaid = [], {"motion": patch.motion_of(group), "mood": patch.mood_of(group)}
     for row in MOTION_PARAMETERS:
         table, _, key = row.patch.partition(".")
-        own = None if table == "motion" else getattr(group, key)
-        section = patch.motion_of(group) if table == "motion" else getattr(patch, table)
+        own = None if table in overlaid else getattr(group, key)
+        section = overlaid[table] if table in overlaid else getattr(patch, table)
         values.append(parameter_number(row, getattr(section, key) if own is None else own))
     return values
 
@@ -70,6 +71,12 @@ def group_values(patch: Patch) -> Float64:
 
 MAX_SPEED_CHANGE: Final = 0.9
 """Largest change of a clip's speed by a time warp, as a share (T054: from 1 on it would run backwards)."""
+MOOD_TIME: Final = 0.4
+"""Time constant with which dancers follow a mood [s]."""
+MAX_HOLD: Final = 0.55
+"""In the most sudden mood movements are slower at beats, and faster between them, by this share."""
+_MOOD_ROWS: Final = slice(MOODS[0].first, MOODS[-1].first + 1)
+_TIME: Final = 1
 MAX_DELAY: Final = 0.95
 """Largest delay, as a share of a measure."""
 MAX_DELAY_CHANGE: Final = 0.2
@@ -137,6 +144,8 @@ class Variation:
         self._even: Float64 = np.zeros(count)
         self._everybody: Int64 = np.arange(count)
         self.update_groups()
+        self.mood: Float64 = self._of_dancers[_MOOD_ROWS].copy()
+        """The moods as danced now, which follow those that are asked for, shape (6, A)."""
 
     @classmethod
     def of(cls, patch: Patch, group: Int32, *, seed: int, window: float) -> "Variation":
@@ -272,6 +281,14 @@ class Variation:
         self.drift.at(ahead, rows, fraction, self._farthest, self._previous_timing_source, self._timing_source)
         return ahead
 
+    def follow_moods(self, dt: float) -> None:
+        """Let the dancers' moods follow those that are asked for, a tick of `dt` [s]: nobody's pose jumps."""
+        wanted = self._of_dancers[_MOOD_ROWS]
+        if not np.array_equal(self.mood, wanted):
+            self.mood += (wanted - self.mood) * (1.0 - np.exp(-dt / MOOD_TIME))
+            near = np.abs(self.mood - wanted) < 1e-4
+            self.mood[near] = wanted[near]
+
     # -- intended delays: canon and ripple ------------------------------------------------------------------------
 
     def phases(self, out: Float64, fraction: float, warp: Float64, rows: Int64 | None = None) -> tuple[float, float]:
@@ -285,7 +302,20 @@ class Variation:
             warp, ahead, before, late = np.ascontiguousarray(warp[:, rows]), ahead[rows], before[rows], late[rows]
         if self._drifts:
             ahead = self.sequence_warp(fraction, rows)
+        held = self.mood[_TIME]
+        if held.any():
+            ahead = ahead + self._mood_lead(fraction, held if rows is None else held[rows], warp)
         return delay_phases(out, fraction, warp, self._window, ahead, before, late)
+
+    def _mood_lead(self, fraction: float, held: Float64, warp: Float64) -> Float64:
+        """Return how far movements are ahead at `fraction` of the measure, as a share of it, in a mood of time `held`
+        (n,).
+
+        Sudden movements are fast between beats and slow at them, sustained ones the other way; all are on the beat.
+        """
+        turns = 2.0 * np.pi * self._beats
+        room = np.maximum(MAX_SPEED_CHANGE - 2.0 * np.pi * warp[0] * warp[1], 0.0)
+        return np.asarray(-np.clip(MAX_HOLD * held, -room, room) * np.sin(turns * fraction) / turns)
 
     def update_delays(
         self,

@@ -4,12 +4,12 @@ Units are metres, seconds, beats, bpm and degrees; measures count from 1. `patch
 `live.show.patch_checks`, and explains errors.
 """
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Self, TypeVar
 
 from pydantic import Field, ValidationInfo, model_validator
 
 from live.base.picture_parameters import MAX_GROUPS
-from live.show.patch.section_base import Name, WholeFile, run_check
+from live.show.patch.section_base import Name, Section, WholeFile, run_check
 from live.show.patch.section_cues import CueSection, PadSection, SceneSection
 from live.show.patch.section_elements import ElementSection
 from live.show.patch.section_io import (
@@ -20,7 +20,7 @@ from live.show.patch.section_io import (
     OscSection,
     PsnSection,
 )
-from live.show.patch.section_motion import GroupSection, LocomotionSection, MotionSection, PartnerSection
+from live.show.patch.section_motion import GroupSection, LocomotionSection, MoodSection, MotionSection, PartnerSection
 from live.show.patch.section_music import ClockSection, MusicSection, ReactSection, SoundSection
 from live.show.patch.section_picture import Characters, PictureSection, TextureSection
 from live.show.patch.section_score import (
@@ -93,6 +93,7 @@ class Patch(WholeFile):
     pad: Annotated[tuple[PadSection, ...], Field(max_length=256)] = ()
     locomotion: LocomotionSection = LocomotionSection()
     motion: MotionSection = MotionSection()
+    mood: MoodSection = MoodSection()
     texture: TextureSection = TextureSection()
     partner: Annotated[tuple[PartnerSection, ...], Field(max_length=16)] = ()
     react: Annotated[tuple[ReactSection, ...], Field(max_length=64)] = ()
@@ -125,12 +126,11 @@ class Patch(WholeFile):
 
     def motion_of(self, group: GroupSection) -> MotionSection:
         """The motion section of a group: its own keys over the patch's."""
-        own = group.motion
-        return (
-            self.motion
-            if own is None
-            else self.motion.model_copy(update={k: getattr(own, k) for k in own.model_fields_set})
-        )
+        return _overlay(self.motion, group.motion)
+
+    def mood_of(self, group: GroupSection) -> MoodSection:
+        """The mood section of a group: its own keys over the patch's."""
+        return _overlay(self.mood, group.mood)
 
     def leader_of(self, group: GroupSection) -> GroupSection:
         """Return the group whose steps a group dances: the one given by `like`, or itself."""
@@ -140,3 +140,11 @@ class Patch(WholeFile):
     def _tables_fit(self, info: ValidationInfo) -> Self:
         run_check(info, "patch", self)
         return self
+
+
+Overlaid = TypeVar("Overlaid", bound=Section)
+
+
+def _overlay(whole: Overlaid, own: Overlaid | None) -> Overlaid:
+    """Return the section of the whole patch with the keys that a group writes itself."""
+    return whole if own is None else whole.model_copy(update={key: getattr(own, key) for key in own.model_fields_set})

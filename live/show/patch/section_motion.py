@@ -44,6 +44,10 @@ class MotionSection(parameter_section("motion")):  # type: ignore[misc]
     """`[motion]`, or `motion` of a group for that group alone: variation between dancers, and motion clean-up."""
 
 
+class MoodSection(parameter_section("mood")):  # type: ignore[misc]
+    """`[mood]`, or `mood` of a group for that group alone: how steps are danced, along Laban's efforts (T143)."""
+
+
 DEFAULT_HOLD_TIME: Final = 0.4
 """Default time [s] for which hands must be near to count as held."""
 Selection = Annotated[str, Field(min_length=1, max_length=400)]
@@ -224,6 +228,8 @@ class GroupSection(Section):
     """Width and depth of the formation [m]."""
     motion: MotionSection | None = None
     """Keys as in `[motion]`, for this group alone; keys left out have the values of `[motion]`."""
+    mood: MoodSection | None = None
+    """Keys as in `[mood]`, for this group alone; keys left out have the values of `[mood]`."""
 
     @field_validator("steps")
     @classmethod

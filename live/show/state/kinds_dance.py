@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from live.motion.pose.mood_pose import MoodPose
 from live.show.background_work import TaskQueue
 from live.show.capture.capture_manager import CaptureManager
 from live.show.capture.performer import CapturedPerformer
@@ -118,7 +119,7 @@ KINDS: Final = [
         _pipeline:pose-pipeline _everybody:i8(dancer) _phase:f8 _foot_offset:f4 lock:foot-lock hands:hands
         _locked_at:float _aside:pose-pipeline _legs:pose-pipeline inertia:inertia landing:landing texture:texturing
         captured:dict[str,captured] beats:int partner_response:answering|none _settled:f4 _bare_legs:tuple[f4,f4]
-        drawn_hips:f4 push_velocity:f8
+        drawn_hips:f4 push_velocity:f8 _mood:mood-pose
     """),
     Kind("division", Division, """
         _group:i4(group) group_count:int part:i4(part) group_of:i4(group)
@@ -157,6 +158,7 @@ KINDS: Final = [
         _half:tuple[int,int]|none _decided:bool _step:i4(step) _unplanned:b1 _collision_avoidance:avoiding cue_count:int
     """),
     Kind("interrupts.cue", _Cue, "step:int who:b1 measures:int groups:row[int] words:str"),
+    Kind("mood-pose", MoodPose, "bend:f4 size:f4 drop:f4 gaze:f4 _own:f8"),
     Kind("mocap", CaptureManager, """
         _patch:constant-patch _motion:group-motion _dancers:dancers _scheduler:scheduler performers:dict[str,captured]
         _driven:b1 _place:f8 _speed:f8 _forces:presence _time:float
@@ -205,6 +207,6 @@ KINDS: Final = [
         values:f8 division:division _group:i4(group) _group_delays:f8 _seed:int _beats:int _window:float drift:drift
         measure:int has_recordings:bool ripples:group-values _patch_values:f8 _patch_ripples:row[ripple] delays:f8
         _late_before:f8 _timing_source:i4(dancer) _previous_timing_source:i4(dancer) _paired:i8(dancer)* _even:f8
-        _everybody:i8(dancer) _of_dancers:f8 _drifts:bool _farthest:f8
+        _everybody:i8(dancer) _of_dancers:f8 _drifts:bool _farthest:f8 mood:f8
     """),
 ]  # fmt: skip

@@ -1,0 +1,105 @@
+"""How a mood changes poses (T143): posture, size, gaze and weight of any step, recorded or sketched.
+
+The moods are Laban's efforts (weight, time, space, flow) and two of the thesis' shy and graceful dancers (confidence,
+energy), each from -1 to 1. Each end of a mood bends joints of the upper body by fixed angles, and they add up. The legs
+keep their feet: only the hips sink. Time changes when poses are danced, not the poses; see `Variation`.
+"""
+
+import math
+from typing import Final
+
+import numpy as np
+
+from live.base.arrays import Float32, Float64
+from live.motion.pose.pose_pipeline import PoseSkeleton
+from live.motion.skeleton import SKELETON
+
+WEIGHT, TIME, SPACE, FLOW, CONFIDENCE, ENERGY = range(6)
+"""Rows of a mood, shape (6, A)."""
+FIRST, LAST = (int(joint) for joint in PoseSkeleton.whole().body[:2])
+"""Joints FIRST..LAST-1 are bent: the upper body."""
+UPPER: Final = LAST - FIRST
+
+_LEAN, _RAISE, _BACK, _BEND = range(4)
+_BOTH: Final = {"spine": _LEAN, "chest": _LEAN, "upperChest": _LEAN, "neck": _LEAN, "head": _LEAN}
+_SIDES: Final = {"shoulders back": ("Shoulder", _BACK), "shoulders up": ("Shoulder", _RAISE),
+                 "arms out": ("UpperArm", _RAISE), "elbows": ("LowerArm", _BEND)}  # fmt: skip
+_ENDS: Final[dict[tuple[int, int], dict[str, float]]] = {
+    (WEIGHT, 1): {"spine": 3, "chest": 3, "head": -2, "arms out": -7, "shoulders up": -3},
+    (WEIGHT, -1): {"upperChest": -4, "head": -2, "arms out": 11, "shoulders up": 2},
+    (SPACE, 1): {"elbows": -8, "chest": -1},
+    (FLOW, 1): {"arms out": 9, "upperChest": -2},
+    (FLOW, -1): {"elbows": 20, "arms out": -7, "shoulders up": 5},
+    (CONFIDENCE, 1): {"spine": -2, "chest": -4, "upperChest": -5, "head": 6, "shoulders back": 7, "shoulders up": -3,
+                      "arms out": 8},
+    (CONFIDENCE, -1): {"spine": 3, "chest": 6, "upperChest": 8, "neck": 4, "head": 7, "shoulders back": -10,
+                       "shoulders up": 6, "arms out": -9, "elbows": 14},
+    (ENERGY, 1): {"spine": -1, "chest": -2, "upperChest": -2},
+    (ENERGY, -1): {"spine": 4, "chest": 6, "upperChest": 6, "neck": 5, "head": 6, "shoulders up": -5, "arms out": -5},
+}  # fmt: skip
+"""Angles [degrees] at the ends of the moods: leans forward; shoulders back and up, arms out, elbows bent."""
+_SIZE: Final = {FLOW: 0.18, CONFIDENCE: 0.12, ENERGY: 0.3}
+"""Logarithm of the factor by which the upper body moves more at the upper end."""
+MAX_SIZE: Final = 1.4
+"""Largest factor; the least is its inverse, squared."""
+_DROP: Final = {(WEIGHT, 1): 0.055, (CONFIDENCE, -1): 0.015, (ENERGY, -1): 0.03}
+"""How far the hips sink at an end [m]."""
+MAX_DROP: Final = 0.075
+DIRECT_GAZE: Final = 0.7
+"""Share of the head's turn to the audience in the most direct mood."""
+ROAM_S: Final = 3.7
+"""Trunk and gaze of an indirect mood roam with this period [s] ..."""
+_ROAM: Final = {"chest": 9.0, "neck": 8.0, "head": 14.0}
+"""... so far to both sides [degrees], each dancer at another time."""
+
+
+def _table() -> Float32:
+    """Return the joints' rotation vectors at the upper and the lower end of each mood, (2, 6, UPPER, 3) [rad]."""
+    table = np.zeros((2, 6, UPPER, 3), np.float32)
+    for (mood, end), angles in _ENDS.items():
+        row = table[0 if end > 0 else 1, mood]
+        for words, angle in angles.items():
+            if words in _BOTH:
+                row[SKELETON.index(words) - FIRST, 0] += math.radians(angle)
+                continue
+            joint, way = _SIDES[words]
+            for side, sign in (("left", 1.0), ("right", -1.0)):
+                axis, turn = (2, sign) if way == _RAISE else (1, sign if way == _BACK else -sign)
+                row[SKELETON.index(side + joint) - FIRST, axis] += turn * math.radians(angle)
+    return table
+
+
+_TABLE: Final = _table()
+
+
+class MoodPose:
+    """What the moods of A dancers change in their poses; its arrays are filled by `set`."""
+
+    def __init__(self, count: int) -> None:
+        self.bend: Float32 = np.zeros((count, UPPER, 3), np.float32)
+        """Rotation vectors [rad] by which joints are bent more, about their parents' axes, shape (A, UPPER, 3)."""
+        self.size: Float32 = np.ones(count, np.float32)
+        """Factor of the upper body's amplitude, shape (A,)."""
+        self.drop: Float32 = np.zeros(count, np.float32)
+        """How far the hips sink [m], shape (A,)."""
+        self.gaze: Float32 = np.zeros(count, np.float32)
+        """Share of the head's turn to the audience, shape (A,)."""
+        self._own = np.arange(count) * 0.381966  # each dancer roams at another time
+
+    def set(self, mood: Float64, time: float) -> None:
+        """Set all arrays for `mood` (6, A) at `time` [s]."""
+        upper, lower = np.maximum(mood, 0.0).T, np.maximum(-mood, 0.0).T
+        flat = _TABLE.reshape(2, 6, -1)
+        self.bend.reshape(len(self.bend), -1)[:] = (
+            upper.astype(np.float32) @ flat[0] + lower.astype(np.float32) @ flat[1]
+        )
+        roam = lower[:, SPACE]
+        if roam.any():
+            turn = roam * np.sin(2.0 * np.pi * (time / ROAM_S + self._own))
+            for name, angle in _ROAM.items():
+                self.bend[:, SKELETON.index(name) - FIRST, 1] += math.radians(angle) * turn
+        size = sum(share * mood[row] for row, share in _SIZE.items())
+        self.size[:] = np.clip(np.exp(size), MAX_SIZE**-2, MAX_SIZE)
+        ends = {1: upper, -1: lower}
+        self.drop[:] = np.minimum(sum(far * ends[end][:, row] for (row, end), far in _DROP.items()), MAX_DROP)
+        self.gaze[:] = DIRECT_GAZE * upper[:, SPACE]
