@@ -158,7 +158,7 @@ _REST_HAND: Final = np.array((0.115, -0.44, 0.075))
 _HANGING: Final = float(np.linalg.norm(_REST_HAND))
 """Distance of a relaxed hand from its shoulder [m]: where no height is written, a hand hangs that far away."""
 _LOW_ELBOW: Final = np.array((0.45, -0.4, -0.9))
-_LEVEL_ELBOW: Final = np.array((0.25, -1.0, -0.3))
+_LEVEL_ELBOW: Final = np.array((0.5, -0.8, -0.4))
 _HIGH_ELBOW: Final = np.array((0.95, -0.35, 0.0))
 _LATE_SHARE: Final = 0.2
 """A hand is later than its keys by this share of its spring's period ..."""
