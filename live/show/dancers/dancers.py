@@ -12,7 +12,7 @@ from live.graph.select.candidates import starting_placement
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.pose.arm_clearance import ArmEasing, apply_arm_clearance
 from live.motion.pose.foot_lock import LEG_JOINTS, CutFootLift, FootLock
-from live.motion.pose.foot_lock_kernels import HELD, SHIFT_X, SHIFT_Z
+from live.motion.pose.foot_lock_kernels import CONTACT_X, CONTACT_Z, SHIFT_X, SHIFT_Z
 from live.motion.pose.gather_kernels import set_clearance, set_steps, shift_feet
 from live.motion.pose.hand_hold import HandHolds, HeldArms
 from live.motion.pose.inertialization import Inertialization
@@ -93,12 +93,12 @@ class Dancers(CurrentMeasures):
         self.drawn_hips[rows] = position
 
     def release_planned_feet(self, rows: Int32) -> None:
-        """Let the feet of the dancers `rows` (n,) return from their planned places to those in the clips, before their
-        corrections are removed by a cut. Standing feet stay: the lock notices itself."""
-        free = self.lock.state[rows, :, HELD, None] == 0.0
-        self.lock.state[rows, :, SHIFT_X : SHIFT_Z + 1] += np.where(
-            free, self._foot_offset[rows, :, :2], np.float32(0.0)
-        )
+        """Let the feet of the dancers `rows` (n,) go on from their planned places when a cut removes their corrections:
+        the lock has the plans' offsets from then on. Free feet return to the clips; standing ones stay, and without a
+        speed, which would throw them if they were released at once."""
+        offset, state = self._foot_offset[rows, :, :2], self.lock.state
+        state[rows, :, SHIFT_X : SHIFT_Z + 1] += offset
+        state[rows, :, CONTACT_X : CONTACT_Z + 1] -= offset
 
     def captured_dancers(self) -> Rows:
         """Dancers who mostly show captured poses, (n,)."""
