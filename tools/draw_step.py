@@ -1,12 +1,13 @@
 """Draw a step as a strip of stick figures: ``python tools/draw_step.py patches/steps/samba.toml samba.png``.
 
 Upper row from the audience, middle row from the dancer's left, lower row from above. The left side of the body is
-orange, the right side blue; a foot on the floor is marked green.
+orange, the right side blue; a foot on the floor is marked green. With several steps the picture is a sheet of them all,
+four figures each: ``python tools/draw_step.py patches/*/steps/*.toml docs/vocabulary.jpg``.
 """
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Final
 
@@ -39,20 +40,23 @@ MIDDLE: Final = (225, 225, 225)
 def main() -> int:
     """Read the arguments, draw, and say where the picture is."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("file", type=Path, help="a step, e.g. patches/steps/samba.toml")
+    parser.add_argument("file", type=Path, nargs="+", help="a step, e.g. patches/steps/samba.toml, or several")
     parser.add_argument("picture", type=Path, help="where the picture goes (PNG)")
     parser.add_argument("--direction", choices=DIRECTIONS, default="in place")
     parser.add_argument("--mirrored", action="store_true", help="the other side of the body")
     parser.add_argument("--per-beat", type=int, default=4, help="figures a beat (default 4)")
     arguments = parser.parse_args()
+    steps: list[StepClip] = []
     try:
-        text = arguments.file.read_text(encoding="utf-8")
-        sketch = parse_sketch(text, str(arguments.file))
-        step = step_clip(sketch, arguments.direction)
+        for file in arguments.file:
+            sketch = parse_sketch(file.read_text(encoding="utf-8"), str(file))
+            chosen = arguments.direction if arguments.direction in sketch.directions else sketch.directions[0]
+            step = step_clip(sketch, chosen if sketch.travels else arguments.direction)
+            steps.append(mirror_step(step) if arguments.mirrored else step)
     except (OSError, UnicodeDecodeError, SketchError) as error:
         print(error, file=sys.stderr)
         return 2
-    draw_step(mirror_step(step) if arguments.mirrored else step, arguments.per_beat).save(arguments.picture)
+    (draw_step(steps[0], arguments.per_beat) if len(steps) == 1 else draw_sheet(steps)).save(arguments.picture)
     print(arguments.picture)
     return 0
 
@@ -77,6 +81,26 @@ def draw_step(step: StepClip, per_beat: int) -> Image.Image:
         canvas.text((corner[0] + 6, corner[1] + 2), f"{beat + 1:g}", fill=MIDDLE)
         _figure(canvas, corner, positions[sample] - (0.0, 0.0, middle), rotations[sample], clip.contact[sample])
     return image
+
+
+SHEET_COLUMNS: Final = 4
+SHEET_FIGURES: Final = 4
+SHEET_SCALE: Final = 0.6
+
+
+def draw_sheet(steps: Sequence[StepClip]) -> Image.Image:
+    """Sheet of steps seen from the audience, each with its name and four figures, evenly spaced over its beats."""
+    width, height = SHEET_FIGURES * CELL, 16 + FIGURE
+    sheet = Image.new("RGB", (SHEET_COLUMNS * width, -(-len(steps) // SHEET_COLUMNS) * height), (24, 24, 28))
+    for number, step in enumerate(steps):
+        whole = draw_step(step, 1)
+        left, top = number % SHEET_COLUMNS * width, number // SHEET_COLUMNS * height
+        for figure in range(SHEET_FIGURES):
+            row, column = divmod(round(figure * step.beats / SHEET_FIGURES), min(step.beats + 1, 5))
+            x, y = column * CELL, row * (2 * FIGURE + PLAN + 16)
+            sheet.paste(whole.crop((x, y + 16, x + CELL, y + 16 + FIGURE)), (left + figure * CELL, top + 16))
+        ImageDraw.Draw(sheet).text((left + 6, top + 2), step.step, fill=MIDDLE, font_size=20)
+    return sheet.resize((round(sheet.width * SHEET_SCALE), round(sheet.height * SHEET_SCALE)), Image.Resampling.LANCZOS)
 
 
 def _figure(canvas: Canvas, corner: tuple[int, int], position: Float, rotation: Float, contact: Bool) -> None:
