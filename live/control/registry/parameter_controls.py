@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Final, Literal
 
-from live.base.motion_parameters import MOODS, MOTION_PARAMETERS
+from live.base.motion_parameters import MOODS, MOTION_PARAMETERS, MOTION_PREFIX
 from live.base.parameter import Parameter
 from live.base.picture_parameters import GROUP_PARAMETERS, PARAMETERS
 from live.control.events.event import ControlEvent
@@ -44,24 +44,16 @@ def parameter_control(row: Parameter) -> Control:
     )  # fmt: skip
 
 
-_MOOD_NAMES: Final = {row.patch.partition(".")[2]: row for row in MOODS}
-
-
-def _mood_address(name: str) -> str:
-    if name.strip().lower() not in _MOOD_NAMES:
-        raise ValueError(name)
-    return _MOOD_NAMES[name.strip().lower()].address
-
-
 def _make_mood(*, time: float, source: str, group: str, name: str, value: float, measures: float) -> ControlEvent:
-    return SetParameter(time=time, source=source, address=name, value=(value,), group=group, measures=measures)
+    address = f"{MOTION_PREFIX}mood_{name.strip().lower()}"
+    return SetParameter(time=time, source=source, address=address, value=(value,), group=group, measures=measures)
 
 
 MOOD_CONTROL: Final = Control(
     "/dance/mood", _make_mood,
     (
         replace(DANCERS, name="group"),
-        Argument("name", "name", "the mood", convert=_mood_address, form=", ".join(_MOOD_NAMES)),
+        Argument("name", "name", f"the mood: {', '.join(row.patch.partition('.')[2] for row in MOODS)}"),
         Argument("value", "float", "from one end to the other", "", -1, 1),
         _MEASURES,
     ),

@@ -162,8 +162,8 @@ _LEVEL_ELBOW: Final = np.array((0.5, -0.8, -0.4))
 _HIGH_ELBOW: Final = np.array((0.95, -0.35, 0.0))
 _LATE_SHARE: Final = 0.2
 """A hand is later than its keys by this share of its spring's period ..."""
-_HAND_DAMPING: Final = 0.62
-"""... with this damping: it goes on by a twelfth of its way before it comes back."""
+_HAND_DAMPING: Final = 0.75
+"""... with this damping: it goes on by a thirtieth of its way before it comes back."""
 _ELBOW_PERIOD, _ELBOW_DAMPING = 0.7, 0.45
 """The elbow swings about its place with this period [beats] and damping ..."""
 _MAX_ELBOW_SWING: Final = 0.4

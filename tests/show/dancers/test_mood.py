@@ -115,10 +115,16 @@ def test_the_command_sets_one_mood_of_some_dancers():
     assert wanted[5:] == pytest.approx(-0.5)
 
 
-@pytest.mark.parametrize("words", [("back", "courage", 0.5), ("back", "weight", 1.5), ("back", "weight")])
-def test_unknown_moods_and_values_beyond_the_ends_are_refused(words):
-    refused = REGISTRY.call("/dance/mood", words, 0.0, "test")
-    assert not isinstance(refused, events.SetParameter)
+@pytest.mark.parametrize("words", [("back", "weight", 1.5), ("back", "weight")])
+def test_values_beyond_the_ends_are_refused(words):
+    assert not isinstance(REGISTRY.call("/dance/mood", words, 0.0, "test"), events.SetParameter)
+
+
+def test_an_unknown_mood_is_refused_with_those_that_there_are():
+    show = made_show()
+    assert not show.apply(REGISTRY.call("/dance/mood", ("back", "courage", 0.5), 0.0, "test"))
+    assert "mood_courage" in show.refusals.last_reason
+    assert "/dance/motion/mood_confidence" in show.refusals.last_reason
 
 
 def test_a_group_has_its_own_mood_over_the_patchs():

@@ -219,8 +219,10 @@ def test_each_control_changes_poses_of_its_group_only(field, neutral_rotations):
 
     The groups are far apart, because dancers that meet change each other's paths.
     """
-    poses, own = rotations(field, MOTION_BY_ADDRESS[MOTION_PREFIX + field].high)
-    changed = np.abs(poses - neutral_rotations).max(axis=(0, 2, 3))
+    row = MOTION_BY_ADDRESS[MOTION_PREFIX + field]
+    poses, own = rotations(field, row.high)
+    other = rotations(field, row.low)[0] if field == "mirror" else neutral_rotations  # without it some are mirrored
+    changed = np.abs(poses - other).max(axis=(0, 2, 3))
     assert (changed[own] > 1e-3).mean() > 0.5
     assert changed[~own].max() < 1e-5  # the arithmetic of a block rounds
 
