@@ -31,6 +31,8 @@ SECONDS: Final = 6.5
 TOLD: Final = ("weight", "time", "energy")
 """The moods that the reader must tell apart."""
 BAR: Final = 0.8
+SHRINK: Final = 0.01
+"""Share by which the features' variances are enlarged, for the discriminant of few steps."""
 _HEAD: Final = """
 name = "moods"
 seed = 3
@@ -105,7 +107,7 @@ def performances(folder: Path, step: str, beats: int) -> Float64:
     for frame in range(int((SETTLE_S + SECONDS) * FPS)):
         clock.set(frame / FPS)
         engine.frame(keep)
-    return np.stack(pictures[int(SETTLE_S * FPS) :], axis=1)
+    return np.stack(pictures[int(SETTLE_S * FPS) :], axis=1)[: len(moods)]  # without the reserve
 
 
 def features(position: Float64) -> Float64:
@@ -141,13 +143,17 @@ def told_apart(seen: Float64) -> float:
 def named(seen: Float64) -> float:
     """Return the share of performances whose mood and end are named by a reader trained on the other steps.
 
-    `seen` (N, K + 1, F): features without a mood, and at each of K ends; the reader takes the nearest mean of the rest.
+    `seen` (N, K + 1, F): features without a mood, and at each of K ends; a linear discriminant.
     """
     change = seen[:, 1:] - seen[:, :1]
     right = 0
     for step in range(len(change)):
         others = np.delete(change, step, axis=0)
-        mean, spread = others.mean(axis=0), others.std(axis=0).mean(axis=0) + 1e-6
-        off = np.linalg.norm((change[step][:, None] - mean[None]) / spread, axis=-1)
-        right += int((off.argmin(axis=1) == np.arange(len(off))).sum())
+        mean = others.mean(axis=0)
+        rest = (others - mean).reshape(-1, others.shape[-1])
+        spread = rest.T @ rest / len(rest)
+        off = (change[step][:, None] - mean) @ np.linalg.cholesky(
+            np.linalg.inv(spread + SHRINK * np.diag(np.diag(spread)))
+        )
+        right += int((np.linalg.norm(off, axis=-1).argmin(axis=1) == np.arange(len(mean))).sum())
     return right / change[..., 0].size
