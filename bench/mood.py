@@ -36,6 +36,7 @@ SHRINK: Final = 0.01
 _HEAD: Final = """
 name = "moods"
 seed = 3
+steps = "{folder}"
 [clock]
 bpm = {bpm}
 beats_per_measure = {beats}
@@ -94,10 +95,10 @@ def _steps(folder: Path) -> list[tuple[str, int]]:
 def performances(folder: Path, step: str, beats: int) -> Float64:
     """Return the joints [m] of a step danced without a mood, then at the lower and upper end of each, (13, T, J, 3)."""
     moods = ["", *(f"{row.patch.partition('.')[2]} = {end}" for row in MOODS for end in (-1.0, 1.0))]
-    text = _HEAD.format(bpm=BPM, beats=beats)
+    text = _HEAD.format(bpm=BPM, beats=beats, folder=folder)
     for number, mood in enumerate(moods):
         text += _GROUP.format(number=number, step=step, x=2.5 * (number - 6), mood=mood)
-    loaded = load_from_patch(parse_patch(text, "moods"), folder.parent / "moods.toml", recordings=folder)
+    loaded = load_from_patch(parse_patch(text, "moods"), folder.parent / "moods.toml")
     engine, clock, _ = engine_of(loaded.start())
     pictures: list[Float64] = []
 
