@@ -1,8 +1,8 @@
 """Moods (T143): whether a reader of positions alone tells them apart on steps it was not trained on, and feet stay.
 
 Each step of the shipped vocabulary is danced by one dancer without a mood and by one at each end of each mood. The
-reader knows joint positions at 60 pictures a second: posture, speed and jerk. For two performances of one step it says
-which is the stronger, the more sudden, the more awake one, after training on all other steps.
+reader knows joint positions at 60 pictures a second: posture, speed and jerk. After training on all other steps it says
+of two performances of one step which is the stronger, the more sudden, the more awake one; and of one which end it is.
 """
 
 from pathlib import Path
@@ -64,13 +64,12 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     folders = sorted(PATCHES.glob("*/steps")) if full else []
     steps = [(folder, name, beats) for folder in (PATCHES / "steps", *folders) for name, beats in _steps(folder)]
     danced = [performances(folder, name, beats) for folder, name, beats in steps]
+    seen = np.array([[features(one) for one in each] for each in danced])
     names = [row.patch.partition(".")[2] for row in MOODS]
     rows = []
-    for mood in names:
-        row = 1 + 2 * names.index(mood)
-        found = told_apart(np.array([[features(each[row + end]) for end in range(2)] for each in danced]))
+    for number, mood in enumerate(names):
+        found = told_apart(seen[:, 1 + 2 * number : 3 + 2 * number])
         rows.append(Row(f"{mood} told apart on unseen steps", found, "", BAR if mood in TOLD else None, "at least"))
-    seen = np.array([[features(one) for one in each] for each in danced])
     rows.append(Row("which of the twelve ends it is, on unseen steps", named(seen), "", BAR, "at least"))
     slides = [np.concatenate([slide(each[k]) for each in danced]) for k in range(1 + 2 * len(names))]
     for name, bar, figure in (("mean", 0.03, np.mean), ("p99", 0.15, lambda values: np.percentile(values, 99))):
@@ -112,7 +111,7 @@ def performances(folder: Path, step: str, beats: int) -> Float64:
 
 
 def features(position: Float64) -> Float64:
-    """Return what a reader of joints (T, J, 3) [m] sees: posture, speed and jerk."""
+    """Return what a reader of joints (T, J, 3) [m] sees, (9,): posture [m], logarithms of speed, jerk and size."""
     at = {name: position[:, SKELETON.index(name)] for name in ("hips", "neck", "head", "leftHand", "rightHand")}
     feet = position[:, [SKELETON.index("leftFoot"), SKELETON.index("rightFoot")]]
     hands = np.stack([at["leftHand"] - at["hips"], at["rightHand"] - at["hips"]])
@@ -144,7 +143,7 @@ def told_apart(seen: Float64) -> float:
 def named(seen: Float64) -> float:
     """Return the share of performances whose mood and end are named by a reader trained on the other steps.
 
-    `seen` (N, K + 1, F): features without a mood, and at each of K ends; a linear discriminant.
+    `seen` (N, K + 1, F): features without a mood, and at each of K ends. The reader is a linear discriminant.
     """
     change = seen[:, 1:] - seen[:, :1]
     right = 0

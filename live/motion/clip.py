@@ -48,7 +48,7 @@ class Clip:
 
 
 def clip_part(clip: Clip, first: int, last: int) -> Clip:
-    """Return the samples from `first` up to, but not with, `last`."""
+    """Return the clip's samples from `first` to `last` - 1; the arrays are views."""
     part = slice(first, last)
     return replace(
         clip, root_position=clip.root_position[part], rotation=clip.rotation[part], contact=clip.contact[part]

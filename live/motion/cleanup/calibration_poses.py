@@ -9,14 +9,14 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Bool, Float
+from live.motion.cleanup.trim_start import MAX_ARM_SLOPE
 from live.motion.clip import Clip, clip_part
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
 
-MAX_ARM_SLOPE: Final = 0.35
-"""An arm is level while the vertical part of its unit direction is below this."""
 MAX_ARM_COSINE: Final = -0.8
-"""Arms point away from each other while the dot product of their directions is below this."""
+"""Arms point away from each other while the dot product of their directions is below this; held arms sink a little, so
+it is less than that of a T-pose which a converter adds."""
 MAX_HAND_SPEED: Final = 0.3
 """Hands are still while they are slower than this [m/s]."""
 MIN_POSE_S: Final = 0.5

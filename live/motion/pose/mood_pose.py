@@ -20,10 +20,10 @@ FIRST, LAST = (int(joint) for joint in PoseSkeleton.whole().body[:2])
 """Joints FIRST..LAST-1 are bent: the upper body."""
 UPPER: Final = LAST - FIRST
 
-_LEAN, _RAISE, _BACK, _BEND = range(4)
-_BOTH: Final = {"spine": _LEAN, "chest": _LEAN, "upperChest": _LEAN, "neck": _LEAN, "head": _LEAN}
-_SIDES: Final = {"shoulders back": ("Shoulder", _BACK), "shoulders up": ("Shoulder", _RAISE),
-                 "arms out": ("UpperArm", _RAISE), "elbows": ("LowerArm", _BEND)}  # fmt: skip
+_TRUNK: Final = ("spine", "chest", "upperChest", "neck", "head")
+_SIDES: Final = {"shoulders back": ("Shoulder", 1, 1.0), "shoulders up": ("Shoulder", 2, 1.0),
+                 "arms out": ("UpperArm", 2, 1.0), "elbows": ("LowerArm", 1, -1.0)}  # fmt: skip
+"""Joint of each side, axis of its parent, and the sense for the left side."""
 _ENDS: Final[dict[tuple[int, int], dict[str, float]]] = {
     (WEIGHT, 1): {"spine": 3, "chest": 3, "head": -2, "arms out": -7, "shoulders up": -3},
     (WEIGHT, -1): {"upperChest": -4, "head": -2, "arms out": 11, "shoulders up": 2},
@@ -41,10 +41,11 @@ _ENDS: Final[dict[tuple[int, int], dict[str, float]]] = {
 _SIZE: Final = {FLOW: 0.18, CONFIDENCE: 0.12, ENERGY: 0.3}
 """Logarithm of the factor by which the upper body moves more at the upper end."""
 MAX_SIZE: Final = 1.4
-"""Largest factor; the least is its inverse, squared."""
+"""Largest factor of the upper body's amplitude; the least is MAX_SIZE ** -2."""
 _DROP: Final = {(WEIGHT, 1): 0.055, (CONFIDENCE, -1): 0.015, (ENERGY, -1): 0.03}
 """How far the hips sink at an end [m]."""
 MAX_DROP: Final = 0.075
+"""How far they sink at most if several moods add up [m]."""
 DIRECT_GAZE: Final = 0.7
 """Share of the head's turn to the audience in the most direct mood."""
 ROAM_S: Final = 3.7
@@ -59,13 +60,12 @@ def _table() -> Float32:
     for (mood, end), angles in _ENDS.items():
         row = table[0 if end > 0 else 1, mood]
         for words, angle in angles.items():
-            if words in _BOTH:
+            if words in _TRUNK:
                 row[SKELETON.index(words) - FIRST, 0] += math.radians(angle)
                 continue
-            joint, way = _SIDES[words]
-            for side, sign in (("left", 1.0), ("right", -1.0)):
-                axis, turn = (2, sign) if way == _RAISE else (1, sign if way == _BACK else -sign)
-                row[SKELETON.index(side + joint) - FIRST, axis] += turn * math.radians(angle)
+            joint, axis, sense = _SIDES[words]
+            for side, sign in (("left", sense), ("right", -sense)):
+                row[SKELETON.index(side + joint) - FIRST, axis] += sign * math.radians(angle)
     return table
 
 
@@ -73,7 +73,7 @@ _TABLE: Final = _table()
 
 
 class MoodPose:
-    """What the moods of A dancers change in their poses; its arrays are filled by `set`."""
+    """What the moods of A dancers change in their poses. `set` fills its arrays."""
 
     def __init__(self, count: int) -> None:
         self.bend: Float32 = np.zeros((count, UPPER, 3), np.float32)

@@ -150,7 +150,8 @@ class Dancers(CurrentMeasures):
         if self.push_velocity.any():
             pipeline.placement[:, :, :2] += self.push_velocity * max(time - self._locked_at, 0.0)
         pipeline.head[:] = variation[HEAD]
-        moods, pipeline.bend = variation.mood.any(), NOT_BENT
+        pipeline.bend = NOT_BENT
+        moods = variation.mood.any()
         if moods:
             self._mood.set(variation.mood, time)
             pipeline.amplitude *= self._mood.size

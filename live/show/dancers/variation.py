@@ -31,6 +31,7 @@ from live.control.events.event import ControlEvent
 from live.graph.takes import NO_TAKE
 from live.motion.editing.time_warp import F_MAX, draw_measure_warps
 from live.motion.pose.gather_kernels import delay_phases
+from live.motion.pose.mood_pose import TIME
 from live.show.dancers.measure_state import MeasureState
 from live.show.dancers.rng import Purpose, generator_for
 from live.show.dancers.timing_offsets import MAX_DRIFT_FREQUENCY, Drift, Ripple, parse_ripple
@@ -76,7 +77,6 @@ MOOD_TIME: Final = 0.4
 MAX_HOLD: Final = 0.55
 """In the most sudden mood movements are slower at beats, and faster between them, by this share."""
 _MOOD_ROWS: Final = slice(MOODS[0].first, MOODS[-1].first + 1)
-_TIME: Final = 1
 MAX_DELAY: Final = 0.95
 """Largest delay, as a share of a measure."""
 MAX_DELAY_CHANGE: Final = 0.2
@@ -302,7 +302,7 @@ class Variation:
             warp, ahead, before, late = np.ascontiguousarray(warp[:, rows]), ahead[rows], before[rows], late[rows]
         if self._drifts:
             ahead = self.sequence_warp(fraction, rows)
-        held = self.mood[_TIME]
+        held = self.mood[TIME]
         if held.any():
             ahead = ahead + self._mood_lead(fraction, held if rows is None else held[rows], warp)
         return delay_phases(out, fraction, warp, self._window, ahead, before, late)

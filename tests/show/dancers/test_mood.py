@@ -46,7 +46,7 @@ def test_a_strong_dancer_is_lower_and_keeps_the_feet():
 
 
 @pytest.mark.parametrize(("mood", "value"), [("confidence", -1.0), ("energy", -1.0)])
-def test_the_shy_and_the_tired_bow_and_the_proud_rise(mood, value):
+def test_the_shy_and_the_tired_bow_and_their_opposites_stay_upright(mood, value):
     low, plain, high = (danced(60, **{mood: end}) for end in (value, 0.0, -value))
     height = [(one[:, :, HEAD] - one[:, :, HIPS])[..., 1].mean() for one in (low, plain, high)]
     ahead = [np.linalg.norm((one[:, :, HEAD] - one[:, :, HIPS])[..., ::2], axis=-1).mean() for one in (low, plain)]
