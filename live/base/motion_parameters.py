@@ -130,6 +130,8 @@ MOODS: Final = (
     _mood("energy", "tired", "awake", "how large movements are, and how upright the trunk."),
 )
 """Laban's four efforts and two moods of the thesis' shy and graceful dancers (T143), in the order of `MoodPose`."""
+MOOD_NAMES: Final = tuple(row.patch.partition(".")[2] for row in MOODS)
+"""Their names: weight, time, space, flow, confidence, energy."""
 
 MOTION_PARAMETERS: Final = tuple(_ROWS)
 """All of them, in the order of a group's row."""

@@ -10,13 +10,15 @@ from live.base.arrays import Bool, Float32, Float64, Int32
 from live.graph.mean_poses import mean_poses
 from live.graph.storage_kernels import align_signs
 from live.motion.pose.foot_lock import LEG_JOINTS, foot_heights
+from live.motion.pose.mood_examples import learnt_ends
+from live.motion.pose.mood_pose import PARAMETRIC, MoodEnds
 from live.motion.pose.pose_pipeline import ClipStore
 from live.motion.step_clip import StepClip
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class StepLibrary:
-    """Concatenated clips (S samples in all) and their measures (N nodes, C steps)."""
+    """Concatenated clips (C clips, S samples in all) and their measures (N nodes)."""
 
     steps: tuple[str, ...]
     """Names of the steps, the clusters of T041, in order of first appearance."""
@@ -29,6 +31,10 @@ class StepLibrary:
     """Left and right foot on the floor, shape (S, 2)."""
     clip_height: Float32
     """Soles of the left and right foot over the floor [m], shape (S, 2)."""
+    clip_start: Float64
+    """First sample (into S) of each clip, shape (C,)."""
+    clip_measure: Float64
+    """Samples of a measure of each clip, shape (C,)."""
     store: ClipStore
     """The same clips, and the mean pose of each node, in the format of the pose pipeline."""
     leg_store: ClipStore
@@ -52,6 +58,8 @@ class StepLibrary:
     node_travel: Float64
     """Displacement of the hips over the measure in the clip's own axes (x, z) [m], shape (N, 2)."""
     beats_per_measure: int
+    moods: MoodEnds = PARAMETRIC
+    """The ends of the moods, learnt from clips that are examples where there are some (T143)."""
     refused: Mapping[str, str] = field(default_factory=dict)
     """Steps that were left out, by name, and why."""
 
@@ -60,6 +68,11 @@ class StepLibrary:
         """Number of nodes N."""
         return len(self.node_clip)
 
+    @property
+    def examples(self) -> Bool:
+        """Whether a node is of an example of a mood, which is never danced, shape (N,)."""
+        return np.array([bool(clip.mood) for clip in self.clips], np.bool_)[self.node_clip]
+
     def step_index(self, name: str) -> int | None:
         """Return the index of the step called `name` (case and underscores do not matter), None if there is none."""
         wanted = plain_name(name)
@@ -67,6 +80,11 @@ class StepLibrary:
             if plain_name(step) == wanted:
                 return index
         return None
+
+    def samples_behind(self, sample: Float64, share: Float64) -> Float64:
+        """Return the samples in `share` (A,) of a measure before each `sample` (K, A), as far as its clip goes back."""
+        clip = np.searchsorted(self.clip_start, sample, side="right") - 1
+        return np.clip(share * self.clip_measure[clip], 0.0, sample - self.clip_start[clip])
 
     def refusal(self, name: str) -> str | None:
         """Return why the step called `name` was left out, None if it was not."""
@@ -134,6 +152,8 @@ def build_library(clips: Sequence[StepClip], refused: Mapping[str, str] | None =
         clip_rotation=rotation,
         clip_contact=np.concatenate([clip.clip.contact for clip in clips]),
         clip_height=foot_heights(legs),
+        clip_start=starts[:-1].astype(np.float64),
+        clip_measure=np.array([clip.samples_per_measure for clip in clips], np.float64),
         store=ClipStore.of(root, rotation, mean),
         leg_store=legs,
         node_clip=node[0].astype(np.int32),
@@ -146,6 +166,7 @@ def build_library(clips: Sequence[StepClip], refused: Mapping[str, str] | None =
         node_lead=np.ascontiguousarray(node[6]),
         node_travel=travel_of(root, begins, ends),
         beats_per_measure=metres[0],
+        moods=learnt_ends(clips),
         refused=dict(refused or {}),
     )
 
@@ -177,6 +198,8 @@ def joined_library(first: StepLibrary, second: StepLibrary) -> StepLibrary:
         clip_rotation=rotation,
         clip_contact=both("clip_contact"),
         clip_height=both("clip_height"),
+        clip_start=both("clip_start", samples),
+        clip_measure=both("clip_measure"),
         store=ClipStore(root, rotation, np.concatenate([first.store.mean, second.store.mean])),
         leg_store=ClipStore(root, legs, first.leg_store.mean),
         node_clip=both("node_clip", len(first.clips)),
@@ -189,6 +212,7 @@ def joined_library(first: StepLibrary, second: StepLibrary) -> StepLibrary:
         node_lead=both("node_lead", samples),
         node_travel=both("node_travel"),
         beats_per_measure=first.beats_per_measure,
+        moods=learnt_ends(first.clips + second.clips),
         refused={step: why for step, why in first.refused.items() if step not in second.steps},
     )
 

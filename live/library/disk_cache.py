@@ -136,7 +136,7 @@ def clips_from_arrays(arrays: dict[str, Any]) -> list[StepClip]:
     for row in json.loads(arrays["rows"].tobytes()):
         end = at + row["samples"]
         clip = Clip(row["name"], root[at:end], rotation[at:end], row["sample_rate"], contact[at:end])
-        clips.append(StepClip(clip=clip, **row["step"] | {"tags": tuple(row["step"]["tags"])}))
+        clips.append(StepClip(clip=clip, **row["step"] | {name: tuple(row["step"][name]) for name in ("tags", "mood")}))
         at = end
     return clips
 

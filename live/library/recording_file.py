@@ -13,6 +13,7 @@ from typing import Annotated, Any, Final, Literal, Union, get_args, get_origin, 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from live.base.errors import PersonError
+from live.base.motion_parameters import MOOD_NAMES
 from live.base.toml import KeyPath, error_line, line_of, parse_toml, toml_line_numbers, toml_remedy
 from live.library.disk_cache import read_regular_file
 from live.library.motion_formats import is_readable_name
@@ -71,6 +72,8 @@ class Recording(BaseModel):
     style: Word | None = None
     """Stylistic variation in a word (T040)."""
     tags: Annotated[list[Word], Field(max_length=64)] = []
+    mood: dict[Literal[MOOD_NAMES], Annotated[float, Field(ge=-1, le=1)]] = {}  # type: ignore[valid-type]
+    """The mood in which it is danced: an example from which moods are learnt, never danced itself (T143)."""
     unstructured: bool = False
     """Whether it is a stream not cut into steps: each measure is a clip, joined by similarity alone (T037)."""
     mirror: bool = False
@@ -166,6 +169,9 @@ def problem_text(problem: Any) -> str:
             "a text that is not blank, without line breaks and other control characters, expected, "
             f"found {value_text(read)}"
         )
+    if field == "mood":
+        names = ", ".join(MOOD_NAMES)
+        return f"moods expected, {names}, each from -1 to 1, as in {{ energy = -1.0 }}; found {value_text(read)}"
     return f"{expected_text(field, inside=len(problem['loc']) > 1)} expected, found {value_text(read)}"
 
 

@@ -36,13 +36,14 @@ def _build_sketches(texts: dict[str, str]) -> list[StepClip]:
     from live.motion.sketch.sketch_file import SketchError, parse_sketch
 
     clips: list[StepClip] = []
-    owner: dict[str, str] = {}
+    owner: dict[tuple[str, object], str] = {}
     for file, text in texts.items():
         try:
             sketch = parse_sketch(text, file)
-            if sketch.name in owner:
-                raise StepsError(f"{file}: the step {sketch.name!r} is already in {owner[sketch.name]}")
-            owner[sketch.name] = file
+            key = sketch.name, sketch.attributes.get("mood")  # of each mood there may be an example
+            if key in owner:
+                raise StepsError(f"{file}: the step {sketch.name!r} is already in {owner[key]}")
+            owner[key] = file
             clips += step_clips(sketch)
         except SketchError as error:
             raise StepsError(str(error)) from None

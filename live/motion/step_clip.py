@@ -66,6 +66,9 @@ class StepClip:
     style: str = ""
     """Stylistic variation in one word."""
     tags: tuple[str, ...] = ()
+    mood: tuple[float, ...] = ()
+    """The mood in which it was danced, from -1 to 1 in the order of MOODS: an example of the mood, never danced itself
+    (T143). Empty: none."""
     recorded: bool = False
     """True if it was cut out of a recording: it is danced near its `bpm` only (`editing/tempo_forms.py`)."""
     tempo_form: Literal["", "half time", "double time"] = ""

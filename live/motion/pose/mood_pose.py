@@ -2,10 +2,13 @@
 
 The moods are Laban's efforts (weight, time, space, flow) and two of the thesis' shy and graceful dancers (confidence,
 energy), each from -1 to 1. Each end of a mood bends joints of the upper body by fixed angles, and they add up. The legs
-keep their feet: only the hips sink. Time changes when poses are danced, not the poses; see `Variation`.
+keep their feet: only the hips sink. Free flow lets movements run along the arms, and moods breathe. Time changes when
+poses are danced, not the poses; see `Variation`. Where a library has examples, the ends are learnt from them; see
+`mood_examples`.
 """
 
 import math
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -52,6 +55,15 @@ ROAM_S: Final = 3.7
 """Trunk and gaze of an indirect mood roam with this period [s] ..."""
 _ROAM: Final = {"chest": 9.0, "neck": 8.0, "head": 14.0}
 """... so far to both sides [degrees], each dancer at another time."""
+LATE_BEATS: Final = 0.3
+"""How late the hands are in the freest mood [beats]: movements run from the shoulder along the arm."""
+_BREATHS: Final = {(ENERGY, 1): (2.6, 1.0), (ENERGY, -1): (5.2, 1.3), (CONFIDENCE, 1): (4.1, 0.6)}
+"""Breath that an end adds: its period [s] and its depth. The awake breathe quickly, the tired heavily, and the proud
+into the chest; besides, each step has its own breath."""
+_BREATH: Final = {"chest": -1.5, "upperChest": -2.5, "neck": 1.5, "head": 1.0}
+"""How a breath of depth 1 bends the trunk [degrees]; the shoulders rise with it ..."""
+_BREATH_SHOULDERS: Final = 3.0
+"""... by so much [degrees]."""
 
 
 def _table() -> Float32:
@@ -69,7 +81,29 @@ def _table() -> Float32:
     return table
 
 
-_TABLE: Final = _table()
+@dataclass(frozen=True, slots=True, eq=False)
+class MoodEnds:
+    """What the upper (0) and the lower (1) end of each of the six moods does to a dancer."""
+
+    bend: Float32
+    """Rotation vectors of the joints of the upper body about their parents' axes, (2, 6, UPPER, 3)."""
+    size: Float64
+    """Logarithm of the factor by which the upper body moves more, (2, 6)."""
+    drop: Float64
+    """How far the hips sink [m], (2, 6)."""
+
+    @classmethod
+    def parametric(cls) -> "MoodEnds":
+        """The ends of the tables above."""
+        size, drop = np.zeros((2, 6)), np.zeros((2, 6))
+        for row, share in _SIZE.items():
+            size[:, row] = share, -share
+        for (row, end), far in _DROP.items():
+            drop[0 if end > 0 else 1, row] = far
+        return cls(_table(), size, drop)
+
+
+PARAMETRIC: Final = MoodEnds.parametric()
 
 
 class MoodPose:
@@ -77,19 +111,21 @@ class MoodPose:
 
     def __init__(self, count: int) -> None:
         self.bend: Float32 = np.zeros((count, UPPER, 3), np.float32)
-        """Rotation vectors [rad] by which joints are bent more, about their parents' axes, shape (A, UPPER, 3)."""
+        """Rotation vectors by which joints are bent more, about their parents' axes, shape (A, UPPER, 3)."""
         self.size: Float32 = np.ones(count, np.float32)
         """Factor of the upper body's amplitude, shape (A,)."""
         self.drop: Float32 = np.zeros(count, np.float32)
         """How far the hips sink [m], shape (A,)."""
         self.gaze: Float32 = np.zeros(count, np.float32)
         """Share of the head's turn to the audience, shape (A,)."""
-        self._own = np.arange(count) * 0.381966  # each dancer roams at another time
+        self.late: Float64 = np.zeros(count)
+        """How late the hands are [beats], shape (A,)."""
+        self._own = np.arange(count) * 0.381966  # each dancer roams and breathes at another time
 
-    def set(self, mood: Float64, time: float) -> None:
+    def set(self, mood: Float64, time: float, ends: MoodEnds = PARAMETRIC) -> None:
         """Set all arrays for `mood` (6, A) at `time` [s]."""
         upper, lower = np.maximum(mood, 0.0).T, np.maximum(-mood, 0.0).T
-        flat = _TABLE.reshape(2, 6, -1)
+        flat = ends.bend.reshape(2, 6, -1)
         self.bend.reshape(len(self.bend), -1)[:] = (
             upper.astype(np.float32) @ flat[0] + lower.astype(np.float32) @ flat[1]
         )
@@ -98,8 +134,23 @@ class MoodPose:
             turn = roam * np.sin(2.0 * np.pi * (time / ROAM_S + self._own))
             for name, angle in _ROAM.items():
                 self.bend[:, SKELETON.index(name) - FIRST, 1] += math.radians(angle) * turn
-        size = sum(share * mood[row] for row, share in _SIZE.items())
+        self._breathe(upper, lower, time)
+        size = upper @ ends.size[0] + lower @ ends.size[1]
         self.size[:] = np.clip(np.exp(size), MAX_SIZE**-2, MAX_SIZE)
-        ends = {1: upper, -1: lower}
-        self.drop[:] = np.minimum(sum(far * ends[end][:, row] for (row, end), far in _DROP.items()), MAX_DROP)
+        self.drop[:] = np.clip(upper @ ends.drop[0] + lower @ ends.drop[1], 0.0, MAX_DROP)
         self.gaze[:] = DIRECT_GAZE * upper[:, SPACE]
+        self.late[:] = LATE_BEATS * upper[:, FLOW]
+
+    def _breathe(self, upper: Float64, lower: Float64, time: float) -> None:
+        """Add the breath; those whose flow is bound hold theirs."""
+        breath = np.zeros(len(upper))
+        for (row, end), (period, depth) in _BREATHS.items():
+            breath += depth * (upper if end > 0 else lower)[:, row] * np.sin(2.0 * np.pi * (time / period + self._own))
+        if not breath.any():
+            return
+        breath *= 1.0 - lower[:, FLOW]
+        for name, angle in _BREATH.items():
+            self.bend[:, SKELETON.index(name) - FIRST, 0] += math.radians(angle) * breath
+        for side, sign in (("left", 1.0), ("right", -1.0)):
+            joint = SKELETON.index(f"{side}Shoulder") - FIRST
+            self.bend[:, joint, 2] += sign * math.radians(_BREATH_SHOULDERS) * breath

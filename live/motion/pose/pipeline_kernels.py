@@ -13,6 +13,7 @@ from live.motion.pose.inertialization_kernels import MAX_FADE_TIME, add_differen
 from live.motion.pose.sample_kernels import (
     BLOCK,
     forward_kinematics_rows,
+    gather_late_arms,
     gather_samples,
     normalize_rows,
     place_root,
@@ -161,14 +162,14 @@ def _bend_joints(local: Float32, bend: Float32, first: int, start: int, stop: in
 
 @kernel(
     "void(f4[:,:,::1], f4[:,:,::1], f4[:,::1], f4[:,:,::1], f4[:,:,::1], f8[:,::1], f8[:,:,::1], f4[:,::1], i4[:,::1],"
-    " f4[::1], f4[:,:,::1], f4[::1], f4[:,:,::1], f4[:,:,::1], f4[::1], i4[::1], f4[:,::1], i4[::1],"
+    " f4[::1], f4[:,:,::1], f4[:,::1], f4[::1], f4[:,:,::1], f4[:,:,::1], f4[::1], i4[::1], f4[:,::1], i4[::1],"
     " i4[::1], i4[::1], f4[::1], i8, i8)"
 )
 def pose_dancers(
     position: Float32, rotation: Float32,
     clip_root: Float32, clip_rotation: Float32, mean_rotation: Float32,
-    sample: Float64, placement: Float64, share: Float32, mean: Int32, amplitude: Float32, bend: Float32, head: Float32,
-    feet: Float32, difference: Float32, age: Float32, difference_rows: Int32,
+    sample: Float64, placement: Float64, share: Float32, mean: Int32, amplitude: Float32, bend: Float32, late: Float32,
+    head: Float32, feet: Float32, difference: Float32, age: Float32, difference_rows: Int32,
     offsets: Float32, parents: Int32, body: Int32, legs: Int32, soles: Float32,
     begin: int, end: int,
 ) -> None:  # fmt: skip
@@ -179,10 +180,10 @@ def pose_dancers(
     `clip_rotation` (S, J, 4); `mean_rotation` (N, J, 4) each node's mean pose; `sample` (4, A) fractional samples and
     `placement` (4, A, 4) x, z [m], yaw of path and body [rad] of the clips PRESENT .. NEXT_TAKE; `share` (5, A) LOWER
     .. NEXT_UPPER; `mean` (2, A) nodes of the mean poses; `amplitude` (A,) about 1; `bend` (A, U, 3) [rad] of the upper
-    body by the mood, or (0, 0, 3); `head` (A,) share of the head's turn to the audience; `feet` (A, 2, 12) as in
-    `foot_lock_kernels` (TOES below 0: legs unchanged); `difference`, `age`
-    (A,) [s] and `difference_rows` (J,) as in `inertialization_kernels`. `soles`: heights [m] of ankle and toe joint of
-    a standing foot.
+    body by the mood, or (0, 0, 3); `late` (4, A) samples of each clip by which hands are late, or (0, 0); `head` (A,)
+    share of the head's turn to the audience; `feet` (A, 2, 12) as in `foot_lock_kernels` (TOES below 0: legs
+    unchanged); `difference`, `age` (A,) [s] and `difference_rows` (J,) as in `inertialization_kernels`. `soles`:
+    heights [m] of ankle and toe joint of a standing foot.
     """
     joints = parents.shape[0]
     # allocated here with rows of constant length, so that the compiler can rule out aliasing
@@ -203,6 +204,7 @@ def pose_dancers(
                 continue
             local = present if k == PRESENT else (coming if k == NEXT else take)
             gather_samples(local, lanes, clips, sample[k], start, stop)
+            gather_late_arms(local, clips, sample[k], late, k, body[HEAD] + 1, body[UPPER_LAST], start, stop)
             place_root(local, roots[k], clip_root, sample[k], placement[k], start, stop)
             if k in (PRESENT_TAKE, NEXT_TAKE):
                 lower, own = (LOWER, present) if k == PRESENT_TAKE else (NEXT_LOWER, coming)

@@ -90,6 +90,7 @@ class ClipStore:
 
 
 NOT_BENT: Final = np.zeros((0, 0, 3), np.float32)
+NOT_LATE: Final = np.zeros((0, 0), np.float32)
 
 
 class PosePipeline:
@@ -110,6 +111,8 @@ class PosePipeline:
         """Amplitude of the upper body, 1 = as recorded, shape (A,) (T058)."""
         self.bend: Float32 = NOT_BENT
         """How the mood bends the joints of the upper body, (A, U, 3) rotation vectors [rad]; empty: not at all."""
+        self.late: Float32 = NOT_LATE
+        """How late the hands are in each of the four clips [samples], (4, A); empty: not at all."""
         self.head: Float32 = np.zeros(count, np.float32)
         """Share of the head's turn to the audience, 0 to 1, shape (A,) (T123-T125)."""
         self.feet: Float32 = np.zeros((count, 2, FEET_COLUMNS), np.float32)
@@ -141,7 +144,8 @@ class PosePipeline:
             (self.position, (count, joints, 3)), (self.rotation, (count, joints, 4)),
         )  # fmt: skip
         bend = self.bend.shape in ((0, 0, 3), (count, self.skeleton.body[1] - self.skeleton.body[0], 3))
-        parts = bend and all(0 <= begin <= end <= count for begin, end in self._parts)
+        late = self.late.shape in ((0, 0), (4, count))
+        parts = bend and late and all(0 <= begin <= end <= count for begin, end in self._parts)
         return parts and all(array.shape == shape for array, shape in shapes)
 
     def run(
@@ -164,7 +168,8 @@ class PosePipeline:
         def part(begin: int, end: int) -> None:
             pose_dancers(
                 position, rotation, clips.root, clips.rotation, clips.mean,
-                self.sample, self.placement, self.share, self.mean, self.amplitude, self.bend, self.head, self.feet,
+                self.sample, self.placement, self.share, self.mean, self.amplitude, self.bend, self.late,
+                self.head, self.feet,
                 self.difference, self.age, self.difference_rows,
                 skeleton.offsets, skeleton.parents, skeleton.body, skeleton.legs, self._soles, begin, end,
             )  # fmt: skip

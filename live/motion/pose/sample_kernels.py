@@ -113,6 +113,41 @@ def gather_samples(local: Float32, lanes: Float32, clips: Float32, sample: Float
 
 
 @inline_kernel
+def gather_late_arms(
+    local: Float32,
+    clips: Float32,
+    sample: Float64,
+    late: Float32,
+    row: int,
+    first: int,
+    last: int,
+    start: int,
+    stop: int,
+) -> None:
+    """Sample the joints first..last-1, two arms from the shoulders on, by `row` of `late` (R, A) samples behind the
+    body; not if there is no such row.
+
+    The hands are so late, the joints before them less in equal steps: a movement runs along the arm.
+    """
+    end, count = clips.shape[0] - 1, (last - first) // 2
+    for i in range(BLOCK if row < late.shape[0] else 0):
+        n = min(start + i, stop - 1)
+        if late[row, n] <= _ZERO:
+            continue
+        for j in range(first, last):
+            share = float((j - first) % count + 1) / count
+            at = min(max(sample[n] - share * late[row, n], 0.0), float(end))
+            low = int(at)
+            high, t = min(low + 1, end), np.float32(at - low)
+            w = clips[low, 4 * j] + t * (clips[high, 4 * j] - clips[low, 4 * j])
+            x = clips[low, 4 * j + 1] + t * (clips[high, 4 * j + 1] - clips[low, 4 * j + 1])
+            y = clips[low, 4 * j + 2] + t * (clips[high, 4 * j + 2] - clips[low, 4 * j + 2])
+            z = clips[low, 4 * j + 3] + t * (clips[high, 4 * j + 3] - clips[low, 4 * j + 3])
+            scale = _THREE_HALVES - _HALF * (w * w + x * x + y * y + z * z)
+            local[j, 0, i], local[j, 1, i], local[j, 2, i], local[j, 3, i] = w * scale, x * scale, y * scale, z * scale
+
+
+@inline_kernel
 def _half_turn(yaw: float) -> tuple[float, float]:
     """Return cosine and sine of half of `yaw` [rad] by their series after removing whole turns; within 1e-7.
 

@@ -1,12 +1,13 @@
-"""Step attributes in a sketch besides the motion: structure (T135, T136), author, style, tags (T040)."""
+"""Step attributes in a sketch besides the motion: structure (T135, T136), author, style, tags (T040), mood (T143)."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
+from live.base.motion_parameters import MOOD_NAMES
 from live.base.toml import KeyPath
 
 WORDS: Final = ("begin_pose", "end_pose", "author", "style")
-ATTRIBUTES: Final = ("leading_foot", "weight_transfer", "begin_pose", "end_pose", "author", "style", "tags")
+ATTRIBUTES: Final = ("leading_foot", "weight_transfer", "begin_pose", "end_pose", "author", "style", "tags", "mood")
 MAX_WORD: Final = 64
 MAX_TAGS: Final = 64
 
@@ -32,8 +33,27 @@ def read_attributes(table: Mapping[str, Any], error: Callable[[KeyPath, str, str
                 remedy = f'write at most {MAX_TAGS} words in brackets: tags = ["slow", "low"]'
                 raise error((name,), f"read {value!r:.40}", remedy)
             value = tuple(value)
+        if name == "mood":
+            value = _mood(value, error)
         values[name] = value
     return values
+
+
+def mood_values(mood: Mapping[str, float]) -> tuple[float, ...]:
+    """Return a mood in the order of MOOD_NAMES, () for none."""
+    return tuple(float(mood.get(name, 0.0)) for name in MOOD_NAMES) if any(mood.values()) else ()
+
+
+def _mood(value: object, error: Callable[[KeyPath, str, str], Exception]) -> tuple[float, ...]:
+    words = f"{', '.join(MOOD_NAMES)}, each from -1 to 1: mood = {{ energy = -1 }}"
+    if not isinstance(value, dict):
+        raise error(("mood",), f"read {value!r:.40}", f"write a table of {words}")
+    for name, number in value.items():
+        if name not in MOOD_NAMES:
+            raise error(("mood", name), "unknown", f"moods are {words}")
+        if isinstance(number, bool) or not isinstance(number, int | float) or not -1.0 <= number <= 1.0:
+            raise error(("mood", name), f"read {number!r:.40}", f"moods are {words}")
+    return mood_values(value)
 
 
 def _is_word(value: object) -> bool:

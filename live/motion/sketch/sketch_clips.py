@@ -1,11 +1,13 @@
 """Conversion of a sketch to step clips: every direction of T131, also mirrored (T042)."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from live.base.arrays import Float
+from live.base.motion_parameters import MOOD_NAMES
 from live.motion.clip import Clip
 from live.motion.mirror import mirror_step
 from live.motion.sketch.foot_plan import delay_departures, find_flights, find_stances, weight_balance
@@ -40,6 +42,12 @@ def step_clips(sketch: Sketch) -> list[StepClip]:
         take = map(mirror_step, own[number : number + len(whole)])
         mirrored += sorted(take, key=lambda step: DIRECTIONS.index(step.direction))
     return own + mirrored
+
+
+def mood_suffix(mood: Sequence[float]) -> str:
+    """Return the words for the mood of an example, with which its clip's name differs from those of others."""
+    told = [f"{name} {value:g}" for name, value in zip(MOOD_NAMES, mood, strict=False) if value]
+    return f" ({', '.join(told)})" if told else ""
 
 
 def cut_take(step: StepClip, take: Take) -> StepClip:
@@ -95,7 +103,7 @@ def step_clip(sketch: Sketch, direction: str = "in place") -> StepClip:
     contact = np.stack([foot.contact[margin:-margin] for foot in tracks], axis=1)
     _check_reach(sketch, direction, beats[margin:-margin], short[margin:-margin] * contact)
     clip = Clip(
-        name=f"{sketch.name}, {direction}",
+        name=f"{sketch.name}, {direction}" + mood_suffix(sketch.attributes.get("mood", ())),
         root_position=root.astype(np.float32),
         rotation=np.ascontiguousarray(rotation, np.float32),
         sample_rate=SAMPLES_PER_BEAT * sketch.bpm / 60.0,

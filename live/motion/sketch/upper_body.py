@@ -21,6 +21,7 @@ from live.motion.curve import (
     smoothstep,
     spring_response,
 )
+from live.motion.pose.body_capsules import FOREARM_RADIUS, TRUNK_HALF_DEPTH, TRUNK_HALF_WIDTH
 from live.motion.skeleton import SKELETON
 from live.motion.sketch.foot_trajectories import FootTrack
 from live.motion.sketch.sketch_file import Key, Sketch
@@ -160,6 +161,12 @@ _HANGING: Final = float(np.linalg.norm(_REST_HAND))
 _LOW_ELBOW: Final = np.array((0.45, -0.4, -0.9))
 _LEVEL_ELBOW: Final = np.array((0.5, -0.8, -0.4))
 _HIGH_ELBOW: Final = np.array((0.95, -0.35, 0.0))
+_TRUNK_HALF: Final = np.array((TRUNK_HALF_WIDTH, TRUNK_HALF_DEPTH)) + FOREARM_RADIUS + 0.02
+"""Half width and half depth [m] of what a wrist goes around: the trunk, the forearm's thickness and a gap."""
+_TRUNK_LOW, _TRUNK_HIGH = -0.62, 0.02
+"""Heights over the shoulder [m] between which the trunk is in the way ..."""
+_TRUNK_SOFT: Final = 0.08
+"""... from this far [m] outside of them on."""
 _LATE_SHARE: Final = 0.2
 """A hand is later than its keys by this share of its spring's period ..."""
 _HAND_DAMPING: Final = 0.75
@@ -202,13 +209,38 @@ def _hand(sketch: Sketch, part: str, beats: Float) -> _Hand:
         cycles = np.arange(math.floor(beats[0] / sketch.beats) - 2, math.ceil(beats[-1] / sketch.beats) + 3)
         times = (times[None] + cycles[:, None] * sketch.beats).ravel()
         values = np.tile(values, (len(cycles), 1))
-    track = gaussian_filter(interpolate(times, values, beats), 0.055 * SAMPLES_PER_BEAT)
+    track = interpolate(times, values, beats)
+    track[:, :3] = _around_trunk(track[:, :3])
+    track = gaussian_filter(track, 0.055 * SAMPLES_PER_BEAT)
     if sketch.late > 0.0:
         late = spring_response(track, sketch.late / _LATE_SHARE * SAMPLES_PER_BEAT, _HAND_DAMPING) - track
         if not sketch.cyclic:  # it begins and ends at rest
             late *= smoothstep(np.minimum(beats, sketch.beats - beats) / 0.5)[:, None]
         track = track + late
     return _Hand(track[:, :3], track[:, 3:6], track[:, 6], track[:, 7])
+
+
+def _around_trunk(place: Float) -> Float:
+    """Return places (T, 3) of a hand, out, up, forward from its shoulder [m], none of which is in the trunk.
+
+    A hand that would go through goes around: from where it enters to where it leaves, past its own side.
+    """
+    middle = np.array((-(offset_of("leftShoulder") + offset_of("leftUpperArm"))[0], 0.0))
+    x, z = ((place[:, (0, 2)] - middle) / _TRUNK_HALF).T
+    inside = np.concatenate(([False], np.hypot(x, z) < 1.0, [False]))
+    if not inside.any():
+        return place
+    angle = np.arctan2(z, x)
+    edges = np.flatnonzero(inside[1:] != inside[:-1])
+    for begin, end in edges.reshape(-1, 2):
+        ends = [angle[at] for at in (begin - 1, end) if 0 <= at < len(angle)] or [0.5 * math.pi]
+        angle[begin:end] = np.linspace(ends[0], ends[-1], end - begin + 2)[1:-1]
+    outside = place.copy()
+    rim = np.stack((np.cos(angle), np.sin(angle)), axis=1) * _TRUNK_HALF + middle
+    outside[:, ::2] = np.where(inside[1:-1, None], rim, place[:, ::2])
+    height = np.maximum(_TRUNK_LOW - place[:, 1], place[:, 1] - _TRUNK_HIGH)
+    share = 1.0 - smoothstep(height / _TRUNK_SOFT)
+    return np.asarray(place + share[:, None] * (outside - place))
 
 
 def _elbow_pole(height: Float) -> Float:

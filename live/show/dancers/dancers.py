@@ -18,7 +18,7 @@ from live.motion.pose.hand_hold import HandHolds, HeldArms
 from live.motion.pose.inertialization import Inertialization
 from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
 from live.motion.pose.mood_pose import MoodPose
-from live.motion.pose.pose_pipeline import NOT_BENT, PosePipeline, PoseSkeleton
+from live.motion.pose.pose_pipeline import NOT_BENT, NOT_LATE, PosePipeline, PoseSkeleton
 from live.motion.skeleton import JOINT_COUNT, SOLE_BELOW_ANKLE
 from live.motion.texture.live_bank import TextureBank
 from live.show.capture.performer import CapturedPerformer
@@ -150,12 +150,12 @@ class Dancers(CurrentMeasures):
         if self.push_velocity.any():
             pipeline.placement[:, :, :2] += self.push_velocity * max(time - self._locked_at, 0.0)
         pipeline.head[:] = variation[HEAD]
-        pipeline.bend = NOT_BENT
+        pipeline.bend, pipeline.late = NOT_BENT, NOT_LATE
         moods = variation.mood.any()
         if moods:
-            self._mood.set(variation.mood, time)
+            self._mood.set(variation.mood, time, self.graph.library.moods)
             pipeline.amplitude *= self._mood.size
-            pipeline.bend = self._mood.bend
+            pipeline.bend, pipeline.late = self._mood.bend, self._late_arms()
             np.maximum(pipeline.head, self._mood.gaze, out=pipeline.head)
         pipeline.lock = variation.any(FOOT_LOCK) or self.lock.max_shift > 1e-3  # released feet still have to swing back
         if pipeline.lock:
@@ -182,6 +182,16 @@ class Dancers(CurrentMeasures):
             position, rotation, variation[ARM_CLEARANCE], held=held, visible=visible, easing=easing, time=time
         )
         return position, rotation
+
+    def _late_arms(self, rows: Int32 | None = None) -> Float32:
+        """Return how late the hands of dancers in a free mood are in each of the four clips [samples], (4, A) or of
+        `rows` (4, n); NOT_LATE if nobody is. The samples must have been requested."""
+        late, sample = self._mood.late, self._pipeline.sample
+        if not late.any():
+            return NOT_LATE
+        if rows is not None:
+            late, sample = late[rows], sample[:, rows]
+        return self.graph.library.samples_behind(sample, late / self.graph.library.beats_per_measure).astype(np.float32)
 
     def held_arms(self, time: float) -> HeldArms | None:
         """Return the arms in a hold at `time` [s], at most a tick after the last one; None if there are none."""
@@ -250,7 +260,11 @@ class Dancers(CurrentMeasures):
         aside, joints = self._aside, len(whole.skeleton.parents)
         aside.sample[:], aside.placement[:] = whole.sample[:, rows], whole.placement[:, rows]
         aside.share[:], aside.mean[:] = whole.share[:, rows], whole.mean[:, rows]
-        aside.amplitude[:] = whole.amplitude[rows]
+        aside.amplitude[:], aside.late = whole.amplitude[rows], NOT_LATE
+        if self.variation.mood.any():
+            self._mood.set(self.variation.mood, time, self.graph.library.moods)
+            aside.amplitude *= self._mood.size[rows]
+            aside.late = self._late_arms(rows)
         aside.difference = self.inertia.difference[rows]
         aside.age[:] = np.clip(time - self.inertia.cut_time[rows], 0.0, MAX_FADE_TIME)
         out = np.empty((len(rows), joints, 3), np.float32), np.empty((len(rows), joints, 4), np.float32)

@@ -81,6 +81,24 @@ def test_sampling_placement_blend_and_kinematics_match(seed, first, second, weig
     assert np.linalg.norm(pipeline.rotation[0], axis=-1) == pytest.approx(1.0, abs=1e-3)
 
 
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 2**32 - 1), st.floats(8, SAMPLES - 1), st.floats(0.5, 7.0))
+def test_late_arms_have_the_rotations_of_earlier_samples(seed, sample, late):
+    """A hand is late by the whole, the forearm by 3/4, the upper arm by 1/2, the shoulder by 1/4; nothing else is."""
+    root, rotation = random_motion(seed)
+    pipeline, place = PosePipeline(2), np.zeros(4)
+    pipeline.sample[PRESENT], pipeline.late = sample, np.zeros((4, 2), np.float32)
+    pipeline.late[PRESENT, 0] = late
+    pipeline.run(ClipStore.of(root, rotation))
+    pose = place_pose(pose_at(root, rotation, sample), place)
+    assert_pose(pipeline, 1, pose, 2e-3)
+    for side in ("left", "right"):
+        for share, name in ((0.25, "Shoulder"), (0.5, "UpperArm"), (0.75, "LowerArm"), (1.0, "Hand")):
+            joint = SKELETON.index(side + name)
+            pose[1][joint] = pose_at(root, rotation, sample - share * late)[1][joint]
+    assert_pose(pipeline, 0, pose, 2e-3)
+
+
 def test_blend_between_distant_poses_is_continuous():
     """An elbow bent by 100 degrees one way blends into 100 degrees the other way through the straight arm, not around
     the back, and a moving clip never switches the side: the shorter arc would.

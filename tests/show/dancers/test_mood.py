@@ -7,10 +7,11 @@ from live.base.motion_parameters import MOODS, MOTION_PREFIX
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.control.registry.registry import REGISTRY
-from live.motion.pose.mood_pose import MAX_DROP, MoodPose
+from live.motion.pose.mood_pose import FIRST, LATE_BEATS, MAX_DROP, MoodPose
 from live.motion.skeleton import SKELETON
 from live.show.dancers.variation import section_values
 from live.show.patch.patch_reader import parse_patch
+from tests.show.dancers.danced_step import danced_step, shipped
 from tests.show.made_show import PATCH, made_show
 
 STAMP = {"time": 0.0, "source": "test"}
@@ -78,6 +79,54 @@ def test_time_changes_speeds_between_beats_and_nothing_at_them():
     speed = np.diff(phases[:, 0]) / np.diff(at)
     assert speed.min() > 0.3
     assert speed[45:55].mean() > 1.4 > 0.6 > speed[98:103].mean()  # in the middle of the first beat, and at the second
+
+
+def largest_cross_correlation(one, other):
+    """Ticks by which the movement `other` (T,) is behind `one` (T,)."""
+    one, other = one - one.mean(), other - other.mean()
+    lags = range(-20, 21)
+    found = [np.dot(one[20:-20], other[20 + lag : len(other) - 20 + lag]) for lag in lags]
+    return lags[int(np.argmax(found))]
+
+
+def test_hands_of_free_dancers_are_late():
+    """A reach sideways comes later, by the lateness at most, and trunk and feet are as without the mood."""
+    found = danced_step(shipped("reach"), seconds=8.0, moods=["", "flow = 1.0"])
+    plain, free = found[:, 0], found[:, 1]
+    away = free[:, [HIPS, *FEET]] - plain[:, [HIPS, *FEET]]
+    assert np.ptp(away, axis=0).max() < 1e-4
+    ways = [(one[:, LEFT_HAND] - one[:, SKELETON.index("upperChest")])[:, 0] for one in (plain, free)]
+    behind = largest_cross_correlation(*ways) * TICK * 112 / 60  # beats
+    assert 0.4 * LATE_BEATS < behind < LATE_BEATS
+
+
+def test_late_arms_stay_continuous_over_measure_lines():
+    found = danced_step(shipped("samba"), seconds=8.0, moods=["", "flow = 1.0"])
+    jump = np.linalg.norm(np.diff(found, 2, axis=0), axis=-1).max(axis=(0, 2))
+    assert jump[1] < 1.5 * jump[0]
+
+
+def test_the_awake_and_the_tired_breathe_and_the_bound_hold_their_breath():
+    pose, mood = MoodPose(1), np.zeros((6, 1))
+    chest = SKELETON.index("upperChest") - FIRST
+
+    def breath():
+        found = []
+        for second in np.arange(0.0, 20.0, 0.05):
+            pose.set(mood, second)
+            found.append(pose.bend[0, chest, 0])
+        return np.array(found)
+
+    assert np.ptp(breath()) == 0.0
+    periods = []
+    for energy in (1.0, -1.0):
+        mood[5] = energy
+        trace = breath()
+        assert np.degrees(np.ptp(trace)) > 4.0
+        periods.append((np.diff(np.sign(trace - trace.mean())) > 0).sum())
+    assert periods[0] > 1.8 * periods[1]  # the awake breathe more often
+    mood[3] = -1.0
+    assert np.ptp(breath()) == pytest.approx(0.0, abs=1e-7)
 
 
 def test_moods_are_followed_softly():
