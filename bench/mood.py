@@ -5,6 +5,7 @@ reader knows joint positions at 60 pictures a second: posture, speed and jerk. A
 of two performances of one step which is the stronger, the more sudden, the more awake one; and of one which end it is.
 """
 
+import time
 from pathlib import Path
 from typing import Final
 
@@ -31,6 +32,7 @@ SECONDS: Final = 6.5
 TOLD: Final = ("weight", "time", "energy")
 """The moods that the reader must tell apart."""
 BAR: Final = 0.8
+COST_FRAMES: Final = 600
 SHRINK: Final = 0.01
 """Share by which the features' variances are enlarged, for the discriminant of few steps."""
 _HEAD: Final = """
@@ -76,7 +78,29 @@ def run(full: bool, shared: Path | None) -> list[Row]:
         usual, *moods = (float(figure(values)) for values in slides)
         peers = {"without a mood": usual}
         rows.append(Row(f"slide by positions in the worst mood, {name}", max(moods), "m/s", bar, peers=peers))
+    rows += [Row("frame of 100 dancers in all moods, times without", frame_cost(), "×")]
     return [Row("steps", float(len(steps)), ""), *rows]
+
+
+def frame_cost() -> float:
+    """Return how many times longer a frame of the first show's steps takes for 100 dancers in all moods at once."""
+    head = _HEAD.format(bpm=BPM, beats=4, folder=PATCHES / "steps")
+    all_moods = ", ".join(f"{row.patch.partition('.')[2]} = 0.7" for row in MOODS)
+    group = _GROUP.replace("dancers = 1", "dancers = 100").replace("[1.0, 1.0]", "[30.0, 5.0]")
+    shows = []
+    for mood in ("", all_moods):
+        text = head + group.format(number=0, step="groove", x=0.0, mood=mood)
+        engine, clock, _ = engine_of(load_from_patch(parse_patch(text, "moods"), PATCHES / "moods.toml").start())
+        shows.append((engine, clock))
+    took = np.zeros((COST_FRAMES, 2))
+    for frame in range(COST_FRAMES):
+        for number, (engine, clock) in enumerate(shows):  # in turn, so that the machine's pace is the same for both
+            clock.set(frame / FPS)
+            begin = time.perf_counter()
+            engine.frame(lambda view: None)
+            took[frame, number] = time.perf_counter() - begin
+    plain, moods = np.median(took[COST_FRAMES // 4 :], axis=0)
+    return float(moods / plain)
 
 
 def slide(position: Float64) -> Float64:
