@@ -67,6 +67,8 @@ def _hand(side: float) -> Vocabulary:
     return words | {
         "wrist up": ("wrist", DEGREE),
         "wrist down": ("wrist", -DEGREE),
+        "turn out": ("turn", DEGREE),
+        "turn in": ("turn", -DEGREE),
     }
 
 

@@ -183,22 +183,23 @@ class _Hand:
     """Out, up, forward from the shoulder [m], (T, 3)."""
     elbow: Float
     wrist: Float
+    turn: Float
+    """Turn about the forearm [rad], positive palm up, (T,)."""
     key_weight: Float
     """1 where keys set the hand, 0 where it hangs, (T,)."""
 
 
 def _hand(sketch: Sketch, part: str, beats: Float) -> _Hand:
-    rows = []
+    rows, rest = [], (*_REST_HAND, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
     for key in sketch.parts.get(part, ()):
         a = key.amounts
         if "rest" in a:
-            rows.append((key.beat, *_REST_HAND, 0.0, 0.0, 0.0, 0.0, 0.0))
+            rows.append((key.beat, *rest))
             continue
         aside, ahead = a.get("out", 0.0), a.get("forward", 0.0)
         place = aside, a.get("up", -math.sqrt(max(_HANGING**2 - aside**2 - ahead**2, 0.0))), ahead
         elbow = a.get("elbow out", 0.0), a.get("elbow up", 0.0), a.get("elbow forward", 0.0)
-        rows.append((key.beat, *place, *elbow, a.get("wrist", 0.0), 1.0))
-    rest = (*_REST_HAND, 0.0, 0.0, 0.0, 0.0, 0.0)
+        rows.append((key.beat, *place, *elbow, a.get("wrist", 0.0), a.get("turn", 0.0), 1.0))
     if not sketch.cyclic:
         rows = [(0.0, *rest), *rows, (float(sketch.beats), *rest)]
     if not rows:
@@ -217,7 +218,7 @@ def _hand(sketch: Sketch, part: str, beats: Float) -> _Hand:
         if not sketch.cyclic:  # it begins and ends at rest
             late *= smoothstep(np.minimum(beats, sketch.beats - beats) / 0.5)[:, None]
         track = track + late
-    return _Hand(track[:, :3], track[:, 3:6], track[:, 6], track[:, 7])
+    return _Hand(track[:, :3], track[:, 3:6], track[:, 6], track[:, 7], track[:, 8])
 
 
 def _around_trunk(place: Float) -> Float:
@@ -285,8 +286,10 @@ def pose_arm(sketch: Sketch, ground: FootSupport, pose: Pose, side: float, name:
     hinge = hinge_axis(root, target, pole)
     pose.rotation[:, joint_index(f"{name}UpperArm")] = bone_rotation(elbow - root, hinge, side * X_AXIS, side * Y_AXIS)
     forearm = bone_rotation(wrist - elbow, hinge, side * X_AXIS, side * Y_AXIS)
+    turn = axis_rotation(X_AXIS, -0.5 * hand.turn)  # half in the forearm, half in the wrist
+    forearm = quaternion.mul(forearm, turn)
     pose.attach(f"{name}LowerArm", forearm)
-    pose.attach(f"{name}Hand", _lagging_hand(forearm, hand.wrist, side))
+    pose.attach(f"{name}Hand", _lagging_hand(quaternion.mul(forearm, turn), hand.wrist, side))
 
 
 def _lagging_hand(forearm: Float, wrist: Float, side: float) -> Float:

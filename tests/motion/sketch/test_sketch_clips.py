@@ -5,6 +5,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from live.motion import quaternion
+from live.motion.quality.body_contact import trunk_scale
 from live.motion.skeleton import SKELETON
 from live.motion.sketch.sketch_clips import TAIL_SAMPLES, step_clip, step_clips
 from live.motion.sketch.sketch_file import Key, Sketch, SketchError, parse_sketch
@@ -154,6 +156,31 @@ def test_quarter_turn_ends_at_right_angle() -> None:
     assert np.allclose(ahead[256] @ ahead[128], ahead[128, 1] ** 2, atol=1e-3), "a right angle but for the height"
 
 
+@pytest.mark.parametrize(("words", "up"), [("", -0.46), ("turn out 90", 0.87), ("turn in 90", -0.87)])
+def test_palm_turns_up_and_down_about_the_forearm(words: str, up: float) -> None:
+    """Arms to the sides: the wrists stay, the palms turn alike on both sides, half of it in the forearm."""
+    step = step_clip(sketch_of(f'[hands]\n"1" = "out 50, up 0{", " + words if words else ""}"'))
+    position, rotation = joints(step)
+    plain, plain_rotation = joints(step_clip(sketch_of('[hands]\n"1" = "out 50, up 0"')))
+    assert np.allclose(position, plain, atol=1e-5)
+    for side in SIDES:
+        hand, forearm = SKELETON.index(f"{side}Hand"), SKELETON.index(f"{side}LowerArm")
+        palm = quaternion.rotate(rotation[160, hand], np.array((0.0, -1.0, 0.0)))
+        assert palm[1] == pytest.approx(up, abs=0.03)
+        turned = [abs(np.sum(rotation[160, j] * plain_rotation[160, j])) for j in (forearm, hand)]
+        angle = 2.0 * np.degrees(np.arccos(np.clip(turned, 0.0, 1.0)))
+        assert angle == pytest.approx([45.0, 90.0] if words else [0.0, 0.0], abs=0.5)
+
+
+def test_hand_goes_around_the_trunk() -> None:
+    """From behind the body to in front of it, a hand passes the own side, without a jump and never inside."""
+    step = step_clip(sketch_of('[left_hand]\n"1" = "in 10, down 30, back 25"\n"3" = "in 15, down 30, forward 25"'))
+    position, _ = joints(step)
+    hand = position[:, SKELETON.index("leftHand")]
+    assert trunk_scale(position, hand[:, None]).min() > 1.0
+    assert np.linalg.norm(np.diff(hand, axis=0), axis=1).max() * step.clip.sample_rate < 4.0
+
+
 def test_non_cyclic_step_starts_and_ends_neutral() -> None:
     text = 'cyclic = false\n[chest]\n"2" = "lean forward 60"\n[right_foot]\n"2" = "back 20"\n[hands]\n"2" = "out 40"'
     step = step_clip(sketch_of(text))
@@ -204,7 +231,9 @@ roll = st.integers(0, 10).map(lambda n: n / 100)
 place = st.fixed_dictionaries(where, optional={"up": lift, "heel": roll}) | st.fixed_dictionaries(
     where, optional={"up": lift, "toe": roll}
 )
-reach = st.fixed_dictionaries({"out": small, "up": small, "forward": small, "elbow up": small, "wrist": angle})
+reach = st.fixed_dictionaries(
+    {"out": small, "up": small, "forward": small, "elbow up": small, "wrist": angle, "turn": angle}
+)
 parts = st.fixed_dictionaries(
     {},
     optional={
