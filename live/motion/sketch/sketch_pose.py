@@ -127,7 +127,11 @@ def _pelvis_height(sketch: Sketch, ground: FootSupport, pelvis: Channels) -> Flo
         for a, b in ground.flights
         for at, sign in ((a, 1.0), (b, -1.0))
     }
-    knots = [(at, v) for at, v in dict(knots).items() if not any(abs(at - end) < 1e-6 for end in ends)]
+    knots = [
+        (at, v)
+        for at, v in dict((round(at, 6), v) for at, v in knots).items()
+        if not any(abs(at - end) < 1e-6 for end in ends)
+    ]
     knots = sorted(knots + [(at, 0.02) for at in ends])
     table = np.array(knots)
     slopes = monotone_slopes(table[:, 0], table[:, 1])
