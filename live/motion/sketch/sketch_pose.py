@@ -129,7 +129,7 @@ def _pelvis_height(sketch: Sketch, ground: FootSupport, pelvis: Channels) -> Flo
     }
     knots = [
         (at, v)
-        for at, v in dict((round(at, 6), v) for at, v in knots).items()
+        for at, v in {round(at, 6): v for at, v in knots}.items()
         if not any(abs(at - end) < 1e-6 for end in ends)
     ]
     knots = sorted(knots + [(at, 0.02) for at in ends])
