@@ -4,7 +4,7 @@ After a crossing or another element dancers stand where it left them. Each known
 segment would plan it, with straight ways, and the plans are compared.
 """
 
-from collections.abc import Sequence, Set
+from collections.abc import Iterable, Set
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
@@ -81,7 +81,7 @@ class NextFormation:
     """What it is ranked by [m of way for each dancer]."""
 
 
-def rank_formations(standing: Standing, formations: Sequence[FormationLike]) -> tuple[NextFormation, ...]:
+def rank_formations(standing: Standing, formations: Iterable[FormationLike]) -> tuple[NextFormation, ...]:
     """Return the formations that could come next, the best one first.
 
     Left out are those that cannot be reached within `standing.measures`, that do not fit the stage, that have too few
@@ -97,7 +97,7 @@ def rank_formations(standing: Standing, formations: Sequence[FormationLike]) -> 
             return ranked
 
 
-def rank_in_pieces(standing: Standing, formations: Sequence[FormationLike]) -> Pieces[tuple[NextFormation, ...]]:
+def rank_in_pieces(standing: Standing, formations: Iterable[FormationLike]) -> Pieces[tuple[NextFormation, ...]]:
     """Rank as `rank_formations` does, in pieces of about a millisecond for fifty dancers."""
     own = _in_order(standing)
     if not len(own.position):
@@ -105,13 +105,13 @@ def rank_in_pieces(standing: Standing, formations: Sequence[FormationLike]) -> P
     mixed = _mixing(own.position, own.group)
     found = []
     for formation in formations:
+        yield
         slots = np.asarray(formation.slots, np.float64).reshape(-1, 2)
         if _is_possible(own, slots):
             motion = yield from _plan(own, formation)
             one = _rate(own, formation.name, slots, motion, mixed)
             if one is not None:
                 found.append(one)
-        yield
     return tuple(sorted(found, key=lambda one: one.cost))  # stable
 
 
