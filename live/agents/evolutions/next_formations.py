@@ -55,6 +55,8 @@ class Standing:
     """Half the width and depth of the stage [m]."""
     before: Float64 | None = None
     """Places where they stood before [m], (P, 2): formations that resemble them rank lower. None: no matter."""
+    others: Float64 | None = None
+    """Places of dancers who stay where they are [m], (O, 2); None: there are none."""
     measures: int = MOST_MEASURES
     """Measures within which a formation has to be reached, at least 1."""
     measure_beats: float = 4.0
@@ -72,7 +74,8 @@ class NextFormation:
     longest_m: float
     """The longest way [m]."""
     meetings: int
-    """Pairs of dancers who would touch on straight ways; the show sends them around each other."""
+    """Pairs of dancers who would touch: on straight ways, where the show sends them around each other, or a dancer in
+    their place and one who stays."""
     mixing: float
     """How much more the groups are mixed there than they are now, 0 to 1."""
     repeat: float
@@ -122,7 +125,7 @@ def _in_order(standing: Standing) -> Standing:
     return Standing(
         position[order], standing.group[order], tuple(standing.attributes[index] for index in order.tolist()),
         np.asarray(standing.reach, np.float64)[order], np.asarray(standing.radius, np.float64)[order],
-        standing.half_stage, standing.before, standing.measures, standing.measure_beats,
+        standing.half_stage, standing.before, standing.others, standing.measures, standing.measure_beats,
     )  # fmt: skip
 
 
@@ -162,6 +165,8 @@ def _rate(standing: Standing, name: str, slots: Float64, motion: PlannedMotion, 
     mixing = max(0.0, _mixing(goal, standing.group) - mixed)
     repeat = _resemblance(standing.before, slots)
     meetings = len(motion.remaining)
+    if standing.others is not None and len(standing.others):
+        meetings += int((distances(goal, standing.others) < 2.0 * standing.radius[:, None] - TOUCH_TOLERANCE_M).sum())
     cost = (
         float(way.mean())
         + MEETING_COST * min(2.0 * meetings / len(way), 1.0)

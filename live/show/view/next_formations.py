@@ -31,6 +31,8 @@ MOST_OWN: Final = 32
 """Most formations of the show that are ranked."""
 MOST_TOLD: Final = 4
 """Most formations that are suggested."""
+FEWEST_DANCERS: Final = 2
+"""So many dancers make a formation."""
 TOLD_MEASURES: Final = 8
 """A suggestion that nobody follows stays for so many measures."""
 NAMES: Final = {number: name for name, number in KIND_NAMES.items()}
@@ -58,6 +60,7 @@ def standing_of(
     rows = np.flatnonzero(who)
     reach = np.broadcast_to(show.scheduler.step_reach() + show.patch.locomotion.correction_m, who.shape)
     half_width, half_depth = show.motion.stage_area.half.tolist()
+    others = show.motion.on_stage & ~who
     return Standing(
         position=position[rows].astype(np.float64),
         group=show.casting.group[rows],
@@ -66,6 +69,7 @@ def standing_of(
         radius=show.motion.model.radius[rows].astype(np.float64),
         half_stage=(half_width, half_depth),
         before=None if before is None else before[rows].astype(np.float64),
+        others=position[others].astype(np.float64),
         measures=MOST_MEASURES,
         measure_beats=float(show.desk.beats),
     )
@@ -147,7 +151,7 @@ class NextFormations:
         for element, _ in ended:
             self._who |= show.motion.elements.dancers_of(element)
         self._who &= show.motion.on_stage
-        if not self._who.any() or self._is_followed():
+        if np.count_nonzero(self._who) < FEWEST_DANCERS or self._is_followed():
             return
         element, before = ended[-1]
         self._after, self._until = NAMES.get(element.kind, ""), show.span.number + TOLD_MEASURES

@@ -160,6 +160,18 @@ def test_meetings_cost():
     assert [(one.formation, one.meetings) for one in ranked] == [("aside", 0), ("through", 1)]
 
 
+def test_places_of_dancers_who_stay_cost():
+    here = np.array([[-2.0, 0.0], [2.0, 0.0]])
+    taken, free = (
+        Places("taken", here + np.array([0.0, 1.0]), np.zeros(2)),
+        Places("free", here - np.array([0.0, 1.2]), np.zeros(2)),
+    )
+    assert names(rank_formations(standing(here), [taken, free])) == ["taken", "free"]
+    others = here[:1] + np.array([0.1, 1.2])
+    ranked = rank_formations(standing(here, others=others), [taken, free])
+    assert [(one.formation, one.meetings) for one in ranked] == [("free", 0), ("taken", 1)]
+
+
 def test_impossible_formations_are_left_out():
     here = scattered(4)
     few = Places("few", places("grid").slots[:5], np.zeros(5))

@@ -79,9 +79,13 @@ def test_nothing_is_suggested_for_dancers_whom_something_else_moves(follows):
     assert told.count(None) == len(told)
 
 
-@pytest.mark.parametrize(("group", "who"), [("back", "back"), ("back + 1", "1 + 6-9"), ("9", "9")])
+@pytest.mark.parametrize(("group", "who"), [("back", "back"), ("back + 1", "1 + 6-9"), ("8 + 9", "8-9")])
 def test_dancers_are_those_of_the_element(group, who):
     assert Night(f'{CROSS}group = "{group}"\n').dance(6)["who"] == who
+
+
+def test_single_dancer_makes_no_formation():
+    assert Night(f'{CROSS}group = "9"\n').dance(6) is None
 
 
 def test_element_that_is_stopped_by_hand_has_ended_too():
