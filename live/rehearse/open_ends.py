@@ -40,7 +40,7 @@ MOVING_CALLS: Final = frozenset(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class OpenEnd:
-    """An element after which nothing moves its dancers for some measures."""
+    """The end of an element, after which nothing moves its dancers for some measures."""
 
     element: ElementSection
     begin: int
@@ -51,8 +51,10 @@ class OpenEnd:
     """Its dancers, (A,)."""
     next: int
     """Measure in which something could follow: `end`, or 0 if the score begins again there."""
+    quiet: float
+    """Measures until something moves one of them again, inf: nothing does."""
     room: int
-    """Measures that it may last."""
+    """Measures that a segment may last there, `MOST_MEASURES` at most."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -65,33 +67,39 @@ class _Mover:
     """(A,); None: anybody."""
 
 
-def open_ends(patch: Patch, casting: Casting, position: npt.NDArray[np.floating]) -> list[OpenEnd]:
-    """Return the elements of a score after which nothing moves their dancers, the first to end first; of those that
-    end together for the same dancers only one.
+def element_end(
+    patch: Patch, casting: Casting, position: npt.NDArray[np.floating], element: ElementSection
+) -> OpenEnd | None:
+    """Return the end of an element, and for how many measures nothing moves one of its dancers then.
 
-    Elements for selections by place are left out. `position` (A, 2) [m]: where dancers stand at the beginning.
+    None for selections by place, as only the dance shows whom they mean, and if no place of the score follows.
+    `position` (A, 2) [m]: where dancers stand at the beginning.
     """
     length = score_length(patch)
     loop = length if length is not None and not patch.section else None
+    begin, last = entry_span(patch, element)
+    end = math.ceil(last - 1e-9)
+    if casting.depends_on_places(element.group) or end > (loop or end) or (patch.section and end >= (length or 0)):
+        return None
+    who, there = casting.select(element.group, position), end % loop if loop is not None else end
     movers = list(_movers(patch, casting, position))
     if loop is not None:  # what comes first follows what comes last
         movers += [replace(one, begin=one.begin + loop, end=one.end + loop) for one in movers]
+    following = [one.begin for one in movers if one.end > last + 1e-9 and (one.who is None or (one.who & who).any())]
+    quiet = max(min(following, default=math.inf) - end, 0.0)
+    return OpenEnd(
+        element, int(begin), end, who, there, quiet, int(min(quiet, _measures_left(patch, there), MOST_MEASURES))
+    )
+
+
+def open_ends(patch: Patch, casting: Casting, position: npt.NDArray[np.floating]) -> list[OpenEnd]:
+    """Return the elements of a score after which nothing moves their dancers for some measures, the first to end first;
+    of those that end together for the same dancers only one. Arguments as of `element_end`."""
     found: dict[tuple[int, bytes], OpenEnd] = {}
     for element in patch.element:
-        if casting.depends_on_places(element.group):
-            continue
-        begin, last = entry_span(patch, element)
-        end, who = math.ceil(last - 1e-9), casting.select(element.group, position)
-        there = end % loop if loop is not None else end
-        if end > MAX_MEASURES or end > (loop or end) or (patch.section and end >= (length or 0)):
-            continue
-        following = min(
-            (one.begin for one in movers if one.end > last + 1e-9 and (one.who is None or (one.who & who).any())),
-            default=math.inf,
-        )
-        if following >= end + QUIET_MEASURES:
-            room = min(following - end, _measures_left(patch, there), MOST_MEASURES)
-            found.setdefault((end, who.tobytes()), OpenEnd(element, int(begin), end, who, there, int(room)))
+        one = element_end(patch, casting, position, element)
+        if one is not None and one.end <= MAX_MEASURES and one.quiet >= QUIET_MEASURES:
+            found.setdefault((one.end, one.who.tobytes()), one)
     return sorted(found.values(), key=lambda one: one.end)
 
 
@@ -134,7 +142,7 @@ def next_formation_hints(show: Show) -> list[str]:
     hints = []
     for one in told:
         who = one.who & show.motion.present
-        standing = replace(standing_of(show, who, places[one.end], places[one.begin]), measures=one.room)
+        standing = standing_of(show, who, places[one.end], places[one.begin], measures=one.room)
         ranked = rank_formations(standing, known_formations(show, int(who.sum())))
         hints.append(_hint(show.patch, one, int(who.sum()), ranked[:SUGGESTED]))
     more = len(ends) - MAX_HINTS
@@ -156,25 +164,31 @@ def _measures(count: int) -> str:
     return "a measure" if count == 1 else f"{count} measures"
 
 
-def _segment_lines(patch: Patch, one: OpenEnd, count: int, formation: NextFormation) -> str:
-    """Return a segment into a formation, as it is written in a patch."""
+def next_segment(patch: Patch, one: OpenEnd, formation: NextFormation) -> dict[str, str | int]:
+    """Return the table of a segment into a formation after the end of an element."""
     section, measure = one.element.section, one.next + 1
     if section is not None:
         first = span_of(patch, section, 1, None).first
         size = next(each.measures for each in patch.section if each.name.casefold() == section.casefold())
         section, measure = (section, measure - first) if one.next < first + size else (None, measure)
-    meetings = "" if not formation.meetings else f", {formation.meetings} pairs would meet on straight ways"
+    table: dict[str, str | int] = {} if section is None else {"section": section}
+    table |= {"measure": measure, "measures": formation.measures}
+    if one.element.group.strip() not in EVERYONE:
+        table["group"] = one.element.group
+    return table | {"formation": formation.formation}
+
+
+def _segment_lines(patch: Patch, one: OpenEnd, count: int, formation: NextFormation) -> str:
+    """Return the segment as it is written in a patch."""
+    pairs = "a pair" if formation.meetings == 1 else f"{formation.meetings} pairs"
+    meetings = "" if not formation.meetings else f", {pairs} would meet on straight ways"
     lines = [
         f"[[segment]]  # {formation.total_m / count:.1f} m for each, {formation.longest_m:.1f} m at most{meetings}",
-        *([] if section is None else [f"section = {_text(section)}"]),
-        f"measure = {measure}",
-        f"measures = {formation.measures}",
-        *([] if one.element.group.strip() in EVERYONE else [f"group = {_text(one.element.group)}"]),
-        f"formation = {_text(formation.formation)}",
+        *(f"{key} = {_text(value)}" for key, value in next_segment(patch, one, formation).items()),
     ]
     return "\n".join(f"    {line}" for line in lines)
 
 
-def _text(words: str) -> str:
-    """Return a text as it is written in TOML."""
-    return json.dumps(words, ensure_ascii=False)
+def _text(value: str | int) -> str:
+    """Return a value as it is written in TOML."""
+    return json.dumps(value, ensure_ascii=False)

@@ -54,13 +54,23 @@ def known_formations(show: Show, count: int) -> Iterator[FormationLike]:
 
 
 def standing_of(
-    show: Show, who: Bool, position: npt.NDArray[np.floating], before: npt.NDArray[np.floating] | None = None
+    show: Show,
+    who: Bool,
+    position: npt.NDArray[np.floating],
+    before: npt.NDArray[np.floating] | None = None,
+    *,
+    present: Bool | None = None,
+    measures: int = MOST_MEASURES,
 ) -> Standing:
-    """Return the dancers `who` (A,) of a show, at `position` (A, 2) [m]; `before` (A, 2) [m]: where they stood."""
+    """Return the dancers `who` (A,) of a show, at `position` (A, 2) [m].
+
+    `before` (A, 2) [m]: where they stood before. `present` (A,): who is on the stage, None: as it is now. `measures`
+    within which a formation has to be reached.
+    """
     rows = np.flatnonzero(who)
     reach = np.broadcast_to(show.scheduler.step_reach() + show.patch.locomotion.correction_m, who.shape)
     half_width, half_depth = show.motion.stage_area.half.tolist()
-    others = show.motion.on_stage & ~who
+    others = (show.motion.on_stage if present is None else present) & ~who
     return Standing(
         position=position[rows].astype(np.float64),
         group=show.casting.group[rows],
@@ -70,7 +80,7 @@ def standing_of(
         half_stage=(half_width, half_depth),
         before=None if before is None else before[rows].astype(np.float64),
         others=position[others].astype(np.float64),
-        measures=MOST_MEASURES,
+        measures=measures,
         measure_beats=float(show.desk.beats),
     )
 
