@@ -25,7 +25,7 @@ from live.clock.ticks import TICK
 from live.graph.motion_graph import MotionGraph
 from live.motion.editing.facing import heading_of
 from live.rehearse.lint import lint_show
-from live.rehearse.open_ends import OpenEnd, element_end
+from live.rehearse.open_ends import OpenEnd, ScoreEnds
 from live.show.group.dry_run import REACH_TOLERANCE
 from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
@@ -229,7 +229,7 @@ class PreviewEngine:
         them at once. PersonError if it is not danced unless somebody leads there."""
         first, last = self.measures_of(element, "element")
         show, before = self._show, self.at(first - 1.0)
-        end = element_end(self.patch, show.casting, before.place, self.patch.element[element])
+        end = ScoreEnds(self.patch, show.casting, before.place).of(self.patch.element[element])
         after = self.at(float(last))
         present = after.present != 0
         who = present if end is None else end.who & present

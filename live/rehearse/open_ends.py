@@ -67,59 +67,76 @@ class _Mover:
     """(A,); None: anybody."""
 
 
-def element_end(
-    patch: Patch, casting: Casting, position: npt.NDArray[np.floating], element: ElementSection
-) -> OpenEnd | None:
-    """Return the end of an element, and for how many measures nothing moves one of its dancers then.
+class ScoreEnds:
+    """The ends of a score's elements, and what moves dancers after them."""
 
-    None for selections by place, as only the dance shows whom they mean, and if no place of the score follows.
-    `position` (A, 2) [m]: where dancers stand at the beginning.
-    """
-    length = score_length(patch)
-    loop = length if length is not None and not patch.section else None
-    begin, last = entry_span(patch, element)
-    end = math.ceil(last - 1e-9)
-    if casting.depends_on_places(element.group) or end > (loop or end) or (patch.section and end >= (length or 0)):
-        return None
-    who, there = casting.select(element.group, position), end % loop if loop is not None else end
-    movers = list(_movers(patch, casting, position))
-    if loop is not None:  # what comes first follows what comes last
-        movers += [replace(one, begin=one.begin + loop, end=one.end + loop) for one in movers]
-    following = [one.begin for one in movers if one.end > last + 1e-9 and (one.who is None or (one.who & who).any())]
-    quiet = max(min(following, default=math.inf) - end, 0.0)
-    return OpenEnd(
-        element, int(begin), end, who, there, quiet, int(min(quiet, _measures_left(patch, there), MOST_MEASURES))
-    )
+    def __init__(self, patch: Patch, casting: Casting, position: npt.NDArray[np.floating]) -> None:
+        """`position` (A, 2) [m]: where dancers stand at the beginning."""
+        self._patch, self._casting, self._position = patch, casting, position
+        self._length = score_length(patch)
+        self._loop = self._length if not patch.section else None
+        self._selected: dict[str, Bool | None] = {}
+        movers = list(self._all_movers())
+        if self._loop is not None:  # what comes first follows what comes last
+            loop = self._loop
+            movers += [replace(one, begin=one.begin + loop, end=one.end + loop) for one in movers]
+        self._movers = sorted(movers, key=lambda one: one.begin)
 
+    def of(self, element: ElementSection) -> OpenEnd | None:
+        """Return the end of an element. None for selections by place, as only the dance shows whom they mean, and if no
+        place of the score follows."""
+        length, loop, who = self._length, self._loop, self._select(element.group)
+        begin, last = entry_span(self._patch, element)
+        end = math.ceil(last - 1e-9)
+        if who is None or end > (loop or end) or (self._patch.section and end >= (length or 0)):
+            return None
+        there = end % loop if loop is not None else end
+        quiet = max(self._next_begin(last, who) - end, 0.0)
+        room = min(quiet, _measures_left(self._patch, there), MOST_MEASURES)
+        return OpenEnd(element, int(begin), end, who, there, quiet, int(room))
 
-def open_ends(patch: Patch, casting: Casting, position: npt.NDArray[np.floating]) -> list[OpenEnd]:
-    """Return the elements of a score after which nothing moves their dancers for some measures, the first to end first;
-    of those that end together for the same dancers only one. Arguments as of `element_end`."""
-    found: dict[tuple[int, bytes], OpenEnd] = {}
-    for element in patch.element:
-        one = element_end(patch, casting, position, element)
-        if one is not None and one.end <= MAX_MEASURES and one.quiet >= QUIET_MEASURES:
-            found.setdefault((one.end, one.who.tobytes()), one)
-    return sorted(found.values(), key=lambda one: one.end)
+    def open(self) -> list[OpenEnd]:
+        """Return the elements after which nothing moves their dancers for some measures, the first to end first; of
+        those that end together for the same dancers only one."""
+        found: dict[tuple[int, bytes], OpenEnd] = {}
+        for element in self._patch.element:
+            if entry_span(self._patch, element)[1] > MAX_MEASURES:
+                continue
+            one = self.of(element)
+            if one is not None and one.quiet >= QUIET_MEASURES:
+                found.setdefault((one.end, one.who.tobytes()), one)
+        return sorted(found.values(), key=lambda one: one.end)
 
+    def _next_begin(self, last: float, who: Bool) -> float:
+        """Return the measure in which something moves one of the dancers after `last`: before it if it does already."""
+        for one in self._movers:
+            if one.end > last + 1e-9 and (one.who is None or (one.who & who).any()):
+                return one.begin
+        return math.inf
 
-def _movers(patch: Patch, casting: Casting, position: npt.NDArray[np.floating]) -> Iterator[_Mover]:
-    """Yield what moves dancers."""
-    moving: tuple[SegmentSection | ElementSection, ...] = (*patch.segment, *patch.element)
-    for entry in moving:
-        by_place = casting.depends_on_places(entry.group)
-        yield _Mover(*entry_span(patch, entry), None if by_place else casting.select(entry.group, position))
-    calls: list[tuple[str | None, int, int | None]] = [
-        (one.section, one.measure, 1) for one in patch.at if one.call in MOVING_CALLS
-    ]
-    calls += [
-        (one.section, one.measure, one.measures)
-        for one in patch.improvise
-        if any(motion.call in MOVING_CALLS for motion in one.motion)
-    ]
-    for section, measure, measures in calls:
-        span = span_of(patch, section, measure, measures)
-        yield _Mover(span.first + span.begin, span.first + span.end, None)
+    def _select(self, group: str) -> Bool | None:
+        """Return the dancers of a selection, (A,); None if it depends on their places."""
+        if group not in self._selected:
+            by_place = self._casting.depends_on_places(group)
+            self._selected[group] = None if by_place else self._casting.select(group, self._position)
+        return self._selected[group]
+
+    def _all_movers(self) -> Iterator[_Mover]:
+        patch = self._patch
+        moving: tuple[SegmentSection | ElementSection, ...] = (*patch.segment, *patch.element)
+        for entry in moving:
+            yield _Mover(*entry_span(patch, entry), self._select(entry.group))
+        calls: list[tuple[str | None, int, int | None]] = [
+            (one.section, one.measure, 1) for one in patch.at if one.call in MOVING_CALLS
+        ]
+        calls += [
+            (one.section, one.measure, one.measures)
+            for one in patch.improvise
+            if any(motion.call in MOVING_CALLS for motion in one.motion)
+        ]
+        for section, measure, measures in calls:
+            span = span_of(patch, section, measure, measures)
+            yield _Mover(span.first + span.begin, span.first + span.end, None)
 
 
 def _measures_left(patch: Patch, measure: int) -> float:
@@ -135,7 +152,7 @@ def _measures_left(patch: Patch, measure: int) -> float:
 def next_formation_hints(show: Show) -> list[str]:
     """Return a hint for each element after which nothing moves its dancers, with formations that could come next, as
     lines for the patch. `show` is fresh, and cannot be used again."""
-    ends = open_ends(show.patch, show.casting, show.state.position)
+    ends = ScoreEnds(show.patch, show.casting, show.state.position).open()
     ends = [one for one in ends if np.count_nonzero(one.who & show.motion.present) >= FEWEST_DANCERS]
     told = ends[:MAX_HINTS]
     places = agent_places(show, {measure for one in told for measure in (one.begin, one.end)})

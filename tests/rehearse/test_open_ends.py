@@ -2,6 +2,7 @@
 
 import re
 import textwrap
+import time
 import tomllib
 from dataclasses import replace
 
@@ -11,7 +12,7 @@ import pytest
 from live.agents.evolutions.slot_assignment import assign, distances
 from live.clock.ticks import TICK
 from live.rehearse.lint import lint_show
-from live.rehearse.open_ends import MAX_HINTS, next_formation_hints, open_ends
+from live.rehearse.open_ends import MAX_HINTS, ScoreEnds, next_formation_hints
 from live.show.group.agent_run import agent_places
 from live.show.group.dry_run import dry_run_warnings
 from live.show.loader import load_show
@@ -29,7 +30,7 @@ def ends_of(extra, *, loop=None):
     text = ("" if loop is None else f"loop_measures = {loop}\n") + PATCH + extra
     show = made_show(extra)
     return [(one.begin, one.end, one.next, one.room) for one in
-            open_ends(parse_patch(text, "made.toml"), show.casting, show.state.position)]  # fmt: skip
+            ScoreEnds(parse_patch(text, "made.toml"), show.casting, show.state.position).open()]  # fmt: skip
 
 
 def blocks(hint):
@@ -89,7 +90,7 @@ def test_score_that_begins_again_follows_itself():
 def test_room_ends_with_the_section():
     cross = CROSS.replace("measure = 2", 'section = "a"\nmeasure = 1')
     show = made_show(SECTIONS + cross)
-    (one,) = open_ends(show.patch, show.casting, show.state.position)
+    (one,) = ScoreEnds(show.patch, show.casting, show.state.position).open()
     assert (one.end, one.room) == (3, 3)
     (hint,) = next_formation_hints(show)
     for block in blocks(hint):
@@ -199,3 +200,15 @@ def test_live_check_prints_hints_and_succeeds(tmp_path):
     show.write_text(show.read_text() + blocks(hint)[0])
     again = run_live("check", str(show))
     assert again.stdout.startswith("ok ")
+
+
+def test_long_scores_are_looked_at_quickly():
+    """Two thousand entries: what takes long is the dance of the first measures. The bound is loose."""
+    rows = "".join(
+        ATTRACT.format(measure, 1, "front") + f'[[segment]]\nmeasure = {measure}\nmeasures = 1\ngroup = "back"\n'
+        for measure in range(1, 1000)
+    )
+    show = made_show(rows)
+    begin = time.perf_counter()
+    assert [one.end for one in ScoreEnds(show.patch, show.casting, show.state.position).open()] == []
+    assert time.perf_counter() - begin < 5.0
