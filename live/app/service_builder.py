@@ -28,6 +28,7 @@ from live.show.engine import Engine
 from live.show.loader import LoadedShow
 from live.show.patch.hot_reload import PatchWatch
 from live.show.venue.venue import Venue
+from live.show.view.next_formations import NextFormations
 from live.show.view.status import Status
 
 
@@ -98,6 +99,13 @@ class ServiceBuilder:
             self.add("grid", grid)
             self.status.notices.append(grid.problem)
 
+    def add_next_formations(self) -> NextFormations:
+        """Add the suggestions of what could follow an element that has ended."""
+        suggestions = NextFormations(self.engine.show)
+        self.add("next", suggestions)
+        self.publisher.add_value("/dance/status/next", suggestions.text)
+        return suggestions
+
     def add_document(self, watch: PatchWatch, loaded: LoadedShow) -> DocumentService:
         """Add the editing of the show's files."""
 
@@ -144,13 +152,13 @@ class ServiceBuilder:
         """Host names of this machine besides its addresses."""
         return self.options.web_hosts + (() if self.venue is None else self.venue.web.hosts)
 
-    def add_web(self, loaded: LoadedShow, document: DocumentService) -> None:
-        """Add the operator's web page, with a preview of these files, and the audience's phones."""
+    def add_web(self, loaded: LoadedShow, document: DocumentService, what_next: NextFormations) -> None:
+        """Add the operator's web page, with a preview of these files and suggestions, and the audience's phones."""
         options, show = self.options, self.engine.show
         audience = make_audience(options, show, self.venue, self.inbox.add_queue(), self.clock)
         if options.web is not None:
             score = ScoreStream(show, document)
-            stage = StageStream(show, lambda: self.engine.view, score, lambda: self.status.late_frames)
+            stage = StageStream(show, lambda: self.engine.view, score, lambda: self.status.late_frames, what_next.facts)
             page = WebService(
                 options.web, options.web_key, options.osc, show, self.clock, hosts=self._host_names, stage=stage,
                 files=preview_files(loaded, options.seed), inbox=self.inbox.add_queue(rank=ROLE_RANKS["operator"]),

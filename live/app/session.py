@@ -209,7 +209,7 @@ class Session:
         self._watch, library = make_file_watches(loaded, show, post=self.inbox.put, now=self.clock.now)
         self.status.extra_figures["patch"] = self._watch.status
         self.document = beside.add_document(self._watch, loaded)
-        beside.add_web(loaded, self.document)
+        beside.add_web(loaded, self.document, beside.add_next_formations())
         self._services = beside.services
         self.status.notices.append(lambda: self._watch.problem)
         self.status.notices.append(self._records.problem)

@@ -1,5 +1,6 @@
 """Answers about formations: their places for any number of dancers, and the ways into one, each way to choose."""
 
+import math
 from collections.abc import Sequence
 from typing import Annotated, Any, Final, Literal
 
@@ -13,11 +14,14 @@ from live.agents.formations.stage_fit import fit_stage
 from live.base.arrays import Float64
 from live.base.errors import PersonError
 from live.document.preview import PreviewEngine, plan_faults
+from live.rehearse.open_ends import next_segment
 
 MAX_PLACES: Final = 64
 """Formations whose places are asked for at once."""
 MAX_DANCERS: Final = 400
 MAX_OPTIONS: Final = 16
+MOST_NEXT: Final = 4
+"""Formations that are suggested after an element."""
 WAY_STEP: Final = SAMPLES_PER_MEASURE // 8
 """Ways are told 8 times in each measure."""
 MAX_PREVIEW_POINTS: Final = 256
@@ -129,3 +133,18 @@ def _option_values(engine: PreviewEngine, plan: DryRunResult, first: int, who: A
         "ways": np.round(ways.transpose(1, 0, 2), 3).tolist(),
         "headings": np.round(plan.headings[:, who].T, 3).tolist(),
     }
+
+
+def next_values(engine: PreviewEngine, element: int) -> dict[str, Any]:
+    """Return what could follow an element (from 1): formations, each with the segment that leads into it. PersonError
+    if it is not danced."""
+    after, end, ranked = engine.next_formations(element - 1)
+    rows = [
+        {
+            "formation": one.formation, "measures": one.measures, "total_m": one.total_m, "longest_m": one.longest_m,
+            "meetings": one.meetings, "segment": {} if end is None else next_segment(engine.patch, end, one),
+        }
+        for one in ranked[:MOST_NEXT]
+    ]  # fmt: skip
+    quiet = None if end is None or math.isinf(end.quiet) else end.quiet
+    return {"kind": "next", "element": element, "after": after, "quiet": quiet, "formations": rows}

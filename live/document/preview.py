@@ -7,14 +7,16 @@ before the first measure that changed.
 
 import contextlib
 import copy
+import math
 from bisect import bisect_right
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, Literal, NamedTuple
 
 import numpy as np
 
 from live.agents.evolutions.dry_run import DryRunResult, simulate_plan
+from live.agents.evolutions.next_formations import NextFormation, rank_formations
 from live.agents.formations.formation import Formation
 from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.errors import PersonError
@@ -23,14 +25,18 @@ from live.clock.ticks import TICK
 from live.graph.motion_graph import MotionGraph
 from live.motion.editing.facing import heading_of
 from live.rehearse.lint import lint_show
+from live.rehearse.open_ends import OpenEnd, ScoreEnds
 from live.show.group.dry_run import REACH_TOLERANCE
 from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
+from live.show.patch.section_elements import ElementSection
+from live.show.patch.section_score import SegmentSection
 from live.show.score.division_tree import Branch, DivisionTree, Kind
 from live.show.score.playhead import Playhead
 from live.show.score.score import section_timings
 from live.show.show import Show
 from live.show.state.snapshot import Snapshotter, restore
+from live.show.view.next_formations import FEWEST_DANCERS, known_formations, standing_of
 
 TICKS_PER_SAMPLE: Final = 4
 """Ticks between two kept positions: 16 a second."""
@@ -202,20 +208,35 @@ class PreviewEngine:
         measures = [one.measure for one in self._samples]
         return self._samples[bisect_right(measures, first - 1e-6) : bisect_right(measures, last + 1e-6)]
 
-    def measures_of(self, segment: int) -> tuple[int, int]:
-        """Return the measures (from 1) in which a segment of the patch (from 0) is danced first; PersonError if it is
-        not danced unless somebody leads there."""
-        entries = self.patch.segment
-        if not 0 <= segment < len(entries):
-            raise PersonError(f"there is no segment {segment + 1}", f"there are {len(entries)}")
-        entry, playhead = entries[segment], Playhead(section_timings(self.patch))
+    def measures_of(self, number: int, kind: Literal["segment", "element"] = "segment") -> tuple[int, int]:
+        """Return the measures (from 1) in which a segment or an element of the patch (from 0) is danced first;
+        PersonError if it is not danced unless somebody leads there."""
+        entries: tuple[SegmentSection | ElementSection, ...] = getattr(self.patch, kind)
+        if not 0 <= number < len(entries):
+            raise PersonError(f"there is no {kind} {number + 1}", f"there are {len(entries)}")
+        entry, playhead = entries[number], Playhead(section_timings(self.patch))
         wanted = self._show.score_runner.score.place_of(entry.section, entry.measure)
         for measure in range(0 if wanted is None else MAX_MEASURE):
             playhead.begin_measure(measure)
             place = playhead.place(measure)
             if (place.section, place.measure) == wanted:
-                return measure + 1, measure + entry.measures
-        raise PersonError(f"segment {segment + 1} is never danced", "see its section and measure")
+                return measure + 1, measure + math.ceil(entry.measure % 1.0 + entry.measures - 1e-9)
+        raise PersonError(f"{kind} {number + 1} is never danced", "see its section and measure")
+
+    def next_formations(self, element: int) -> tuple[int, OpenEnd | None, tuple[NextFormation, ...]]:
+        """Return the measure (from 1) with whose line an element of the patch (from 0) is over, its end as it is
+        written, and the formations that its dancers could go into then, the best one first; none if something moves
+        them at once. PersonError if it is not danced unless somebody leads there."""
+        first, last = self.measures_of(element, "element")
+        show, before = self._show, self.at(first - 1.0)
+        end = ScoreEnds(self.patch, show.casting, before.place).of(self.patch.element[element])
+        after = self.at(float(last))
+        present = after.present != 0
+        who = present if end is None else end.who & present
+        if end is None or end.room < 1 or np.count_nonzero(who) < FEWEST_DANCERS:
+            return last + 1, end, ()
+        standing = standing_of(show, who, after.place, before.place, present=present, measures=end.room)
+        return last + 1, end, rank_formations(standing, known_formations(show, int(who.sum())))
 
     def dancers_of(self, segment: int) -> Bool:
         """Return who dances a segment of the patch (from 0), as they stand at its beginning, (A,)."""
@@ -281,7 +302,7 @@ class PreviewEngine:
         return simulate_plan(
             show.casting.roster, evolutions.repertoire, segments, before.place, measures=last - first + 1,
             headings=before.heading, measure_beats=float(self.patch.clock.beats_per_measure), half=half,
-            radius=self._show.motion.model.radius, seed=show.seed, keep_ways=True,
+            radius=self._show.motion.model.radius, seed=show.seed, keep_ways=True, available=before.present != 0,
         )  # fmt: skip
 
     def division(self, first: int, last: int) -> dict[Kind, list[Branch]]:

@@ -19,7 +19,7 @@ from live.control.audio.music_file import MusicFileError
 from live.control.audio.waveform import PEAKS_PER_SECOND, read_waveform
 from live.document.document_store import DocumentStore
 from live.document.edit import EditRefused, parse_edit
-from live.document.formation_answers import option_values, places_values
+from live.document.formation_answers import next_values, option_values, places_values
 from live.document.preview import (
     Positions,
     PreviewEngine,
@@ -181,6 +181,8 @@ class PreviewAnswers:
             yield json.dumps(sequence_values(engine.graph, question.sequence) | head)
         if question.places:
             yield json.dumps(places_values(engine, question.places) | head)
+        if question.element is not None:
+            yield json.dumps(next_values(engine, question.element) | head)
         if question.options:
             if question.segment is None:
                 raise PersonError('"options" are those of a segment', '{"id": 1, "segment": 3, "options": [{}]}')

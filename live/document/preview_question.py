@@ -53,6 +53,8 @@ class Question(BaseModel):
     """Instead: the places of formations."""
     options: Annotated[list[WayOption], Field(max_length=MAX_OPTIONS)] = []
     """Of a segment with a formation: the ways of each option."""
+    element: _Measure | None = None
+    """Instead: what could follow an element of the document, by its number from 1."""
 
 
 def parse_question(values: object) -> Question:

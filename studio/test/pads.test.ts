@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { awayInWords, columns, countOf, freePadName, launchCall, launchInWords, launchOf, measureOf, measuresAway, nextOf, shareOf, type Launch, type Launches, type Pad } from "../src/model/pads";
+import { awayInWords, columns, countOf, freePadName, launchCall, launchInWords, launchOf, measureOf, measuresAway, nextCall, nextInWords, nextOf, shareOf, type Launch, type Launches, type Pad, type WhatNext } from "../src/model/pads";
 import type { Structure } from "../src/model/score";
 
 const STRUCTURE: Structure = {
@@ -65,4 +65,12 @@ test("what cannot follow is said with its reason", () => {
 test("a kept pad gets a free name", () => {
   assert.equal(freePadName(WALK, []), "walk");
   assert.equal(freePadName(WALK, ["Walk", "walk 2"]), "walk 3");
+});
+
+test("what could come next is launched for its dancers and in the measures that they need", () => {
+  const next: WhatNext = { after: "cross", who: "1-8", pads: [{ pad: "formation arrow", name: "arrow", measures: 3 }] };
+  assert.equal(nextInWords(next), "after cross, next for 1-8:");
+  assert.equal(nextInWords({ ...next, who: "*" }), "after cross, next:");
+  assert.deepEqual(nextCall(next, 0, "measure"), ["/dance/launch", "formation arrow", "1-8", "measure", 3]);
+  assert.equal(nextCall(next, 1, "measure"), null);
 });

@@ -179,3 +179,23 @@ def test_wrong_questions_are_refused_with_words(answers: PreviewAnswers, questio
     told = json.loads(frame)
     assert told["kind"] == "refused"
     assert all(one["what"] for one in told["refused"])
+
+
+def test_what_could_follow_an_element(tmp_path: Path) -> None:
+    element = '[[element]]\nkind = "cross"\nmeasure = 3\nmeasures = 3\nat = [0.0, -3.5]\nto = [0.0, 3.5]\n'
+    path = tmp_path / "show.toml"
+    path.write_text(TEXT + TABLES + element)
+    mine = open_answers(load_show(path))
+    number = len(mine._store.document.patch.element)
+    texts, _ = asked(mine, id=1, element=number)
+    told = texts["next"]
+    assert (told["element"], told["after"]) == (number, 6)
+    assert 1 <= len(told["formations"]) <= 4
+    for one in told["formations"]:
+        assert one["segment"] == {"measure": 6, "measures": one["measures"], "formation": one["formation"]}
+        insert = {"do": "insert", "at": ["segment"], "value": one["segment"]}
+        followed, _ = asked(mine, id=2, element=number, **{"with": [insert]})
+        assert (followed["next"]["formations"], followed["next"]["quiet"]) == ([], 0.0)
+    assert asked(mine, id=3, element=number)[0]["next"]["formations"] == told["formations"]
+    texts, _ = asked(mine, id=4, element=99)
+    assert "there is no element 99" in texts["refused"]["refused"][0]["what"]

@@ -97,6 +97,20 @@ def test_a_pad_is_launched_for_a_group_and_danced(show: Studio, port: socket.soc
     until(lambda: "take" in show.path.read_text(), page)
 
 
+def test_after_an_element_a_formation_is_suggested_and_launched(show: Studio, port: socket.socket, page: Any) -> None:
+    play(page)
+    made = REGISTRY.call("/dance/launch", ("element spread", "*", "now", 1), show.clock.now(), "grid")
+    assert isinstance(made, ControlEvent)
+    show.inbox.put(made)
+    strip = page.get_by_role("group", name="What could come next")
+    strip.get_by_text("after spread, next:").wait_for()
+    best = show.next.facts()["pads"][0]
+    strip.get_by_role("button").first.click()
+    assert received(port, show) == ("/dance/launch", best["pad"], "*", "measure", float(best["measures"]))
+    until(lambda: "motion *" in show.show.launcher.running, page)
+    strip.wait_for(state="hidden")
+
+
 def test_launches_on_the_beat_and_the_section_are_counted_in(show: Studio, port: socket.socket, page: Any) -> None:
     """What another page or controller launches is seen here, too."""
     region = play(page, "Formations")

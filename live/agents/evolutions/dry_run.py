@@ -1,7 +1,8 @@
 """Dry run of a plan without steering: reports distances that are too far, near misses and the timeline (T088)."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from types import MappingProxyType
 
 import numpy as np
 import numpy.typing as npt
@@ -16,6 +17,7 @@ from live.base.arrays import Float32, Float64
 
 SAMPLES_PER_MEASURE = 32
 """Samples per measure."""
+NOBODY_MOVED: Mapping[int, tuple[npt.NDArray[np.bool_], Float32]] = MappingProxyType({})
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,17 +89,32 @@ def simulate_plan(
     radius: npt.ArrayLike = 0.25,
     seed: int = 0,
     keep_ways: bool = False,
+    moved: Mapping[int, tuple[npt.NDArray[np.bool_], Float32]] = NOBODY_MOVED,
+    available: npt.NDArray[np.bool_] | None = None,
 ) -> DryRunResult:
-    """Run `measures` measures from `positions` (A, 2) [m]; dancers moved by elements are assumed to stay."""
+    """Run `measures` measures from `positions` (A, 2) [m]. `available` (A,): who is on the stage; None: everybody.
+
+    Dancers moved by elements are assumed to stay, unless `moved` tells who of them, (A,), stands where, (A, 2) [m], at
+    the line of a measure (from 0).
+    """
     plan = Plan(roster, repertoire, segments, measure_beats=measure_beats, half=half, radius=radius, seed=seed)
+    if available is not None:
+        plan.available = available
     place = np.array(positions, np.float32)
     facing = np.array(np.broadcast_to(np.asarray(headings, np.float32), (roster.count,)))
-    places, faced, held = [place.copy()], [facing.copy()], []
+    places, faced = [place.copy()], [facing.copy()]
+    held: list[npt.NDArray[np.bool_]] = []
     near: list[TooNear] = []
     ways = [np.zeros((0, roster.count, 2), np.float32)]
     spans: dict[int, Span] = {}
     bodies = np.broadcast_to(np.asarray(radius, np.float64), (roster.count,))
     for measure in range(measures):
+        if measure in moved:
+            who, elsewhere = moved[measure]
+            places[-1] = place = np.where(who[:, None], elsewhere, place)
+            plan.release(who)
+            if held:  # not a segment has led them there
+                held[-1] = held[-1] & ~who
         for motion in plan.begin_measure(measure, place, facing):
             dancers = np.zeros(roster.count, np.bool_)
             dancers[motion.dancers] = True

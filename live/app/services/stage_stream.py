@@ -35,11 +35,17 @@ class StageStream:
     """Frames of one show for its pages. Thread: the show's."""
 
     def __init__(
-        self, show: Show, view: Callable[[], StageView], score: "ScoreStream", late_frames: Callable[[], int]
+        self,
+        show: Show,
+        view: Callable[[], StageView],
+        score: "ScoreStream",
+        late_frames: Callable[[], int],
+        what_next: Callable[[], Any] = lambda: None,
     ) -> None:
         """`view` is the picture's snapshot; `score` has the texts about the show's files; `late_frames`: number of
-        frames of the picture that came late so far."""
+        frames of the picture that came late so far; `what_next`: what could follow an element that has ended."""
         self._show, self._view, self._score, self._late_frames = show, view, score, late_frames
+        self._what_next = what_next
         self._next, self._count = 0.0, 0
         self._previous, self._period = math.inf, 0.0  # time of the frame before, longest interval since the last clock
         self._dancers = -1
@@ -94,7 +100,7 @@ class StageStream:
 
     def _pads(self) -> Iterator[list[Any]]:
         """Yield what has changed about pads: their lists, looked at once a measure, and what waits and runs."""
-        texts = {"launches": json.dumps({"kind": "launches", **launch_facts(self._show)})}
+        texts = {"launches": json.dumps({"kind": "launches", **launch_facts(self._show), "next": self._what_next()})}
         if self._show.span.number != self._pads_measure:
             self._pads_measure = self._show.span.number
             texts["pads"] = json.dumps({"kind": "pads", "pads": pad_facts(self._show)})

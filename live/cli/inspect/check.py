@@ -33,6 +33,7 @@ def check(
     from live.app.launch_options import LaunchOptions
     from live.app.session_audio import choose_audio
     from live.rehearse.lint import lint_show
+    from live.rehearse.open_ends import next_formation_hints
 
     options = LaunchOptions(patch=patch, steps=steps, venue=venue)
     hall = options.read_venue()
@@ -54,6 +55,8 @@ def check(
     warnings = [words for doubts in lint_show(show) for words in doubts.warnings]
     for note in (*loaded.notes, *installed_bridges().notes(loaded, hall), *warnings):
         console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
+    for hint in next_formation_hints(loaded.start(begin=False)) if loaded.patch.element else ():
+        console.print(f"hint: {hint}", style="cyan", soft_wrap=True, markup=False)
     console.print(
         f"ok {loaded.path}: {loaded.patch.name!r}, {loaded.patch.dancer_count} dancers in "
         f"{len(loaded.patch.group)} groups, {len(library.steps)} steps, {library.node_count} measures, "

@@ -125,6 +125,12 @@ READINGS: Final = (
     Reading("note_density", "float", "MIDI note-ons per beat.", "1/beat"),
     Reading("notes", "int", "Number of MIDI notes that sound."),
     Reading("pitch", "float", "Their mean position on the piano's keys, 0 to 1."),
+    Reading(
+        "next",
+        "text",
+        "What could follow the element that has ended, as JSON: after which kind, for whom (`who`), and "
+        "`pads` with `pad` and `measures` for /dance/launch, the best one first; empty if nothing is suggested.",
+    ),
     Reading("fading", "int", "Number of values that are fading."),
     Reading("frame_ms", "float", "Frame time, 99th percentile.", "ms"),
     Reading("late_frames", "int", "Late frames since the start."),

@@ -1,6 +1,9 @@
 """Dry run of a score's evolutions: warns of ways too long for the steps, collisions and formations off the stage
 (T088)."""
 
+import math
+from functools import partial
+
 import numpy as np
 import numpy.typing as npt
 from shapely import LineString, Point
@@ -8,10 +11,14 @@ from shapely import LineString, Point
 from live.agents.evolutions.dry_run import TooNear, simulate_plan
 from live.agents.evolutions.intention import Segment
 from live.agents.formations.stage_fit import fit_stage
+from live.base.arrays import Bool, Float32
+from live.show.group.agent_run import agent_places
 from live.show.group.group_motion import AGENT_RADIUS
-from live.show.score.section_span import score_length
+from live.show.score.section_span import entry_span, score_length
 from live.show.show import Show
 
+MOVED_MEASURES = 128
+"""Measures within which elements are simulated: agents take a second or two for so many."""
 MAX_MEASURES = 400
 """Most measures of a dry run."""
 REACH_TOLERANCE = 0.1
@@ -30,19 +37,24 @@ def dry_run_warnings(show: Show) -> list[str]:
     if patch.section and length is not None:  # as written, every section once
         show.playhead.loop((0, length - 1))
     segments = [segment for measure in range(measures) for segment in evolutions.score_segments(measure)]
-    rehearsal = simulate_plan(
+    simulate = partial(
+        simulate_plan,
         show.casting.roster,
         evolutions.repertoire,
         segments,
-        show.state.position,
+        show.state.position.copy(),
         measures=measures,
         measure_beats=float(patch.clock.beats_per_measure),
         half=(patch.stage.width / 2, patch.stage.depth / 2),
         radius=AGENT_RADIUS,
         seed=show.seed,
+        available=show.motion.entrances.staying.copy(),
     )
     reach = show.scheduler.step_reach() + patch.locomotion.correction_m
     present = show.motion.present
+    rehearsal = simulate()
+    if patch.element and rehearsal.too_far(reach + REACH_TOLERANCE):  # perhaps an element leaves them nearer
+        rehearsal = simulate(moved=_moved_by_elements(show, measures))
     far: dict[int, list[tuple[float, float]]] = {}
     for one in rehearsal.too_far(reach + REACH_TOLERANCE):
         if present[one.dancer]:
@@ -56,6 +68,20 @@ def dry_run_warnings(show: Show) -> list[str]:
     far_notes = notes + _obstacle_warnings(show, rehearsal.places, rehearsal.under)
     near = _near(show, segments, [one for one in rehearsal.too_near if present[one.first] and present[one.second]])
     return [*_first(_formation_notes(show)), *_first(far_notes), *_first(near)]
+
+
+def _moved_by_elements(show: Show, measures: int) -> dict[int, tuple[Bool, Float32]]:
+    """Return who has been moved by an element, (A,), and where all stand then, (A, 2) [m], by the measure (from 0) at
+    whose line the element is over; those of the first `MOVED_MEASURES`."""
+    start, moved = show.state.position.copy(), dict[int, Bool]()
+    for element in show.patch.element:
+        line = math.ceil(entry_span(show.patch, element)[1] - 1e-9)
+        if line < min(measures, MOVED_MEASURES):
+            who = show.casting.select(element.group, start)
+            moved[line] = moved[line] | who if line in moved else who
+    places = agent_places(show, moved.keys())
+    show.state.position[:] = start
+    return {line: (who, places[line]) for line, who in moved.items()}
 
 
 def _near(show: Show, segments: list[Segment], pairs: list[TooNear]) -> list[str]:

@@ -13,7 +13,7 @@ from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentState
 from live.agents.elements.element import Element
 from live.agents.elements.element_field import ElementField
-from live.base.arrays import Float32, UInt64
+from live.base.arrays import Bool, Float32, UInt64
 from live.base.element_kinds import ATTRACTOR, EVERYBODY, FLOW_NAMES, KIND_NAMES, PARTICIPANT, REPULSOR
 from live.base.errors import PersonError, error_context
 from live.base.stage_snapshot import StageView
@@ -167,6 +167,13 @@ class Elements:
     def levels(self) -> npt.NDArray[np.float64]:
         """How far each of them acts, 0 to 1, (E,)."""
         return self._field.levels
+
+    def dancers_of(self, element: Element) -> Bool:
+        """Return which dancers an element addresses, (A,)."""
+        bits = self._group_masks.bits
+        if element.groups == EVERYBODY:
+            return np.ones(len(bits), np.bool_)
+        return np.asarray(bits & np.uint64(element.groups) != 0)
 
     def attractor_of(self, dancer: int) -> npt.NDArray[np.float64] | None:
         """Return the centre of the newest attractor for a dancer [m], (2,); None if there is none."""

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from math import inf
 
 from live.show.patch.patch import Patch
+from live.show.patch.section_elements import ElementSection
+from live.show.patch.section_score import SegmentSection
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +45,13 @@ def span_of(patch: Patch, section: str | None, measure: float, measures: float |
 def _make_span(section: int, begin: int, measures: float | None, size: int | None, first: int) -> SectionSpan:
     end = min(inf if measures is None else begin + measures, inf if size is None else float(size))
     return SectionSpan(section, begin, end, size, first)
+
+
+def entry_span(patch: Patch, entry: SegmentSection | ElementSection) -> tuple[float, float]:
+    """Return the beginning and the end of a segment or an element, in measures of the written score, from 0."""
+    span = span_of(patch, entry.section, entry.measure, entry.measures)
+    begin = span.first + span.begin + float(entry.measure) % 1.0
+    return begin, begin + float(entry.measures)
 
 
 def score_length(patch: Patch) -> int | None:

@@ -34,9 +34,18 @@ export interface Launch {
   why?: string;
 }
 
+/** What could follow an element that has ended, the best one first. */
+export interface WhatNext {
+  /** The kind of the element. */
+  after: string;
+  who: string;
+  pads: { pad: string; name: string; measures: number }[];
+}
+
 export interface Launches {
   /** Beats of a measure. */
   beats: number;
+  next?: WhatNext | null;
   launches: Launch[];
   /** By column, the steps that cannot follow at once: so many measures later; -1: not at all. */
   away: Record<string, Record<string, number>>;
@@ -69,6 +78,17 @@ export function columns(structure: Structure, dancers: number[]): Column[] {
 /** The command that launches a pad; a kept pad has its own measures and what follows. */
 export function launchCall(pad: Pad, who: string, when: When, measures: number, follow: Follow): [string, ...Value[]] {
   return pad.measures === undefined ? ["/dance/launch", pad.pad, who, when, measures, follow] : ["/dance/launch", pad.pad, who, when];
+}
+
+/** "next for 1-8": whom a suggestion is for. */
+export function nextInWords(next: WhatNext): string {
+  return `after ${next.after}, next${next.who === "*" ? "" : ` for ${next.who}`}:`;
+}
+
+/** The command that launches a suggestion, in the measures that its dancers need. */
+export function nextCall(next: WhatNext, index: number, when: When): [string, ...Value[]] | null {
+  const pad = next.pads[index];
+  return pad ? ["/dance/launch", pad.pad, next.who, when, pad.measures] : null;
 }
 
 /** What a pad of a column does: it waits, runs or was refused; null: nothing. */

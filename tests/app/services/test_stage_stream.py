@@ -32,7 +32,9 @@ class StreamedShow(EditedShow):
         super().__init__(patch)
         view = self.show.view()
         self.late = 3
-        self.stream = StageStream(self.show, lambda: view, ScoreStream(self.show, self.service), lambda: self.late)
+        self.next = None
+        self.stream = StageStream(self.show, lambda: view, ScoreStream(self.show, self.service), lambda: self.late,
+                                  lambda: self.next)  # fmt: skip
         self.engine.patch_listeners.append(lambda patch: self.stream.update_patch())
         self.view = view
 
@@ -121,6 +123,16 @@ def test_the_clock_has_elements_with_their_measures_and_the_lateness(night: Stre
     assert (element["at"], element["strength"]) == ([1.0, -0.5], 1.5)
     assert element["from"] < clock["measure"] + 1 <= element["to"] + 1
     assert element["to"] - element["from"] == pytest.approx(2.0, abs=0.3)
+
+
+def test_what_could_come_next_is_told_with_the_launches(night: StreamedShow) -> None:
+    night.run(0.5)
+    night.stream._count = 1
+    (launches,) = texts_of(night.packets(), "launches")
+    assert launches["next"] is None
+    night.next = {"after": "cross", "who": "*", "pads": [{"pad": "formation line", "name": "line", "measures": 3}]}
+    packets = [packet for turn in range(4) for packet in night.stream.packets(100.0 + turn / 30, WANTS)]
+    assert [one["next"] for one in texts_of(packets, "launches")] == [night.next]
 
 
 def test_the_structure_comes_once_and_when_it_is_wanted_again(night: StreamedShow) -> None:

@@ -25,6 +25,7 @@ from live.control.web.stage_subscriber import MAX_UNSENT_BYTES, MAX_WAITING_TEXT
 from live.document.preview import PreviewEngine
 from live.show.loader import load_show
 from live.show.patch.patch_reader import read_patch
+from live.show.view.next_formations import NextFormations
 from tests.app.services.test_document_service import PATCH, EditedShow
 from tests.control.waiting import wait_for
 from tests.show.patch.edited_night import write_patch_folder
@@ -39,7 +40,9 @@ class Studio(EditedShow):
     def __init__(self, patch: Path, osc: tuple[str, int] = ("127.0.0.1", 9)) -> None:
         """`osc`: where the page's commands are sent."""
         super().__init__(patch)
-        stage = StageStream(self.show, lambda: self.engine.view, ScoreStream(self.show, self.service), lambda: 0)
+        self.next = NextFormations(self.show)
+        score = ScoreStream(self.show, self.service)
+        stage = StageStream(self.show, lambda: self.engine.view, score, lambda: 0, self.next.facts)
         self.web = WebService(
             ("127.0.0.1", 0), KEY, osc, self.show, self.clock, stage=stage,
             files=preview_files(self.loaded, None), inbox=self.inbox.add_queue(),
@@ -55,6 +58,7 @@ class Studio(EditedShow):
     def _draw(self) -> None:
         while not self._stop.wait(1 / 60):
             self.run(0.1 if self.frames % 5 == 0 else 0.0)
+            self.next.frame()
             self.web.frame()
             self.watch.run_tasks()
             self.frames += 1

@@ -11,7 +11,7 @@ from tests.show.desk.desk_show import DESK, DeskSession
 
 ELSEWHERE = {"/dance/click", "/dance/latency/input", "/dance/latency/output", "/dance/latency/display",
              "/dance/latency/projector", "/dance/status/document", "/dance/status/document_answers",
-             "/dance/status/document_log"}  # fmt: skip
+             "/dance/status/document_log", "/dance/status/next"}  # fmt: skip
 SLOW = {"/dance/stage", "/dance/clock/metre", "/dance/clock/source", "/dance/output/fade"}
 REFUSED = {"/dance/motion/texture"}  # in a show without recordings
 REFUSED |= {f"/dance/partner/{key}" for key in ("on", "amount", "stretch", "hands")}  # in one without partners

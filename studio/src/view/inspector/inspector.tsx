@@ -4,6 +4,7 @@ import { entries, text, type Entry } from "../../model/score";
 import { common, fieldEdits, fieldsOf, hexOf, isRenamed, type Field } from "../../model/form";
 import { CallField, Reactions } from "./calls";
 import { FieldControl, scrub, type Scrubbed } from "./controls";
+import { NextFormations } from "./next_formations";
 import "./inspector.css";
 
 const TITLES: Record<string, [string, string]> = {
@@ -66,6 +67,7 @@ function Form({ studio, kind, numbers, all }: { studio: Studio; kind: string; nu
           {folded.map(row)}
         </details>
       )}
+      {kind === "element" && all.length === 1 && <NextFormations studio={studio} number={numbers[0] ?? 1} />}
       {kind === "signal" && all.length === 1 && <Reactions studio={studio} name={text(all[0] ?? {}, "name")} />}
     </>
   );

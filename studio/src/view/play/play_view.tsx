@@ -9,6 +9,7 @@ import { StageView } from "../stage/stage_view";
 import { CountIn } from "./count_in";
 import { KeepPad, OwnSettings } from "./own_pads";
 import { PadPicture } from "./pad_picture";
+import { WhatNext } from "./what_next";
 import "./play.css";
 
 const PAGES: [Page, string, string][] = [
@@ -87,6 +88,7 @@ export function PlayView({ studio }: { studio: Studio }) {
           ))}
           {lists && !all.length && <p class="hint">{empty}</p>}
         </div>
+        <WhatNext studio={studio} when={when.value} />
         <footer class="strip">
           <button onClick={() => studio.values.send("/dance/undo")}>Undo what was launched</button>
           <button title="Everything ends, also what was put by hand" onClick={() => studio.values.send("/dance/clear")}>Clear</button>
