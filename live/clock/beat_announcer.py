@@ -66,6 +66,7 @@ class BeatAnnouncer:
         replaces: float,
     ) -> BeatEstimate:
         self._last = position
+        runner_up, share = pointer.line_evidence.runner_up
         return BeatEstimate(
             position=position,
             period=pointer.period / pointer.interval * period,
@@ -73,5 +74,7 @@ class BeatAnnouncer:
             fed=heard,
             beat=beat,
             beats_per_measure=pointer.metre,
+            runner_up=runner_up,
+            runner_up_share=share,
             replaces=replaces,
         )

@@ -30,6 +30,10 @@ class BeatEstimate:
     """Beat of its measure, from 0; -1 if unknown."""
     beats_per_measure: int = 0
     """0 if unknown."""
+    runner_up: int = 0
+    """By how many beats later measures would begin on the most likely other line; 0 if unknown."""
+    runner_up_share: float = 0.0
+    """Probability of that line by what was heard in the last measures, 0 to 1."""
     replaces: float = math.nan
     """The earlier position of the same beat, if this estimate corrects it [s]; else NaN."""
 

@@ -39,6 +39,7 @@ KEYS: Final[dict[str, Key]] = {
     ",": Key("shift the measure line one beat earlier", "/dance/clock/shift", (-1.0,)),
     ".": Key("shift the measure line one beat later", "/dance/clock/shift", (1.0,)),
     "J": Key("shift half a beat later: off-beats become beats", "/dance/clock/shift", (0.5,)),
+    "-": Key("take the measure line that the music suggests", "/dance/clock/take"),
     "Down": Key("half tempo", "/dance/clock/half"),
     "Up": Key("double tempo", "/dance/clock/double"),
     "Z": Key("freeze the tempo, or follow it again", "/dance/clock/hold"),

@@ -20,8 +20,9 @@ def run(beats_at: Any, seconds: float = 10.0, period: float = 0.5, metre: int = 
         past = (moment - beats_at(moment)) % period
         number = math.floor((moment - beats_at(moment)) / period)
         pointer: Any = SimpleNamespace(
-            interval=period / HOP, period=period / HOP, to_next=(period - past) / HOP, beat=number % metre, metre=metre
-        )
+            interval=period / HOP, period=period / HOP, to_next=(period - past) / HOP, beat=number % metre, metre=metre,
+            line_evidence=SimpleNamespace(runner_up=(2, 0.25)),
+        )  # fmt: skip
         beat = announcer.beat(pointer, moment, moment + DELAY, HOP, 0.9)
         if beat is not None:
             found.append(beat)
@@ -35,7 +36,7 @@ def test_each_beat_is_announced_once_ahead_with_its_number() -> None:
         assert abs(beat.position - (0.7 + 0.5 * number + BIAS)) < 1e-6
         assert LOOK_AHEAD - 2 * HOP < beat.position - beat.fed <= LOOK_AHEAD
         assert beat.beat == (number + 1) % 4
-        assert (beat.beats_per_measure, beat.replaces) == (4, beat.replaces)
+        assert (beat.beats_per_measure, beat.runner_up, beat.runner_up_share) == (4, 2, 0.25)
         assert math.isnan(beat.replaces)
 
 

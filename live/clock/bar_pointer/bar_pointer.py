@@ -15,6 +15,7 @@ from live.clock.bar_pointer.bar_pointer_kernels import (
     search,
 )
 from live.clock.bar_pointer.beat_regression import BeatRegression, MeasurePosition
+from live.clock.bar_pointer.line_evidence import LineEvidence
 from live.clock.bar_pointer.observation_model import ActivationPhase, likelihoods
 from live.clock.bar_pointer.state_space import BarPointerModel, StateSpace
 from live.clock.bar_pointer.transition_model import ManualConstraints, tempo_to_interval
@@ -23,6 +24,9 @@ _SIDE_BINS: Final = 2
 
 SEARCH_INTERVAL: Final = 3
 """Number of frames between searches over all states; in between only states near the grid are evaluated."""
+
+SURE_METRE: Final = 0.9
+"""A metre with this share of the grid's states is sure."""
 
 
 class BarPointer:
@@ -52,6 +56,8 @@ class BarPointer:
         self._regression = BeatRegression()
         self._activation_phase = ActivationPhase()
         self._position = MeasurePosition()
+        self.line_evidence = LineEvidence()
+        """What the music says about the measure line."""
         self.interval = 0.0
         """Frames from beat to beat; 0 before the first frame."""
         self.share = 0.0
@@ -125,6 +131,11 @@ class BarPointer:
         self._until_survey -= 1
         switch = self._until_survey < 0 and self._search_grid()
         self._follow(switch)
+        if switch:
+            self.line_evidence.clear()
+        place = self._position
+        in_window = 0.0 <= place.phase * self.interval < len(self._window)
+        self.line_evidence.step(in_window, place.metre, place.window_beat, beat, downbeat)
 
     def set_tempo(self, bpm: float) -> None:
         """Set a tapped tempo and keep its metrical level. ValueError for a tempo outside the model's range."""
@@ -132,8 +143,14 @@ class BarPointer:
         self._restart_search()
 
     def set_downbeat(self, age: float) -> None:
-        """Start a measure `age` frames before the last frame (negative: in the future)."""
+        """Start a measure `age` frames before the last frame (negative: in the future).
+
+        The present metre is kept, too, if it is sure.
+        """
+        if self.interval > 0.0 and self._position.metre_share > SURE_METRE and not self._manual.held_metre:
+            self._manual.set_metre(self._position.metre)
         self._manual.set_downbeat(age)
+        self.line_evidence.clear()
         self._restart_search()
 
     def set_beat(self, age: float) -> None:

@@ -143,6 +143,17 @@ class MeasurePosition:
         `past`."""
         return _OF[self.slot if past else _PREVIOUS[self.slot]][1]
 
+    @property
+    def metre_share(self) -> float:
+        """Share of the present metre among the slots, 0 to 1."""
+        first = self.slot - _OF[self.slot][1]
+        return float(self.shares[first : first + self.metre].sum() / max(float(self.shares.sum()), 1e-30))
+
+    @property
+    def window_beat(self) -> int:
+        """The beat of the measure, from 0, in whose window the position is or last was."""
+        return _OF[self.slot][1]
+
     def since(self, interval: float, centre: float) -> float:
         """Return the frames since the present beat (negative: ahead), which lies `centre` frames into its window."""
         return self.phase * interval - centre

@@ -117,11 +117,9 @@ HELD_PULL: Final = 1.0
 DRIFT: Final = 0.04
 """If the music's tempo moves this far [octaves], the manual tempo follows."""
 
-MANUAL_LINE_FACTOR: Final = 0.02
-"""After a manual downbeat, the probabilities of another line and metre are multiplied by this, ..."""
-
 MANUAL_LINE_SHARPNESS: Final = 0.4
-"""... and the exponent of downbeat likelihoods by this."""
+"""After a manual downbeat no other line, metre and level begins: the music only decides between those that were
+possible when it was pressed, the exponent of downbeat likelihoods multiplied by this."""
 
 FREE_RANGE: Final = (0.01, 0.99)
 MANUAL_LINE_RANGE: Final = (0.25, 0.5)
@@ -223,10 +221,9 @@ class ManualConstraints:
         self.birth_shares = (model.birth * share).astype(np.float32)
         self._no_births = np.zeros_like(self.birth_shares)
         partner = states.partner.reshape(-1, 2)
-        self.octave_change_odds = (model.octave_change * np.where(partner >= 0, allowed[partner], 0.0)).astype(
-            np.float32
-        )
-        calm = MANUAL_LINE_FACTOR if self._line_is_set else 1.0
+        calm = 0.0 if self._line_is_set else 1.0  # at half the tempo and back the line would be lost
+        octave = calm * model.octave_change
+        self.octave_change_odds = (octave * np.where(partner >= 0, allowed[partner], 0.0)).astype(np.float32)
         self.line_change = model.line_change * calm
         self.downbeat_sharpness = model.downbeat_sharpness * (MANUAL_LINE_SHARPNESS if self._line_is_set else 1.0)
         change = 0.0 if self._metre else calm

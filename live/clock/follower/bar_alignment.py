@@ -10,8 +10,12 @@ from live.clock.timeline import METRE_MAX, METRE_MIN
 VOTES: Final = 1.0
 """A source's measure line is adopted after this many equal measures in a row ..."""
 
-VOTES_AGAINST_MANUAL: Final = 4.0
-"""... or this many, if it was set by hand and the source had agreed."""
+VOTES_AFTER_END: Final = 4.0
+"""... or this many, if ours was set by hand for music that has ended since."""
+
+QUESTION_SHARE: Final = 0.9
+QUESTION_MEASURES: Final = 8.0
+"""The operator is asked about a line set by hand if another one has been this likely for so many measures."""
 
 VOTES_METRE: Final = 2.0
 """Number of measures of another metre after which it is adopted, if metres are followed."""
@@ -25,17 +29,32 @@ class BarAlignment:
         self.follow_metre = follow_metre
         self.pending_metre: int | None = None
         """Beats in a measure from the next line on; None: unchanged."""
+        self.runner_up = (0.0, 0.0)
+        """The most likely other line: by how many beats later measures would begin, and its probability; 0 if none."""
         self._pinned = False
-        self._agreed = False
+        self._ended = False
         self._fresh = True
+        self._likely_since = math.inf  # the beat since which the runner-up has been as likely as the question needs
 
     def pin(self) -> None:
         """Keep the line as set by hand, against the source."""
-        self._pinned, self._agreed = True, False
+        self._pinned, self._ended = True, False
+        self._forget_runner_up()
 
     def unpin(self) -> None:
         """Adopt the source's next measure line."""
         self._pinned, self._fresh = False, True
+        self._forget_runner_up()
+
+    def end_song(self) -> None:
+        """The music has ended: the line set by hand holds, but other music may move it."""
+        self._ended = True
+        self._forget_runner_up()
+
+    def asks(self, beat: float, size: int) -> bool:
+        """Whether the operator should be asked at `beat`: another line has been likely for many measures of `size`
+        beats."""
+        return self._pinned and beat - self._likely_since >= QUESTION_MEASURES * size
 
     def handle_source_change(self) -> None:
         """Adopt the line of a new source as soon as it reports one, unless the line was set by hand."""
@@ -65,16 +84,32 @@ class BarAlignment:
                 run.set_measure_line(beat, now, "lines", beats_per_measure=spacing)
             return
         off = (beat - run.timeline.measure_origin) % common
+        self._update_runner_up(lines, off, common, run.timeline.beat_at(now))
         if off == 0.0:
-            self._agreed, self._fresh = True, False
+            self._fresh = False
             self._pinned = self._pinned and math.isfinite(lines.votes)
             return
         if self._pinned:
-            needed = VOTES_AGAINST_MANUAL * spacing if self._agreed else math.inf
-            enough = lines.votes >= needed and math.isfinite(lines.votes)
+            enough = self._ended and VOTES_AFTER_END * spacing <= lines.votes < math.inf
         else:
             enough = lines.votes >= (1.0 if self._fresh else VOTES * spacing)
         if enough:
             off = off if off <= common / 2 else off - common
             run.set_measure_line(run.timeline.measure_origin + off, now, "lines")
             self._pinned, self._fresh = False, False
+
+    def _update_runner_up(self, lines: Lines, off: float, common: int, beat: float) -> None:
+        """Note the most likely other line: the source's own, if ours is `off` beats beside it, else the one that it
+        names."""
+        if off:
+            share = min(lines.votes / (QUESTION_MEASURES * common), 1.0)
+            self.runner_up = off, max(share, 1.0 - lines.runner_up_share if lines.runner_up_share else 0.0)
+        else:
+            self.runner_up = lines.runner_up % common, lines.runner_up_share if lines.runner_up % common else 0.0
+        if self.runner_up[1] < QUESTION_SHARE:
+            self._likely_since = math.inf
+        elif not math.isfinite(self._likely_since):
+            self._likely_since = beat
+
+    def _forget_runner_up(self) -> None:
+        self.runner_up, self._likely_since = (0.0, 0.0), math.inf

@@ -37,14 +37,20 @@ class BeatObservation:
     """Whether the source reports a jump."""
     anchored: bool = True
     """False: the beats are even, but their phase is arbitrary."""
+    runner_up: int = 0
+    """By how many beats later measures would begin on the most likely other line; 0: unknown."""
+    runner_up_share: float = 0.0
+    """Its probability, 0 to 1."""
 
     def plausible(self, now: float) -> bool:
         """Whether the values are plausible at `now` [s]; NaN and infinity never are."""
-        if not all(map(math.isfinite, (self.time, self.period, self.confidence, now))):
+        if not all(map(math.isfinite, (self.time, self.period, self.confidence, self.runner_up_share, now))):
             return False
         if not (PERIOD_MIN <= self.period <= PERIOD_MAX and -BEHIND <= self.time - now <= AHEAD):
             return False
         known = self.beats_per_measure
+        if not (0 <= self.runner_up <= max(known - 1, 0) and 0.0 <= self.runner_up_share <= 1.0):
+            return False
         return 0 <= known <= 64 and -1 <= self.beat < (known or 64) and -1 <= self.measure < 1 << 40
 
 
@@ -122,11 +128,14 @@ OFFSET_MAX: Final = 0.5
 @dataclass(frozen=True, slots=True)
 class Lines:
     """Measure lines: at danced beat `beat` of a source and every `spacing` beats; `votes`: consecutive
-    confirmations."""
+    confirmations. `runner_up`: by how many beats later the most likely others are, 0 if unknown, and their
+    probability."""
 
     beat: float
     spacing: float
     votes: float
+    runner_up: float = 0.0
+    runner_up_share: float = 0.0
 
 
 class Source(Protocol):
@@ -198,7 +207,9 @@ class ObservedSource:
         beat, spacing = self.level.map_beat(own.beat), own.spacing * self.level.factor
         if abs(beat - round(beat)) > 0.01 or abs(spacing - round(spacing)) > 0.01:
             return None
-        return Lines(float(round(beat)), float(round(spacing)), own.votes)
+        later = own.runner_up * self.level.factor
+        share = own.runner_up_share if later == round(later) else 0.0
+        return Lines(float(round(beat)), float(round(spacing)), own.votes, later if share else 0.0, share)
 
     def own_lines(self) -> Lines | None:
         """Return its measure lines in its own beats."""

@@ -2,6 +2,7 @@
 
 import math
 
+from live.clock.follower.bar_alignment import BarAlignment
 from live.clock.follower.clock_source import Source
 from live.clock.follower.count_in import CountIn
 from live.clock.follower.external_source import ExternalSource
@@ -16,6 +17,7 @@ class FollowerStatus:
     _sources: dict[str, Source]
     _slewed: SlewedTimeline
     _arbiter: SourceArbiter
+    _alignment: BarAlignment
     _counting: CountIn
     _now: float
     _locked: bool
@@ -76,6 +78,18 @@ class FollowerStatus:
     def last_jump(self) -> Jump | None:
         """The last jump."""
         return self._slewed.last_jump
+
+    @property
+    def runner_up(self) -> tuple[float, float]:
+        """The most likely other measure line: by how many beats later, and its probability; 0 if there is none."""
+        return self._alignment.runner_up
+
+    @property
+    def asks(self) -> bool:
+        """Whether the music has spoken against a measure line set by hand for many measures; never while held."""
+        if self.held or not math.isfinite(self._now):
+            return False
+        return self._alignment.asks(self._slewed.beat(self._now), self.timeline.beats_per_measure)
 
     @property
     def counting_in(self) -> int:

@@ -260,6 +260,16 @@ class ManualControl(ManualTempo):
             self._set_line(math.floor(self._slewed.timeline.measure_origin) + whole, "hand")
             self._send_hint("one", self._next_line_time())
 
+    def take_runner_up(self, time: float) -> None:
+        """Move the measure lines to the most likely other place, which `runner_up` tells."""
+        if not self._plausible(time):
+            return
+        later, _ = self._alignment.runner_up
+        if not later:
+            self._refuse("there is no other measure line to take: the music suggests none")
+            return
+        self.shift_beats(later, time)
+
     def set_metre(self, beats: float, time: float) -> None:
         """Set the beats in a measure from the next line on."""
         if not self._plausible(time) or not self._bounded(beats, METRE_MAX):

@@ -89,10 +89,14 @@ class TimelineFollower(ManualControl):
         measure: int = -1,
         jump: bool = False,
         anchored: bool = True,
+        runner_up: int = 0,
+        runner_up_share: float = 0.0,
     ) -> None:
         """Process a source's observation, received at `now`: a beat at `beat_time`, `period` [s] to the next; see
         BeatHeard."""
-        said = BeatObservation(beat_time, period, confidence, beat, beats_per_measure, measure, jump, anchored)
+        said = BeatObservation(
+            beat_time, period, confidence, beat, beats_per_measure, measure, jump, anchored, runner_up, runner_up_share
+        )
         heard = self._sources.get(source)
         if not isinstance(heard, ObservedSource) or not said.plausible(now) or not self._plausible(now):
             self.rejected += 1
@@ -100,8 +104,10 @@ class TimelineFollower(ManualControl):
         heard.observe(said, max(now, self._now))
 
     def silent(self, time: float, source: str = "audio") -> None:
-        """Handle silence: the tempo is kept, the beats continue."""
+        """Handle silence: the tempo is kept, the beats continue. What was set by hand holds until other music comes."""
         self._changed(time, source, "silent")
+        if source == self._arbiter.name and self._plausible(time):
+            self._alignment.end_song()
 
     def paused(self, time: float, source: str = "audio") -> None:
         """Handle a pause longer than usual: the beats continue, earlier observations stay valid."""

@@ -129,6 +129,7 @@ class BarPointerInput:
         self._beats = 0
         self._votes = 0
         self._voted = -1
+        self._runner_up = (0.0, 0.0)
         self.share = 0.0
         """Share of the recent observations that fitted, weighted by confidence, 0 to 1."""
         self.restarts = 0
@@ -177,7 +178,9 @@ class BarPointerInput:
 
     def lines(self) -> Lines | None:
         """Return the tracker's measure lines."""
-        return None if self._line is None else Lines(self._line, float(self._beats), float(self._votes))
+        if self._line is None:
+            return None
+        return Lines(self._line, float(self._beats), float(self._votes), *self._runner_up)
 
     def _start(self, said: BeatObservation, number: int) -> None:
         self._filter = BeatFilter(said.time, said.period, said.confidence, number)
@@ -211,6 +214,7 @@ class BarPointerInput:
         elif not again:
             self._votes += 1
         self._line, self._beats, self._voted = float(line), said.beats_per_measure, number
+        self._runner_up = float(said.runner_up), said.runner_up_share
 
 
 def _agree(one: BeatObservation, other: BeatObservation) -> bool:

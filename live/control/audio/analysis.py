@@ -177,6 +177,8 @@ class AudioAnalysis:
             confidence=estimate.confidence,
             beat=estimate.beat,
             beats_per_measure=estimate.beats_per_measure,
+            runner_up=estimate.runner_up,
+            runner_up_share=estimate.runner_up_share,
         )
 
     def _apply_seed(self, seed: TrackerHint, time_of: TimeOf) -> None:

@@ -49,6 +49,11 @@ class ShiftBeats(ControlEvent):
     beats: Annotated[float, Argument.number("later, or earlier if negative", -8, 8, "beats")] = 1.0
 
 
+@command("/dance/clock/take", "musician")
+class TakeRunnerUp(ControlEvent):
+    """Takes the measure line that the music suggests: the runner-up, which the overlay and the status show."""
+
+
 @command("/dance/clock/hold", "musician", value=1, start=(False,))
 class HoldTempo(ControlEvent):
     """Freezes the tempo: no source corrects tempo or beat."""
@@ -105,6 +110,10 @@ class BeatHeard(ControlEvent):
     """Whether the source reports a jump (start, song position), so that its grid applies at once."""
     anchored: bool = True
     """False if the source has a tempo but no beat phase, such as MIDI clock that was never started."""
+    runner_up: int = 0
+    """By how many beats later measures would begin on the most likely other line; 0 if unknown."""
+    runner_up_share: float = 0.0
+    """Probability of that line, 0 to 1."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -133,6 +133,12 @@ READINGS: Final = (
     ),
     Reading("fading", "int", "Number of values that are fading."),
     Reading("frame_ms", "float", "Frame time, 99th percentile.", "ms"),
+    Reading(
+        "clock_asks",
+        "float",
+        "By how many beats later the music has its one, if it has spoken against yours for many measures; else 0.",
+        "beats",
+    ),
     Reading("late_frames", "int", "Late frames since the start."),
     Reading("document", "int", "The revision of the show's files; nothing before their first edit by the show."),
     Reading("document_answers", "text", "The latest answers to edits of the show's files, as JSON."),

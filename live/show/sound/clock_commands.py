@@ -11,7 +11,7 @@ from live.show.patch.patch import Patch
 
 CLOCK_EVENTS: Final = (
     events.BeatHeard, events.SourceChanged, events.Tap, events.One, events.SetTempo, events.Nudge, events.ShiftBeats,
-    events.ScaleTempo, events.HoldTempo, events.SetMetre, events.CountIn, events.ChooseSource,
+    events.ScaleTempo, events.TakeRunnerUp, events.HoldTempo, events.SetMetre, events.CountIn, events.ChooseSource,
 )  # fmt: skip
 """The events for the follower."""
 
@@ -66,6 +66,8 @@ def _apply_manual(follower: TimelineFollower, event: ControlEvent) -> None:
             follower.nudge(event.seconds, event.time)
         case events.ShiftBeats():
             follower.shift_beats(event.beats, event.time)
+        case events.TakeRunnerUp():
+            follower.take_runner_up(event.time)
         case events.ScaleTempo():
             follower.scale_tempo(event.factor, event.time)
         case events.HoldTempo():
@@ -92,6 +94,8 @@ def _apply_observation(follower: TimelineFollower, event: events.BeatHeard | eve
                 measure=event.measure,
                 jump=event.jump,
                 anchored=event.anchored,
+                runner_up=event.runner_up,
+                runner_up_share=event.runner_up_share,
             )
         case events.SourceChanged(state="lost"):
             follower.lost(event.time, event.source)

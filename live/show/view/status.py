@@ -183,6 +183,10 @@ class Status:
         return (*lines, *more, f"last refused: {refusal}") if refusal else (*lines, *more)
 
 
+SHOWN_SHARE: Final = 0.3
+"""Another measure line is shown from this probability on."""
+
+
 def clock_figures(follower: TimelineFollower) -> dict[str, Any]:
     """Return the figures of the clock other than tempo, beat and state."""
     jump = follower.last_jump
@@ -193,6 +197,8 @@ def clock_figures(follower: TimelineFollower) -> dict[str, Any]:
         "clock_jumps": follower.jumps,
         "clock_last_jump": None if jump is None else {"time": round(jump.time, 3), "cause": jump.cause},
         "count_in": follower.counting_in,
+        "runner_up": {"beats_later": follower.runner_up[0], "share": round(follower.runner_up[1], 2)},
+        "clock_asks": follower.asks,
         "source_measure": follower.source_measure + 1 if follower.source_measure >= 0 else None,
     }
 
@@ -208,6 +214,11 @@ def clock_in_words(figures: dict[str, Any]) -> str:
     others = [name for name in others if name not in (figures["source"], "internal", "tap")]
     if others:
         words.append(f"also {' and '.join(others)}")
+    other = figures["runner_up"]
+    if figures["clock_asks"]:
+        words.append(f"IS THE ONE {other['beats_later']:g} BEATS LATER ({other['share']:.0%})? - takes it")
+    elif other["share"] >= SHOWN_SHARE:
+        words.append(f"or the one {other['beats_later']:g} beats later ({other['share']:.0%})")
     if figures["count_in"]:
         words.append(f"counting in: {figures['count_in']}")
     return ", ".join(words)

@@ -234,6 +234,7 @@ class CurrentValues:
             STATUS + "bpm": round(follower.tempo, 2),
             STATUS + "source": follower.source,
             STATUS + "clock": str(follower.state),
+            STATUS + "clock_asks": follower.runner_up[0] if follower.asks else 0.0,
             STATUS + "dancers": int(np.count_nonzero(show.motion.present)),
             STATUS + "phones": show.audience.phones,
             STATUS + "section": playhead.section_name(place),

@@ -141,16 +141,18 @@ def test_downbeat_with_band_is_its_nearest_beat() -> None:
     assert np.abs(hall.off(music, 9.0, 30.0)).max() < 0.02
 
 
-def test_manual_measure_line_yields_to_persistent_tracker_after_agreement() -> None:
+def test_manual_measure_line_stays_against_a_persistent_tracker_and_is_taken_back_by_one_press() -> None:
     music, hall = band()
     hall.follower.set_downbeat(music.times[16])  # agrees with the tracker
     hall.until(12.0)
-    other = Music([(120.0, 120)], start=0.3 + 2 * 0.5)
+    other = Music([(120.0, 160)], start=0.3 + 2 * 0.5)
     hall.players = [Player(other)]
-    hall.until(14.0)
-    assert measure_line_offset(hall, music.times[40]) < 0.05
-    hall.until(26.0)
-    assert measure_line_offset(hall, other.times[40]) < 0.05
+    hall.until(60.0)
+    assert measure_line_offset(hall, music.times[112]) < 0.05
+    assert hall.follower.asks
+    hall.follower.take_runner_up(60.0)
+    hall.until(62.0)
+    assert measure_line_offset(hall, other.times[112]) < 0.05
 
 
 def test_new_metre_starts_at_a_measure_line() -> None:

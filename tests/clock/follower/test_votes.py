@@ -17,6 +17,7 @@ class Tracker:
     def __init__(self, *, follow_metre: bool = False) -> None:
         self.follower = TimelineFollower(tempo=120.0, follow_metre=follow_metre)
         self.metre, self.offset = 4, 0
+        self.runner_up = (0, 0.0)
         self._beat = self._tick = 0
 
     def say(self, beats: int) -> list[tuple[float, int]]:
@@ -28,13 +29,18 @@ class Tracker:
                 self._advance()
             self.follower.observe(
                 time, PERIOD, 0.8, self._tick * TICK, beat=(self._beat - self.offset) % self.metre,
-                beats_per_measure=self.metre,
+                beats_per_measure=self.metre, runner_up=self.runner_up[0], runner_up_share=self.runner_up[1],
             )  # fmt: skip
             self._beat += 1
             self._advance()
             self._advance()
             found.append(self.line())
         return found
+
+    @property
+    def time(self) -> float:
+        """The last tick [s]."""
+        return self._tick * TICK
 
     def line(self) -> tuple[float, int]:
         timeline = self.follower.timeline
@@ -86,17 +92,89 @@ def test_three_beats_of_another_line_change_nothing() -> None:
         assert set(tracker.say(8)) == {(0.0, 4)}
 
 
-@pytest.mark.parametrize("by", [1, 3])
-def test_manual_line_holds_until_tracker_insists_for_four_measures(by: int) -> None:
+@pytest.mark.parametrize("by", [1, 2, 3])
+def test_manual_line_never_moves_and_the_operator_is_asked_after_eight_measures(by: int) -> None:
     tracker = Tracker()
     tracker.say(26)
     tracker.one_now()
     hand = tracker.line()
-    assert hand != (0.0, 4)
-    assert set(tracker.say(60)) == {hand}, "the tracker has never agreed"
     tracker.offset = int(hand[0])
     assert set(tracker.say(8)) == {hand}
-    assert observations_until_change(tracker, offset_change(tracker, by)) == 16
+    tracker.offset += by
+    for beat in range(120):
+        assert set(tracker.say(1)) == {hand}
+        assert not tracker.follower.asks or beat >= 60  # 8 measures until it is likely, then 8 more
+    assert tracker.follower.asks
+    assert tracker.follower.runner_up == (by, 1.0)
+    tracker.follower.take_runner_up(tracker.time)
+    assert tracker.line() == ((hand[0] + by) % 4, 4)
+    tracker.say(1)
+    assert not tracker.follower.asks
+
+
+@pytest.mark.parametrize("by", [1, 2, 3])
+def test_the_tracker_names_a_runner_up_beside_the_line_by_hand(by: int) -> None:
+    """The tracker keeps the line by hand and says what the music suggests: asked once that is likely for 8 measures."""
+    tracker = Tracker()
+    tracker.say(24)
+    tracker.one_now()
+    hand = tracker.line()
+    tracker.offset = int(hand[0])
+    tracker.runner_up = (by, 0.5)
+    assert set(tracker.say(60)) == {hand}
+    assert tracker.follower.runner_up == (by, 0.5)
+    assert not tracker.follower.asks
+    tracker.runner_up = (by, 0.95)
+    assert set(tracker.say(31)) == {hand}
+    assert not tracker.follower.asks
+    tracker.say(3)
+    assert tracker.follower.asks
+    tracker.follower.hold(True, tracker.time)
+    assert not tracker.follower.asks
+    tracker.follower.hold(False, tracker.time)
+    tracker.runner_up = (by, 0.6)
+    tracker.say(2)
+    assert not tracker.follower.asks
+
+
+def test_without_a_hand_nobody_is_asked() -> None:
+    tracker = Tracker()
+    tracker.runner_up = (2, 0.99)
+    tracker.say(80)
+    assert tracker.follower.runner_up == (2, 0.99)
+    assert not tracker.follower.asks
+
+
+def test_without_a_runner_up_taking_it_is_refused() -> None:
+    tracker = Tracker()
+    tracker.say(24)
+    before = tracker.line()
+    tracker.follower.take_runner_up(tracker.time)
+    assert tracker.line() == before
+    assert "no other measure line" in tracker.follower.refusal
+
+
+def test_after_the_end_of_the_music_other_music_moves_the_manual_line_after_four_measures() -> None:
+    tracker = Tracker()
+    tracker.say(26)
+    tracker.one_now()
+    hand = tracker.line()
+    tracker.offset = int(hand[0])
+    tracker.say(8)
+    tracker.follower.silent(tracker.time)
+    tracker.follower.found(tracker.time)
+    assert set(tracker.say(20)) == {hand}
+    assert observations_until_change(tracker, offset_change(tracker, 2)) == 16
+
+
+@pytest.mark.parametrize("words", [{"runner_up": 4}, {"runner_up": -1}, {"runner_up_share": 1.5},
+                                   {"runner_up_share": math.nan}])  # fmt: skip
+def test_impossible_runner_ups_are_counted_and_ignored(words: dict[str, float]) -> None:
+    tracker = Tracker()
+    tracker.say(24)
+    rejected = tracker.follower.rejected
+    tracker.follower.observe(tracker.time, PERIOD, 0.8, tracker.time, beat=0, beats_per_measure=4, **words)  # type: ignore[arg-type]
+    assert tracker.follower.rejected == rejected + 1
 
 
 @pytest.mark.parametrize(("metre", "taken"), [(3, True), (7, True), (11, True), (13, False)])

@@ -127,6 +127,7 @@ def clock_and_sound_controls():
         "/dance/clock/double": ([], events.ScaleTempo(factor=2.0, **STAMP)),
         "/dance/clock/nudge": (["d", "-0.015"], events.Nudge(seconds=-0.015, **STAMP)),
         "/dance/clock/shift": (["f", "0.5"], events.ShiftBeats(beats=0.5, **STAMP)),
+        "/dance/clock/take": ([], events.TakeRunnerUp(**STAMP)),
         "/dance/clock/hold": (["F"], events.HoldTempo(on=False, **STAMP)),
         "/dance/clock/metre": (["i", "3"], events.SetMetre(beats=3, **STAMP)),
         "/dance/clock/count_in": (["i", "2"], events.CountIn(measures=2.0, **STAMP)),
