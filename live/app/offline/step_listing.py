@@ -37,6 +37,8 @@ class NamedStep:
     name: str
     clips: tuple[StepClip, ...]
     folder: Path
+    examples: int = 0
+    """Number of further clips that are examples of moods: they are not danced."""
 
     @property
     def directions(self) -> list[str]:
@@ -60,7 +62,9 @@ def named_steps(library: Path | None) -> list[NamedStep]:
         clips = load_folder(folder)
         for name in dict.fromkeys(clip.step for clip in clips):
             own = tuple(clip for clip in clips if clip.step == name)
-            found.setdefault(plain(name), NamedStep(name, own, folder))
+            danced = tuple(clip for clip in own if not clip.mood)
+            if danced:
+                found.setdefault(plain(name), NamedStep(name, danced, folder, len(own) - len(danced)))
     return list(found.values())
 
 

@@ -43,6 +43,7 @@ def step_row(step: NamedStep) -> dict[str, Any]:
     return {
         "name": step.name,
         "variations": len(step.clips),
+        "mood_examples": step.examples,
         "measures": sorted({clip.measures for clip in step.clips}),
         "beats_per_measure": first.beats_per_measure,
         "beats": sorted({clip.beats for clip in step.clips}),
@@ -92,7 +93,9 @@ def _cells(row: dict[str, Any]) -> list[str]:
         ways if high < 0.005 else f"{ways}, {distance}",
         foot.strip(),
         poses,
-        ", ".join([*row["style"], *row["tags"]]),
+        ", ".join(
+            [*row["style"], *row["tags"], *([f"{row['mood_examples']} mood examples"] * (row["mood_examples"] > 0))]
+        ),
     ]
     return [escape(cell) for cell in cells]
 

@@ -35,6 +35,8 @@ def find_step(graph: "MotionGraph", name: str) -> int:
         near = difflib.get_close_matches(name.casefold(), [s.casefold() for s in library.steps], n=1)
         hint = f"did you mean {near[0]!r}? " if near else ""
         raise UnknownStep(f"no step is called {name!r}: {hint}the steps are {', '.join(library.steps)}")
+    if all(clip.mood for clip in library.clips if clip.step == library.steps[index]):
+        raise UnknownStep(f"step {name!r} has only examples of moods: it needs a clip without a mood")
     if not len(graph.entries(index)):
         raise UnknownStep(
             f"step {name!r} connects to no other step: raise locomotion.threshold_m or change its beginning and end"

@@ -39,7 +39,7 @@ from live.agents.prediction import CrowdPrediction
 from live.agents.separation.path_separation import Paths, PathSeparation, PlaceSeparation
 from live.base.stage_snapshot import StageView
 from live.clock.beat_estimate import Consensus, TempoPrior, WeightedBeat
-from live.clock.follower.audio_source import AudioSource
+from live.clock.follower.audio_source import AudioSource, Trust
 from live.clock.follower.bar_alignment import BarAlignment
 from live.clock.follower.beat_kalman_filter import BeatFilter
 from live.clock.follower.clock_source import BeatMapping, BeatObservation
@@ -186,7 +186,8 @@ KINDS: Final = [
     Kind("audio-source", AudioSource, """
         name:str state:str confidence:float observed_at:float silent_since:float|none jumped:bool offset:float
         level:level detail:str consensus:consensus-ear pointer:pointer-ear _has_pointer:bool _restarts:int
-        _song_since:float _kept_since:float _before_pause:str|none _paused_at:float manual_until:float
+        _song_since:float _kept_since:float _trust:trust _before_pause:str|none _paused_at:float
+        manual_until:float
     """),
     Kind("beat-filter", BeatFilter, """
         _time:float _period:float number:int _var_time:float _cov:float _var_period:float _bias:float
@@ -205,10 +206,13 @@ KINDS: Final = [
     """),
     Kind("jump", Jump, "time:float before:float after:float cause:str"),
     Kind("level", BeatMapping, "factor:float _pivot_in:float _pivot_out:float"),
-    Kind("measures", BarAlignment, "follow_metre:bool pending_metre:int|none _pinned:bool _agreed:bool _fresh:bool"),
+    Kind("measures", BarAlignment, """
+        follow_metre:bool pending_metre:int|none runner_up:tuple[float,float] _pinned:bool _ended:bool _fresh:bool
+        _likely_since:float
+    """),
     Kind("pointer-ear", BarPointerInput, """
         _filter:beat-filter|none _suspects:list[said] _line:float|none _beats:int _votes:int _voted:int share:float
-        restarts:int
+        _runner_up:tuple[float,float] restarts:int
     """),
     Kind("ruling", SourceArbiter, """
         _sources:dict[str,audio-source|direct-source|hand-source] _run:run _measures:measures _priority:row[str]
@@ -218,7 +222,9 @@ KINDS: Final = [
     Kind("run", SlewedTimeline, "timeline:timeline goal:grid jumps:int last_jump:jump|none _leap:str|none"),
     Kind("said", BeatObservation, """
         time:float period:float confidence:float beat:int beats_per_measure:int measure:int jump:bool anchored:bool
+        runner_up:int runner_up_share:float
     """),
+    Kind("trust", Trust, "_mean:float _beats:int"),
     Kind("grid", Grid, "time:float period:float number:int"),
     Kind("tap-tempo", TapTempo, "_taps:list[float]"),
     Kind("timeline", Timeline, """
@@ -257,7 +263,7 @@ KINDS: Final = [
     Kind("foot-lock", FootLock, "state:f4"),
     Kind("pose-pipeline", PosePipeline, """
         skeleton:constant-pose-skeleton sample:f8* placement:f8* share:f4* mean:i4(node)* amplitude:f4* bend:f4*
-        head:f4* feet:f4* lock:bool difference:f4* age:f4* difference_rows:i4(joint) position:f4* rotation:f4* _soles:f4
-        _count:int _parts:list[tuple[int,int]]
+        late:f4* head:f4* feet:f4* lock:bool difference:f4* age:f4* difference_rows:i4(joint) position:f4* rotation:f4*
+        _soles:f4 _count:int _parts:list[tuple[int,int]]
     """, factories={"_pool": no_value}, is_consistent=PosePipeline.has_valid_shapes),
 ]  # fmt: skip

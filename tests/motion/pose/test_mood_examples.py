@@ -19,6 +19,7 @@ from live.motion.pose.mood_pose import ENERGY, FIRST, LAST, PARAMETRIC, WEIGHT
 from live.motion.skeleton import SKELETON
 from live.motion.sketch.sketch_clips import step_clips
 from live.motion.sketch.sketch_file import SketchError, parse_sketch
+from live.show.score.step_names import UnknownStep, find_step
 from tests.places import ROOT, SHARED
 
 STEPS = ROOT / "patches" / "steps"
@@ -132,6 +133,8 @@ def test_a_step_of_examples_only_is_said_to_be_missing():
     lost = [replace(step, mood=mood(energy=-1.0)) for step in steps_of("walk")]
     graph = build_graph(build_library([*steps_of("groove"), *lost]))
     assert graph.missing == ("walk: all its clips are examples of moods",)
+    with pytest.raises(UnknownStep, match="'walk' has only examples of moods"):
+        find_step(graph, "walk")
 
 
 WALK = (STEPS / "walk.toml").read_text(encoding="utf-8")
