@@ -72,6 +72,8 @@ class StepClip:
     """How a recorded step was changed for a show of another tempo."""
     in_stream: bool = False
     """True for a measure of an unsegmented recording (T037): its neighbours are not takes of the same step."""
+    variation: int = 0
+    """Number of the made variation (T142) that it is: a take that is only mixed into its step; 0 for a step itself."""
 
     def __post_init__(self) -> None:
         end = self.first + self.measures * self.samples_per_measure

@@ -1,0 +1,84 @@
+"""Variations of a step that physics allows: another carriage of trunk, arms and head, with the same momentum (T142).
+
+A variation adds smooth random angles to the joints of the upper body, periodic over the step, and corrected so that the
+centre of mass and the angular momentum about it stay those of the step at every moment. Hips, legs and the place on
+the floor are not touched. So the forces on the floor, the zero-moment point and arcs of flight remain those that the
+step is danced with, which noise does not keep.
+"""
+
+import zlib
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from live.base.arrays import Float64
+from live.motion.editing.momentum_projection import project_angles
+from live.motion.editing.upper_body_angles import ANGLES, UPPER_BODY, UpperBodyAngles
+from live.motion.mirror import mirror_step
+from live.motion.step_clip import StepClip
+
+CYCLES: Final = 1.0
+"""Cycles a measure above which drawn angles fade out: a carriage of the body, and a sway or two in a measure."""
+MAX_SPREADS: Final = 2.0
+"""No angle is drawn larger than so many spreads."""
+POINTS_PER_MEASURE: Final = 128
+"""Moments at which the momentum is kept; between them angles follow a cubic spline."""
+
+
+def vary_steps(steps: Sequence[StepClip], count: int, seed: int) -> list[StepClip]:
+    """Return `count` variations of each step, in order; measures of streams, which have no takes, have none.
+
+    Steps that are mirror images of others have the mirror images of their variations.
+    """
+    known: dict[tuple[str, str, bytes], list[StepClip]] = {}
+    found: list[StepClip] = []
+    for step in steps:
+        if step.in_stream:
+            continue
+        original = mirror_step(step) if step.mirrored else step
+        key = (step.step, original.clip.name, original.clip.rotation.tobytes())
+        if key not in known:
+            known[key] = vary_step(original, count, seed)
+        for one in known[key]:
+            clip = mirror_step(one).clip if step.mirrored else one.clip
+            found.append(replace(step, clip=clip, variation=one.variation))
+    return found
+
+
+def vary_step(step: StepClip, count: int, seed: int) -> list[StepClip]:
+    """Return `count` variations of a step, numbered from 1 (`StepClip.variation`), all else as in the step.
+
+    The draws depend on `seed`, the name of the step and the number: all directions of a step vary alike.
+    """
+    points, size = step.measures * POINTS_PER_MEASURE, step.samples_per_measure / POINTS_PER_MEASURE
+    body = UpperBodyAngles.of(step.clip)
+    angles = np.stack([draw_angles(step.step, number, seed, step.measures) for number in range(1, count + 1)])
+    at = np.minimum(step.first + np.arange(points + 1) * size, step.clip.sample_count - 1.0)
+    angles = project_angles(body.at(at), angles, step.clip.sample_rate / size)
+    curve = CubicSpline(np.arange(points + 1), np.concatenate([angles, angles[:, :1]], 1), axis=1, bc_type="periodic")
+    place = np.mod((np.arange(step.clip.sample_count) - step.first) / size, points)
+    turned = body.local_turned(step.clip.rotation.astype(np.float64), curve(place))
+    return [_with_upper_body(step, one, number) for number, one in enumerate(turned, start=1)]
+
+
+def draw_angles(name: str, number: int, seed: int, measures: int) -> Float64:
+    """Return random angles, in spreads, periodic over a step of so many measures, (T, D)."""
+    chance = np.random.default_rng((seed, zlib.crc32(name.casefold().encode()), number))
+    cycles = np.arange(3 * measures + 1)
+    weight = np.exp(-((cycles / (measures * CYCLES)) ** 2))
+    weight *= np.sqrt(3.0 / (weight**2).sum())  # the spread is the root mean square
+    drawn = chance.uniform(-1.0, 1.0, (2, len(cycles), ANGLES)) * weight[:, None]
+    phase = 2.0 * np.pi / (measures * POINTS_PER_MEASURE) * np.arange(measures * POINTS_PER_MEASURE)[:, None] * cycles
+    curve = np.cos(phase) @ drawn[0] + np.sin(phase) @ drawn[1]
+    return np.asarray(MAX_SPREADS * np.tanh(curve / MAX_SPREADS))
+
+
+def _with_upper_body(step: StepClip, rotation: Float64, number: int) -> StepClip:
+    """Return the variation `number` of the step: the upper body with local `rotation` (T, J, 4)."""
+    joints = step.clip.rotation.copy()
+    joints[:, UPPER_BODY] = rotation[:, UPPER_BODY]
+    clip = replace(step.clip, name=f"{step.clip.name}, variation {number}", rotation=joints)
+    return replace(step, clip=clip, variation=number)
