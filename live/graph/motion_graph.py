@@ -135,7 +135,7 @@ def graph_of(
 
     `leaving` (N,): measures that must not be begun, see `MotionGraph`.
     """
-    alive = np.ones(library.node_count, np.bool_)
+    alive = ~library.node_variation
     leaving = np.zeros(library.node_count, np.bool_) if leaving is None else leaving
     open_ = joins
     if leaving.any():  # a dancer in a removed clip may finish it, but nobody else gets into it

@@ -60,6 +60,16 @@ class StepLibrary:
         """Number of nodes N."""
         return len(self.node_clip)
 
+    @property
+    def made_clips(self) -> tuple[StepClip, ...]:
+        """The clips as recorded or sketched, without their variations (T142)."""
+        return tuple(clip for clip in self.clips if not clip.variation)
+
+    @property
+    def node_variation(self) -> Bool:
+        """Whether a node is of a variation (T142), which is only mixed into its step, shape (N,)."""
+        return np.array([clip.variation > 0 for clip in self.clips], np.bool_)[self.node_clip]
+
     def step_index(self, name: str) -> int | None:
         """Return the index of the step called `name` (case and underscores do not matter), None if there is none."""
         wanted = plain_name(name)
