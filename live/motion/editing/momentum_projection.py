@@ -21,8 +21,7 @@ from live.motion.skeleton import SKELETON
 
 STEPS: Final = 4
 """Gauss-Newton steps; each leaves about a fifth of the deviation."""
-CENTRE_TOLERANCE: Final = 1e-5
-MOMENTUM_TOLERANCE: Final = 1e-4
+TOLERANCES: Final = (1e-5, 1e-4)
 """Deviations of the centre of mass [m] and of the angular momentum per mass [m²/s] that cost as much as one spread."""
 STEADY_HZ: Final = 2.0
 """Corrections quicker than this cost more than steady ones, by the fourth power of their frequency."""
@@ -32,6 +31,8 @@ def project_angles(body: UpperBodyAngles, angles: Float64, rate: float) -> Float
     """Return `angles` (n, T, D), periodic, corrected so that `body`, of T + 1 poses, keeps its momentum.
 
     The poses are `rate` a second; the last has the angles of the first. Only heavy angles are corrected, the H first.
+    Of all iterates each variation gets the nearest: where arms hang straight, whatever moves them raises the centre,
+    and no small correction takes that back wholly.
     """
     row = rotation_row(body.matrix)
     centre, momentum = row @ CENTRE_LEVER, angular_momentum(row, rate)
@@ -39,14 +40,19 @@ def project_angles(body: UpperBodyAngles, angles: Float64, rate: float) -> Float
     order = _folded_order(angles.shape[1])
     band = _banded(jacobian.normal_blocks(rate))
     factor_band(band)
-    angles = angles.copy()
-    for _ in range(STEPS):
+    best, least = angles, np.full(len(angles), np.inf)
+    for step in range(STEPS + 1):
         row = rotation_row(body.turned(np.concatenate([angles, angles[:, :1]], axis=1)))
-        slope = jacobian.slope(row @ CENTRE_LEVER - centre, angular_momentum(row, rate) - momentum)
-        change = np.ascontiguousarray(slope[:, order].reshape(len(angles), -1))
-        solve_band(band, change)
-        angles[:, order, :HEAVY_ANGLES] -= change.reshape(slope.shape)
-    return angles
+        strays = row @ CENTRE_LEVER - centre, angular_momentum(row, rate) - momentum
+        size = sum((stray**2).sum(axis=(1, 2)) / limit**2 for stray, limit in zip(strays, TOLERANCES, strict=True))
+        best = np.where((size < least)[:, None, None], angles, best)
+        least = np.minimum(size, least)
+        if step < STEPS:
+            change = np.ascontiguousarray(jacobian.slope(*strays)[:, order].reshape(len(angles), -1))
+            solve_band(band, change)
+            angles = angles.copy()
+            angles[:, order, :HEAVY_ANGLES] -= change.reshape(len(angles), -1, HEAVY_ANGLES)
+    return best
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -77,16 +83,16 @@ class _Jacobian:
             found.before[..., own] = (one - _trace(one)) @ axes[:-1]
             found.after[..., own] = (_trace(other) - other.swapaxes(1, 2)) @ axes[1:]
         return cls(
-            found.centre / CENTRE_TOLERANCE,
-            found.before * (rate / MOMENTUM_TOLERANCE),
-            found.after * (rate / MOMENTUM_TOLERANCE),
+            found.centre / TOLERANCES[0],
+            found.before * (rate / TOLERANCES[1]),
+            found.after * (rate / TOLERANCES[1]),
         )
 
     def slope(self, centre: Float64, momentum: Float64) -> Float64:
         """Return half the gradient of the squared deviations `centre` (n, T + 1, 3) [m] and `momentum` (n, T, 3)
         [m²/s] by the angles, (n, T, H)."""
-        by_centre = _applied(self.centre, centre / CENTRE_TOLERANCE)
-        momentum = momentum / MOMENTUM_TOLERANCE
+        by_centre = _applied(self.centre, centre / TOLERANCES[0])
+        momentum = momentum / TOLERANCES[1]
         found = by_centre[:, :-1] + _applied(self.before, momentum)
         found += np.roll(_applied(self.after, momentum), 1, axis=1)
         found[:, 0] += by_centre[:, -1]

@@ -12,7 +12,6 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from live.base.arrays import Float64
 from live.motion.editing.momentum_projection import project_angles
@@ -24,8 +23,8 @@ CYCLES: Final = 1.0
 """Cycles a measure above which drawn angles fade out: a carriage of the body, and a sway or two in a measure."""
 MAX_SPREADS: Final = 2.0
 """No angle is drawn larger than so many spreads."""
-POINTS_PER_MEASURE: Final = 128
-"""Moments at which the momentum is kept; between them angles follow a cubic spline."""
+MIN_SAMPLES: Final = 16
+"""Shorter steps have no variations."""
 
 
 def vary_steps(steps: Sequence[StepClip], count: int, seed: int) -> list[StepClip]:
@@ -36,7 +35,7 @@ def vary_steps(steps: Sequence[StepClip], count: int, seed: int) -> list[StepCli
     known: dict[tuple[str, str, bytes], list[StepClip]] = {}
     found: list[StepClip] = []
     for step in steps:
-        if step.in_stream:
+        if step.in_stream or _period(step)[1] < MIN_SAMPLES:
             continue
         original = mirror_step(step) if step.mirrored else step
         key = (step.step, original.clip.name, original.clip.rotation.tobytes())
@@ -53,25 +52,29 @@ def vary_step(step: StepClip, count: int, seed: int) -> list[StepClip]:
 
     The draws depend on `seed`, the name of the step and the number: all directions of a step vary alike.
     """
-    points, size = step.measures * POINTS_PER_MEASURE, step.samples_per_measure / POINTS_PER_MEASURE
+    first, period = _period(step)
     body = UpperBodyAngles.of(step.clip)
-    angles = np.stack([draw_angles(step.step, number, seed, step.measures) for number in range(1, count + 1)])
-    at = np.minimum(step.first + np.arange(points + 1) * size, step.clip.sample_count - 1.0)
-    angles = project_angles(body.at(at), angles, step.clip.sample_rate / size)
-    curve = CubicSpline(np.arange(points + 1), np.concatenate([angles, angles[:, :1]], 1), axis=1, bc_type="periodic")
-    place = np.mod((np.arange(step.clip.sample_count) - step.first) / size, points)
-    turned = body.local_turned(step.clip.rotation.astype(np.float64), curve(place))
+    angles = np.stack([draw_angles(step.step, number, seed, step.measures, period) for number in range(1, count + 1)])
+    angles = project_angles(body.part(first, first + period + 1), angles, step.clip.sample_rate)
+    place = (np.arange(step.clip.sample_count) - first) % period
+    turned = body.local_turned(step.clip.rotation.astype(np.float64), angles[:, place])
     return [_with_upper_body(step, one, number) for number, one in enumerate(turned, start=1)]
 
 
-def draw_angles(name: str, number: int, seed: int, measures: int) -> Float64:
-    """Return random angles, in spreads, periodic over a step of so many measures, (T, D)."""
+def _period(step: StepClip) -> tuple[int, int]:
+    """Return the sample at which the step begins, and after how many its end is."""
+    first = round(step.first)
+    return first, min(round(step.measures * step.samples_per_measure), step.clip.sample_count - 1 - first)
+
+
+def draw_angles(name: str, number: int, seed: int, measures: int, period: int) -> Float64:
+    """Return random angles, in spreads, that repeat after a step of so many measures in `period` samples, (T, D)."""
     chance = np.random.default_rng((seed, zlib.crc32(name.casefold().encode()), number))
     cycles = np.arange(3 * measures + 1)
     weight = np.exp(-((cycles / (measures * CYCLES)) ** 2))
     weight *= np.sqrt(3.0 / (weight**2).sum())  # the spread is the root mean square
     drawn = chance.uniform(-1.0, 1.0, (2, len(cycles), ANGLES)) * weight[:, None]
-    phase = 2.0 * np.pi / (measures * POINTS_PER_MEASURE) * np.arange(measures * POINTS_PER_MEASURE)[:, None] * cycles
+    phase = 2.0 * np.pi / period * np.arange(period)[:, None] * cycles
     curve = np.cos(phase) @ drawn[0] + np.sin(phase) @ drawn[1]
     return np.asarray(MAX_SPREADS * np.tanh(curve / MAX_SPREADS))
 

@@ -82,7 +82,7 @@ class UpperBodyAngles:
     """T poses of a step, of which the angles of the upper body can be changed."""
 
     world: Float
-    """Rotations in the world, shape (T, J, 4), with signs that do not jump."""
+    """Rotations in the world, shape (T, J, 4)."""
     axes: Float
     """Axis of each angle in the axes of its joint, as long as its spread [rad] times how free it is, (T, 3, D)."""
     matrix: Float
@@ -92,16 +92,12 @@ class UpperBodyAngles:
     def of(cls, clip: Clip) -> "UpperBodyAngles":
         """Return all poses of a clip."""
         position, world = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
-        world = quaternion.align_signs(world)
         return cls(world, _axes(position, world), quaternion.to_matrix(world))
 
-    def at(self, samples: Float) -> "UpperBodyAngles":
-        """Return the poses at fractional samples (n,)."""
-        low = np.minimum(samples.astype(np.int64), len(self.world) - 2)
-        part = (samples - low)[:, None, None]
-        world = quaternion.unit((1.0 - part) * self.world[low] + part * self.world[low + 1])
-        axes = (1.0 - part) * self.axes[low] + part * self.axes[low + 1]
-        return UpperBodyAngles(world, axes, quaternion.to_matrix(world))
+    def part(self, first: int, last: int) -> "UpperBodyAngles":
+        """Return the poses from `first` to `last` - 1."""
+        part = slice(first, last)
+        return UpperBodyAngles(self.world[part], self.axes[part], self.matrix[part])
 
     def turned(self, angles: Float) -> Float:
         """Return rotation matrices in the world (n, T, J, 3, 3) with `angles` (n, T, D), in spreads."""
