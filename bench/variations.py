@@ -60,7 +60,7 @@ def _rows(name: str, steps: Sequence[StepClip]) -> list[Row]:
     begin = time.process_time()
     varied = [vary_step(step, COUNT, 1) for step in steps]
     cost = 1000.0 * (time.process_time() - begin) / sum(step.measures for step in steps)
-    with patch.object(momentum_variation, "project_angles", lambda body, angles, rate: angles):
+    with patch.object(momentum_variation, "projected", lambda body, drawn, rate: drawn):
         noise = [vary_step(step, COUNT, 1) for step in steps]
     whole, plain = (_deviations(steps, each) for each in (varied, noise))
     half = _deviations(

@@ -27,32 +27,58 @@ STEADY_HZ: Final = 2.0
 """Corrections quicker than this cost more than steady ones, by the fourth power of their frequency."""
 
 
-def project_angles(body: UpperBodyAngles, angles: Float64, rate: float) -> Float64:
-    """Return `angles` (n, T, D), periodic, corrected so that `body`, of T + 1 poses, keeps its momentum.
+@dataclass(frozen=True, slots=True, eq=False)
+class MomentumProjection:
+    """Corrects periodic angles of the upper body so that a body keeps its momentum."""
 
-    The poses are `rate` a second; the last has the angles of the first. Only heavy angles are corrected, the H first.
-    Of all iterates each variation gets the nearest: where arms hang straight, whatever moves them raises the centre,
-    and no small correction takes that back wholly.
-    """
-    row = rotation_row(body.matrix)
-    centre, momentum = row @ CENTRE_LEVER, angular_momentum(row, rate)
-    jacobian = _Jacobian.of(body, row, rate)
-    order = _folded_order(angles.shape[1])
-    band = _banded(jacobian.normal_blocks(rate))
-    factor_band(band)
-    best, least = angles, np.full(len(angles), np.inf)
-    for step in range(STEPS + 1):
-        row = rotation_row(body.turned(np.concatenate([angles, angles[:, :1]], axis=1)))
-        strays = row @ CENTRE_LEVER - centre, angular_momentum(row, rate) - momentum
-        size = sum((stray**2).sum(axis=(1, 2)) / limit**2 for stray, limit in zip(strays, TOLERANCES, strict=True))
-        best = np.where((size < least)[:, None, None], angles, best)
-        least = np.minimum(size, least)
-        if step < STEPS:
-            change = np.ascontiguousarray(jacobian.slope(*strays)[:, order].reshape(len(angles), -1))
-            solve_band(band, change)
-            angles = angles.copy()
-            angles[:, order, :HEAVY_ANGLES] -= change.reshape(len(angles), -1, HEAVY_ANGLES)
-    return best
+    body: UpperBodyAngles
+    """T + 1 poses; the last has the angles of the first."""
+    rate: float
+    """Poses a second."""
+    centre: Float64
+    """Centre of mass relative to the hips [m], shape (T + 1, 3)."""
+    momentum: Float64
+    """Angular momentum about it per mass, between poses [m²/s], shape (T, 3)."""
+    jacobian: "_Jacobian"
+    factor: Float64
+    """Of the normal matrix, as `factor_band` makes it."""
+
+    @classmethod
+    def of(cls, body: UpperBodyAngles, rate: float) -> "MomentumProjection":
+        """Return the projection of `body`, `rate` poses a second."""
+        row = rotation_row(body.matrix)
+        jacobian = _Jacobian.of(body, row, rate)
+        band = _banded(jacobian.normal_blocks(rate))
+        factor_band(band)
+        return cls(body, rate, row @ CENTRE_LEVER, angular_momentum(row, rate), jacobian, band)
+
+    def project(self, angles: Float64) -> tuple[Float64, Float64, Float64]:
+        """Return `angles` (n, T, D) corrected, and the largest strays that are left: of the centre [m], and of the
+        momentum as a share of its range, (n,) each.
+
+        Only heavy angles are corrected, the H first. Of all iterates each variation gets the nearest: where arms hang
+        straight, whatever moves them raises the centre, and no small correction takes that back wholly.
+        """
+        order = _folded_order(angles.shape[1])
+        best, least = angles, np.full(len(angles), np.inf)
+        strays = np.zeros((2, len(angles)))
+        reach = max(float(np.ptp(self.momentum, axis=0).max()), TOLERANCES[1])
+        for step in range(STEPS + 1):
+            row = rotation_row(self.body.turned(np.concatenate([angles, angles[:, :1]], axis=1)))
+            centre, momentum = row @ CENTRE_LEVER - self.centre, angular_momentum(row, self.rate) - self.momentum
+            size = (centre**2).sum(axis=(1, 2)) / TOLERANCES[0] ** 2 + (momentum**2).sum(axis=(1, 2)) / TOLERANCES[
+                1
+            ] ** 2
+            now = np.linalg.norm(centre, axis=-1).max(axis=1), np.abs(momentum).max(axis=(1, 2)) / reach
+            best = np.where((size < least)[:, None, None], angles, best)
+            strays = np.where(size < least, now, strays)
+            least = np.minimum(size, least)
+            if step < STEPS:
+                change = self.jacobian.slope(centre, momentum)[:, order].reshape(len(angles), -1)
+                solve_band(self.factor, change)
+                angles = angles.copy()
+                angles[:, order, :HEAVY_ANGLES] -= change.reshape(len(angles), -1, HEAVY_ANGLES)
+        return best, strays[0], strays[1]
 
 
 @dataclass(frozen=True, slots=True, eq=False)

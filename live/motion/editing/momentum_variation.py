@@ -14,15 +14,24 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Float64
-from live.motion.editing.momentum_projection import project_angles
+from live.motion.editing.momentum_projection import MomentumProjection
 from live.motion.editing.upper_body_angles import ANGLES, UPPER_BODY, UpperBodyAngles
 from live.motion.mirror import mirror_step
+from live.motion.quality.body_contact import self_contacts
 from live.motion.step_clip import StepClip
 
 CYCLES: Final = 1.0
 """Cycles a measure above which drawn angles fade out: a carriage of the body, and a sway or two in a measure."""
 MAX_SPREADS: Final = 2.0
 """No angle is drawn larger than so many spreads."""
+SHARES: Final = (1.0, 0.7, 0.45, 0.2)
+"""Shares of the drawn angles that are tried, until the variation is good."""
+MAX_STRAY_M: Final = 3e-4
+"""A good variation's centre of mass strays no farther than this [m], ..."""
+MAX_STRAY: Final = 0.01
+"""... its angular momentum by no larger share of the step's range, ..."""
+MAX_CONTACT: Final = 0.005
+"""... and its forearms are inside the trunk in no larger share of the samples more than the step's."""
 MIN_SAMPLES: Final = 16
 """Shorter steps have no variations."""
 
@@ -54,11 +63,29 @@ def vary_step(step: StepClip, count: int, seed: int) -> list[StepClip]:
     """
     first, period = _period(step)
     body = UpperBodyAngles.of(step.clip)
-    angles = np.stack([draw_angles(step.step, number, seed, step.measures, period) for number in range(1, count + 1)])
-    angles = project_angles(body.part(first, first + period + 1), angles, step.clip.sample_rate)
+    drawn = np.stack([draw_angles(step.step, n, seed, step.measures, period) for n in range(1, count + 1)])
+    angles = projected(body.part(first, first + period + 1), drawn, step.clip.sample_rate)
     place = (np.arange(step.clip.sample_count) - first) % period
     turned = body.local_turned(step.clip.rotation.astype(np.float64), angles[:, place])
     return [_with_upper_body(step, one, number) for number, one in enumerate(turned, start=1)]
+
+
+def projected(body: UpperBodyAngles, drawn: Float64, rate: float) -> Float64:
+    """Return the angles `drawn` (n, T, D) with the momentum of `body`, T + 1 poses, `rate` a second.
+
+    They are made smaller where a body strays nevertheless, or where arms come into the trunk that were not.
+    """
+    projection = MomentumProjection.of(body, rate)
+    inside = self_contacts(body.position).mean()
+    angles, left = np.empty_like(drawn), np.arange(len(drawn))
+    for share in SHARES:
+        found, centre, momentum = projection.project(share * drawn[left])
+        angles[left] = found
+        touch = self_contacts(body.positions(np.concatenate([found, found[:, :1]], axis=1))).mean(axis=1)
+        left = left[(centre > MAX_STRAY_M) | (momentum > MAX_STRAY) | (touch > inside + MAX_CONTACT)]
+        if not len(left):
+            break
+    return angles
 
 
 def _period(step: StepClip) -> tuple[int, int]:

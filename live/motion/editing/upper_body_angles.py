@@ -81,6 +81,8 @@ TURNED_BY: Final = {joint: _turned_by(joint) for joint, own in COLUMNS.items() i
 class UpperBodyAngles:
     """T poses of a step, of which the angles of the upper body can be changed."""
 
+    position: Float
+    """Joints [m], shape (T, J, 3)."""
     world: Float
     """Rotations in the world, shape (T, J, 4)."""
     axes: Float
@@ -92,12 +94,12 @@ class UpperBodyAngles:
     def of(cls, clip: Clip) -> "UpperBodyAngles":
         """Return all poses of a clip."""
         position, world = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
-        return cls(world, _axes(position, world), quaternion.to_matrix(world))
+        return cls(position, world, _axes(position, world), quaternion.to_matrix(world))
 
     def part(self, first: int, last: int) -> "UpperBodyAngles":
         """Return the poses from `first` to `last` - 1."""
         part = slice(first, last)
-        return UpperBodyAngles(self.world[part], self.axes[part], self.matrix[part])
+        return UpperBodyAngles(self.position[part], self.world[part], self.axes[part], self.matrix[part])
 
     def turned(self, angles: Float) -> Float:
         """Return rotation matrices in the world (n, T, J, 3, 3) with `angles` (n, T, D), in spreads."""
@@ -112,6 +114,15 @@ class UpperBodyAngles:
             if joint in COLUMNS:
                 local = local @ turns[_PLACES[joint]]
             found[:, :, joint] = found[:, :, before] @ local
+        return found
+
+    def positions(self, angles: Float) -> Float:
+        """Return the joints (n, T, J, 3) [m] with `angles` (n, T, D), in spreads."""
+        matrix = self.turned(angles)
+        found = np.broadcast_to(self.position, (len(angles), *self.position.shape)).copy()
+        for joint in UPPER_BODY:
+            before = int(SKELETON.parents[joint])
+            found[:, :, joint] = found[:, :, before] + matrix[:, :, before] @ SKELETON.offsets[joint].astype(np.float64)
         return found
 
     def local_turned(self, rotation: Float, angles: Float) -> Float:

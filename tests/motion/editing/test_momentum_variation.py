@@ -77,7 +77,7 @@ def test_half_of_a_variation_stays_near(name):
 
 @pytest.mark.parametrize("name", ["walk", "jump", "arm_wave"])
 def test_the_same_noise_without_correction_keeps_nothing_of_it(name, monkeypatch):
-    monkeypatch.setattr(momentum_variation, "project_angles", lambda body, angles, rate: angles)
+    monkeypatch.setattr(momentum_variation, "projected", lambda body, drawn, rate: drawn)
     step = sketched_step(name)
     for noise, varied in zip(vary_step(step, 3, 1), variations(name), strict=True):
         plain, corrected = deviations(step, noise), deviations(step, varied)
