@@ -15,8 +15,8 @@ import numpy.typing as npt
 from bench._motion_clips import SALSA, SOLO, recordings
 from live.cli.bench import Row
 from live.motion import quaternion
-from live.motion.body_mass import angular_momentum, centre_of_mass, rotation_row
 from live.motion.editing import momentum_variation
+from live.motion.editing.body_mass import angular_momentum, centre_of_mass, rotation_row
 from live.motion.editing.interpolate import interpolate
 from live.motion.editing.momentum_variation import vary_step
 from live.motion.forward_kinematics import forward_kinematics

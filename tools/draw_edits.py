@@ -17,8 +17,8 @@ from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
 from live.motion import quaternion
-from live.motion.body_mass import centre_of_mass, rotation_row
 from live.motion.editing import momentum_variation
+from live.motion.editing.body_mass import centre_of_mass, rotation_row
 from live.motion.editing.facing import (
     HEAD_LIMIT,
     average_orientation,

@@ -66,8 +66,8 @@ def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = N
 
     The rule is that of `check_same_structure`; besides, the feet must stand at the same time and the poses resemble
     each other throughout, because recordings of one name may be unlike. Measures of a stream (T037) and those that are
-    `leaving` (N,) are not takes of any other. A variation is a take of the clip that it was made of, which has the same
-    path of the hips sample by sample; it has no takes itself, because it is only mixed in.
+    `leaving` (N,) are not takes of any other. A variation is a take of the clip that it was made of, and of copies of a
+    recorded one on other paths; it has no takes itself, because it is only mixed in.
     """
     numbers: dict[tuple[object, ...], int] = {}
     # key of a take: all that must be equal but the side; -1 if the clip has no takes
@@ -75,8 +75,8 @@ def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = N
     foot = np.array([("", "left", "right").index(clip.leading_foot) for clip in library.clips])
     mirrored = np.array([clip.mirrored for clip in library.clips])
     variation = np.array([clip.variation for clip in library.clips])
-    paths: dict[bytes, int] = {}
-    path = np.array([paths.setdefault(clip.clip.root_position.tobytes(), len(paths)) for clip in library.clips])
+    origins: dict[bytes, int] = {}
+    origin = np.array([origins.setdefault(_origin(clip), len(origins)) for clip in library.clips])
     clip = library.node_clip
     place = kind[clip].astype(np.int64) * (int(library.node_measure.max()) + 1) + library.node_measure
     place[kind[clip] < 0] = -1
@@ -96,7 +96,7 @@ def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = N
             same = np.where(told, left[some, None] == left[None], side[some, None] == side[None])
             same &= own[some, None] != own[None]
             same &= (variation[own] == 0)[some, None]
-            same &= (variation[own] == 0) | (path[own][some, None] == path[own])
+            same &= (variation[own] == 0) | (origin[own][some, None] == origin[own])
             alike_measures(
                 group[some], group, contact, rotation,
                 int(MAX_CONTACTS_DIFFERING * 2 * MOMENTS), float(np.cos(0.5 * MAX_JOINT_ANGLE)),
@@ -145,6 +145,12 @@ def _moments(library: "StepLibrary") -> tuple[Bool, npt.NDArray[np.float32]]:
     root = rotation[:, :, 0].astype(np.float64)
     rotation[:, :, 0] = quaternion.mul(quaternion.inverse(root[:, :1]), root)
     return library.clip_contact[at], rotation
+
+
+def _origin(clip: StepClip) -> bytes:
+    """Return what a clip and its variations have in common sample by sample: contacts if it was recorded, else the way
+    of the hips, which contacts of sketched directions share."""
+    return clip.clip.contact.tobytes() if clip.recorded else clip.clip.root_position.tobytes()
 
 
 def _kind(clip: StepClip) -> tuple[object, ...]:

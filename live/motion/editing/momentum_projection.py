@@ -14,8 +14,8 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Float64, Int64
-from live.motion.body_mass import CENTRE_LEVER, MOMENT_MATRIX, angular_momentum, rotation_row
 from live.motion.editing.band_kernels import factor_band, solve_band
+from live.motion.editing.body_mass import CENTRE_LEVER, MOMENT_MATRIX, angular_momentum, rotation_row
 from live.motion.editing.upper_body_angles import COLUMNS, HEAVY_ANGLES, TURNED_BY, UpperBodyAngles
 from live.motion.skeleton import SKELETON
 
@@ -66,18 +66,17 @@ class MomentumProjection:
         for step in range(STEPS + 1):
             row = rotation_row(self.body.turned(np.concatenate([angles, angles[:, :1]], axis=1)))
             centre, momentum = row @ CENTRE_LEVER - self.centre, angular_momentum(row, self.rate) - self.momentum
-            size = (centre**2).sum(axis=(1, 2)) / TOLERANCES[0] ** 2 + (momentum**2).sum(axis=(1, 2)) / TOLERANCES[
-                1
-            ] ** 2
+            size = ((centre / TOLERANCES[0]) ** 2).sum(axis=(1, 2)) + ((momentum / TOLERANCES[1]) ** 2).sum(axis=(1, 2))
             now = np.linalg.norm(centre, axis=-1).max(axis=1), np.abs(momentum).max(axis=(1, 2)) / reach
             best = np.where((size < least)[:, None, None], angles, best)
             strays = np.where(size < least, now, strays)
             least = np.minimum(size, least)
             if step < STEPS:
-                change = self.jacobian.slope(centre, momentum)[:, order].reshape(len(angles), -1)
+                slope = self.jacobian.slope(centre, momentum)[:, order]
+                change = np.ascontiguousarray(slope.reshape(len(angles), -1))
                 solve_band(self.factor, change)
                 angles = angles.copy()
-                angles[:, order, :HEAVY_ANGLES] -= change.reshape(len(angles), -1, HEAVY_ANGLES)
+                angles[:, order, :HEAVY_ANGLES] -= change.reshape(slope.shape)
         return best, strays[0], strays[1]
 
 

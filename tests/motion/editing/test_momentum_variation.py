@@ -14,6 +14,7 @@ from live.motion.clip import resample
 from live.motion.editing import momentum_variation
 from live.motion.editing.interpolate import interpolate
 from live.motion.editing.momentum_variation import vary_step, vary_steps
+from live.motion.editing.path_bend import path_variants
 from live.motion.editing.upper_body_angles import UPPER_BODY
 from live.motion.editing.variation import LOWER
 from live.motion.forward_kinematics import forward_kinematics
@@ -23,7 +24,7 @@ from live.motion.skeleton import SKELETON
 from live.motion.sketch.sketch_clips import step_clip
 from live.motion.sketch.sketch_file import parse_sketch
 from live.motion.step_clip import StepClip
-from tests.motion.body_physics import GRAVITY, measure_samples, physics_of
+from tests.motion.editing.body_physics import GRAVITY, measure_samples, physics_of
 from tests.motion.editing.made_steps import sketched_step
 from tests.places import ROOT
 
@@ -237,6 +238,23 @@ def test_draws_depend_on_seed_step_and_number_alone():
 
 def test_measures_of_streams_have_none():
     assert vary_steps([replace(sketched_step("walk"), in_stream=True)], 3, 1) == []
+
+
+def test_copies_of_a_recorded_step_on_other_paths_have_its_variations():
+    """Shorter copies, whose upper bodies are those of the recording; not copies that turn, whose feet go elsewhere."""
+    recorded = replace(sketched_step("walk", "long forward"), recorded=True)
+    copies = path_variants(recorded)
+    assert len(copies) > 2
+    takes = find_takes(build_library([recorded, *copies, *vary_steps([recorded], 2, 1)]))
+    nodes = np.arange(len(copies) + 1, dtype=np.int32)
+    drawn = {take for chance in np.linspace(0.0, 0.999, 40) for take in takes.draw(nodes, np.full(len(nodes), chance))}
+    assert {len(nodes), len(nodes) + 1} <= drawn
+    have = [
+        {len(nodes), len(nodes) + 1} <= set(takes.node[takes.start[node] : takes.start[node + 1]].tolist())
+        for node in nodes
+    ]
+    assert have == [True, *("turned +0" in copy.clip.name for copy in copies)]
+    assert 1 < sum(have) < len(nodes)
 
 
 def test_every_variation_is_a_take_of_its_own_step():

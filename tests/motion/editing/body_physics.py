@@ -1,6 +1,6 @@
 """Centre of mass, angular momentum and zero-moment point of clips, segment by segment and by differences in time.
 
-Written from the definitions, with nothing of `live.motion.body_mass` but its table.
+Written from the definitions, with nothing of `live.motion.editing.body_mass` but its table.
 """
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ import numpy as np
 
 from live.base.arrays import Bool, Float64
 from live.motion import quaternion
-from live.motion.body_mass import SEGMENTS
+from live.motion.editing.body_mass import SEGMENTS
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.step_clip import StepClip
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from live.motion import quaternion
-from live.motion.body_mass import SEGMENTS, angular_momentum, centre_of_mass, rotation_row
+from live.motion.editing.body_mass import SEGMENTS, angular_momentum, centre_of_mass, rotation_row
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import BODY_HEIGHT, JOINT_COUNT, SKELETON
 from live.motion.step_clip import StepClip
-from tests.motion.body_physics import measure_samples, physics_of
+from tests.motion.editing.body_physics import measure_samples, physics_of
 from tests.motion.editing.made_steps import random_clip
 
 
