@@ -9,12 +9,16 @@ from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Final
+from unittest.mock import patch
 
 import numpy as np
 from matplotlib.figure import Figure
 from PIL import Image
 
 sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
+from live.motion import quaternion
+from live.motion.editing import momentum_variation
+from live.motion.editing.body_mass import centre_of_mass, rotation_row
 from live.motion.editing.facing import (
     HEAD_LIMIT,
     average_orientation,
@@ -27,6 +31,7 @@ from live.motion.editing.facing import (
 )
 from live.motion.editing.foot_correction import correct_floor, find_feet
 from live.motion.editing.interpolate import interpolate
+from live.motion.editing.momentum_variation import vary_step
 from live.motion.editing.time_warp import draw_measure_warps, draw_sequence_warp, warp_step
 from live.motion.editing.turn_insertion import (
     BLEND_WINDOW,
@@ -40,7 +45,21 @@ from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import mirror_step
 from live.motion.pose.foot_lock import lock_feet
 from live.motion.skeleton import SKELETON
-from tools.edit_panels import HEAD, beats, figure_of, footprints, headings, label, panels, places, sketch, stage, within
+from live.motion.step_clip import StepClip
+from tools.edit_panels import (
+    HEAD,
+    Float,
+    beats,
+    figure_of,
+    footprints,
+    headings,
+    label,
+    panels,
+    places,
+    sketch,
+    stage,
+    within,
+)
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 BEFORE: Final = "#8a8f98"
@@ -84,6 +103,34 @@ def draw_combination() -> Figure:
             figure_of(axis, places(step)[sample], 1.5 * n, lower, upper)
         stage(axis, f"beat {beat:g}", ("legs", "arms", "both"), 1.5)
     return figure
+
+
+def draw_variations() -> Figure:
+    step = sketch("reach")
+    varied = vary_step(step, 2, 1)
+    with patch.object(momentum_variation, "projected", lambda body, drawn, rate: drawn):
+        noise = vary_step(step, 2, 1)
+    figure, axes = panels(
+        3, "vary_step: another carriage of trunk, arms and head; balance and momentum stay", [1, 1, 1], 2.6
+    )
+    for axis, beat in zip(axes, (2.0, 4.5), strict=False):
+        sample = int(np.argmin(np.abs(beats(step) - beat)))
+        for n, (each, colour) in enumerate(((step, BEFORE), (varied[0], AFTER), (varied[1], THIRD))):
+            figure_of(axis, places(each)[sample], 1.7 * n, "#495057", colour)
+        stage(axis, f"beat {beat:g}", ("the step", "variation 1", "variation 2"), 1.7)
+    part = within(step)
+    for each, colour, name in ((noise[0], BEFORE, "the same angles, uncorrected"), (varied[0], AFTER, "variation 1")):
+        strays = 1000.0 * np.linalg.norm(_centre(each) - _centre(step), axis=-1)
+        axes[2].plot(beats(step)[part], strays[part], color=colour, lw=2, label=name)
+    axes[2].set_ylim(0.0, 14.0)
+    label(axes[2], "how far the centre of mass strays", "beat", "mm", legend="upper right")
+    return figure
+
+
+def _centre(step: StepClip) -> Float:
+    root = step.clip.root_position.astype(np.float64)
+    world = forward_kinematics(root, step.clip.rotation.astype(np.float64))[1]
+    return centre_of_mass(root, rotation_row(quaternion.to_matrix(world)))
 
 
 def draw_rotation() -> Figure:
@@ -280,6 +327,7 @@ def draw_foot_lock() -> Figure:
 PICTURES: Final[dict[str, Callable[[], Figure]]] = {
     "interpolation": draw_interpolation,
     "combination": draw_combination,
+    "variations": draw_variations,
     "rotation": draw_rotation,
     "measure-warp": draw_measure_warp,
     "sequence-warp": draw_wander,

@@ -35,10 +35,11 @@ changed live (fader, facing, formation) stays, unless the edit changes that valu
 its name. Mistakes are shown on the terminal, in the overlay and in the status (`patch`: `version`, `problem`, `waits`);
 the last good patch stays in use.
 
-These keys take effect at the next start, and are reported by name: `seed`, `steps`, `reserve`, `[music]`, `[sound]`,
-`[clock]`, `[link]`, `[osc]`, ports and time code of `[midi]`, `steering.separation`, `steering.combine`,
-`[[background]]`, `[[character]]`, `[texture]`, `picture.passes`, examples of a `[[partner]]`, the number of groups, and
-of a group `dancers`, `soloists`, `radius`, `partners`, `arm_length`, `hands`, `formation`, `centre` and `size`.
+These keys take effect at the next start, and are reported by name: `seed`, `steps`, `takes`, `variations`,
+`reserve`, `[music]`, `[sound]`, `[clock]`, `[link]`, `[osc]`, ports and time code of `[midi]`, `steering.separation`,
+`steering.combine`, `[[background]]`, `[[character]]`, `[texture]`, `picture.passes`, examples of a `[[partner]]`, the
+number of groups, and of a group `dancers`, `soloists`, `radius`, `partners`, `arm_length`, `hands`, `formation`,
+`centre` and `size`.
 
 Steps may be edited too. A dancer finishes the step they are in, and begins the new version next time. A step whose file
 is gone is not begun again. The journal holds the whole patch, and edited steps before and after, so a replay needs none

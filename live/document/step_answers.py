@@ -41,7 +41,7 @@ def step_values(graph: MotionGraph) -> list[dict[str, Any]]:
     follows = _followers(graph)
     rows = []
     for step in range(count):
-        clips = [clip for clip in library.clips if clip.step == library.steps[step]]
+        clips = [clip for clip in library.joined_clips if clip.step == library.steps[step]]
         facts = [_clip_values(clip) for clip in clips]
         one = facts[0]
         rows.append(
@@ -129,7 +129,7 @@ def motion_frames(graph: MotionGraph, words: str, takes: Sequence[int]) -> Itera
     """
     library = graph.library
     step = _find(library, words)
-    clips = [clip for clip in library.clips if clip.step == library.steps[step]]
+    clips = [clip for clip in library.joined_clips if clip.step == library.steps[step]]
     chosen = list(takes) or [1]
     wrong = [take for take in chosen if not 1 <= take <= len(clips)]
     if wrong:

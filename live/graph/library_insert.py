@@ -32,9 +32,7 @@ def insert_clips(graph: MotionGraph, clips: Sequence[StepClip]) -> MotionGraph:
     boundaries = graph.boundaries.joined(Boundaries.of(part, graph.rule))
     joins = extend_joins(library, boundaries, graph.joins, graph.library.node_count, graph.rule)
     facts = facts_of(graph).joined(node_facts(part, graph.window))
-    leaving = np.concatenate([graph.leaving, part.examples])
-    if part.examples.any():
-        joins = reduce_joins(library, boundaries, joins, leaving, graph.rule)
+    leaving = np.concatenate([graph.leaving, np.zeros(part.node_count, np.bool_)])
     return graph_of(library, boundaries, joins, facts, graph.rule, leaving)
 
 

@@ -8,14 +8,7 @@ from live.base.arrays import Bool, Float64, Int32
 from live.graph.build.components import largest_component
 from live.graph.build.metric import Metric
 from live.graph.build.nearest_pairs import EdgeLimits
-from live.graph.build.transitions import (
-    Boundaries,
-    Joins,
-    JoinSettings,
-    find_joins,
-    reduce_joins,
-    retime_library,
-)
+from live.graph.build.transitions import Boundaries, Joins, JoinSettings, find_joins, retime_library
 from live.graph.distance_kernels import count_hops, reverse_edges
 from live.graph.node_features import Moments, NodeFacts, node_facts
 from live.graph.step_library import StepLibrary
@@ -82,8 +75,7 @@ class MotionGraph:
     rule: JoinSettings
     """The settings that the joins were made with."""
     leaving: Bool
-    """Measures of removed clips, and of examples of moods: none begins them, and a dancer there finishes the step,
-    shape (N,)."""
+    """Measures of removed clips: a dancer there finishes the step, but none begins it, shape (N,)."""
 
     @property
     def edge_count(self) -> int:
@@ -127,10 +119,8 @@ def build_graph(
     )
     library = retime_library(library, rule, interval)
     boundaries = Boundaries.of(library, rule)
-    joins, leaving = find_joins(library, boundaries, rule), library.examples
-    if leaving.any():
-        joins = reduce_joins(library, boundaries, joins, leaving, rule)
-    return graph_of(library, boundaries, joins, node_facts(library, window), rule, leaving)
+    joins = find_joins(library, boundaries, rule)
+    return graph_of(library, boundaries, joins, node_facts(library, window), rule)
 
 
 def graph_of(
@@ -145,7 +135,7 @@ def graph_of(
 
     `leaving` (N,): measures that must not be begun, see `MotionGraph`.
     """
-    alive = np.ones(library.node_count, np.bool_)
+    alive = ~library.unjoined
     leaving = np.zeros(library.node_count, np.bool_) if leaving is None else leaving
     open_ = joins
     if leaving.any():  # a dancer in a removed clip may finish it, but nobody else gets into it
@@ -185,7 +175,7 @@ def graph_of(
         takes=find_takes(library, leaving),
         alive=alive,
         window=rule.window,
-        missing=_missing(library, alive | (leaving & ~library.examples), rule.threshold),
+        missing=_missing(library, alive | leaving, rule.threshold),
         joins=joins,
         boundaries=boundaries,
         rule=rule,
@@ -197,7 +187,7 @@ def _missing(library: StepLibrary, alive: Bool, threshold: float) -> tuple[str, 
     poses = unmatched_poses(library)
     lives = np.bincount(library.node_step, weights=alive, minlength=len(library.steps)) > 0
     foot = " on a foot that stands in both" if any(clip.recorded for clip in library.clips) else ""
-    only = np.bincount(library.node_step, weights=~library.examples, minlength=len(library.steps)) == 0
+    only = np.bincount(library.node_step, weights=~library.unjoined, minlength=len(library.steps)) == 0
     poses |= {library.steps[step]: "all its clips are examples of moods" for step in np.flatnonzero(only)}
     return tuple(
         f"{name}: {poses.get(name, f'nothing leads to it and away again within {threshold:g} m{foot}')}"

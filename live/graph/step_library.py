@@ -69,9 +69,20 @@ class StepLibrary:
         return len(self.node_clip)
 
     @property
-    def examples(self) -> Bool:
-        """Whether a node is of an example of a mood, which is never danced, shape (N,)."""
-        return np.array([bool(clip.mood) for clip in self.clips], np.bool_)[self.node_clip]
+    def joined_clips(self) -> tuple[StepClip, ...]:
+        """The clips that joins lead to, see `unjoined`."""
+        return tuple(clip for clip in self.clips if not clip.unjoined)
+
+    @property
+    def unjoined(self) -> Bool:
+        """Whether no join leads to a node, shape (N,): those of variations, which are only mixed into their steps
+        (T142), and those of examples of moods (T143)."""
+        return np.array([clip.unjoined for clip in self.clips], np.bool_)[self.node_clip]
+
+    @property
+    def node_variation(self) -> Bool:
+        """Whether a node is of a variation (T142), shape (N,)."""
+        return np.array([clip.variation > 0 for clip in self.clips], np.bool_)[self.node_clip]
 
     def step_index(self, name: str) -> int | None:
         """Return the index of the step called `name` (case and underscores do not matter), None if there is none."""

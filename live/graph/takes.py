@@ -1,4 +1,4 @@
-"""Takes: other clips of the same step that may be mixed into a measure, live (T044-T047)."""
+"""Takes: other clips of the same step that may be mixed into a measure, live (T044-T047), and its variations (T142)."""
 
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
@@ -40,17 +40,23 @@ class Takes:
     """Takes of node u are start[u] to start[u + 1], shape (N + 1,)."""
     node: Int32
     """Nodes, in library order."""
+    drawn_start: Int32
+    """The same for the takes that are drawn at random: of a measure with variations those and the takes of its own
+    direction, of any other all."""
+    drawn: Int32
 
     def count(self, nodes: Int32) -> Int32:
-        """Return the number of other takes of each of `nodes` (A,), (A,)."""
-        return np.asarray(self.start[nodes + 1] - self.start[nodes], np.int32)
+        """Return the number of takes that are drawn for each of `nodes` (A,), (A,)."""
+        return np.asarray(self.drawn_start[nodes + 1] - self.drawn_start[nodes], np.int32)
 
     def draw(self, nodes: Int32, random: Float64) -> Int32:
         """Return one take for each of `nodes` (A,) by its `random` in [0, 1), NO_TAKE if there is none, (A,)."""
         count = self.count(nodes)
-        place = self.start[nodes] + (random * count).astype(np.int32)
+        place = self.drawn_start[nodes] + (random * count).astype(np.int32)
         found = (
-            self.node[np.minimum(place, max(len(self.node) - 1, 0))] if len(self.node) else np.full_like(nodes, NO_TAKE)
+            self.drawn[np.minimum(place, max(len(self.drawn) - 1, 0))]
+            if len(self.drawn)
+            else np.full_like(nodes, NO_TAKE)
         )
         return np.where(count > 0, found, NO_TAKE).astype(np.int32)
 
@@ -59,14 +65,22 @@ def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = N
     """Return all takes of a library. Only clips of one structural variation are mixed (T046): same foot, same poses.
 
     The rule is that of `check_same_structure`; besides, the feet must stand at the same time and the poses resemble
-    each other throughout, because recordings of one name may be unlike. Measures of a stream (T037) and those that are
-    `leaving` (N,) are not takes of any other.
+    each other throughout, because recordings of one name may be unlike. Measures of a stream (T037), examples of moods
+    (T143) and those that are `leaving` (N,) are not takes of any other. A variation is a take of the clip that it was
+    made of, and of copies of a recorded one on other paths; it has no takes itself, because it is only mixed in.
     """
     numbers: dict[tuple[object, ...], int] = {}
     # key of a take: all that must be equal but the side; -1 if the clip has no takes
-    kind = np.array([-1 if c.in_stream else numbers.setdefault(_kind(c), len(numbers)) for c in library.clips])
+    alone = [clip.in_stream or bool(clip.mood) for clip in library.clips]
+    kind = np.array([
+        -1 if out else numbers.setdefault(_kind(clip), len(numbers))
+        for out, clip in zip(alone, library.clips, strict=True)
+    ])  # fmt: skip
     foot = np.array([("", "left", "right").index(clip.leading_foot) for clip in library.clips])
     mirrored = np.array([clip.mirrored for clip in library.clips])
+    variation = np.array([clip.variation for clip in library.clips])
+    origins: dict[bytes, int] = {}
+    origin = np.array([origins.setdefault(_origin(clip), len(origins)) for clip in library.clips])
     clip = library.node_clip
     place = kind[clip].astype(np.int64) * (int(library.node_measure.max()) + 1) + library.node_measure
     place[kind[clip] < 0] = -1
@@ -85,6 +99,8 @@ def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = N
             told = (left | right)[some, None] & (left | right)[None]
             same = np.where(told, left[some, None] == left[None], side[some, None] == side[None])
             same &= own[some, None] != own[None]
+            same &= (variation[own] == 0)[some, None]
+            same &= (variation[own] == 0) | (origin[own][some, None] == origin[own])
             alike_measures(
                 group[some], group, contact, rotation,
                 int(MAX_CONTACTS_DIFFERING * 2 * MOMENTS), float(np.cos(0.5 * MAX_JOINT_ANGLE)),
@@ -97,18 +113,26 @@ def find_takes(library: "StepLibrary", leaving: npt.NDArray[np.bool_] | None = N
             one, other = np.nonzero(same)
             pairs.append(np.stack([group[first + one], group[other]]))
     node, take = np.concatenate(pairs, axis=1)
-    start = np.searchsorted(np.sort(node), np.arange(library.node_count + 1))
-    return Takes(start.astype(np.int32), take[np.lexsort((take, node))].astype(np.int32))
+    order = np.lexsort((take, node))
+    node, take = node[order], take[order]
+    directions: dict[str, int] = {}
+    varied = np.zeros(library.node_count, np.bool_)
+    varied[node[variation[clip[take]] > 0]] = True
+    way = np.array([directions.setdefault(one.direction, len(directions)) for one in library.clips])[clip]
+    drawn = ~varied[node] | (way[node] == way[take])
+    rows = np.arange(library.node_count + 1)
+    start, drawn_start = (np.searchsorted(of, rows).astype(np.int32) for of in (node, node[drawn]))
+    return Takes(start, take.astype(np.int32), drawn_start, take[drawn].astype(np.int32))
 
 
 def take_kinds(library: "StepLibrary") -> Int64:
-    """Return a number for each clip, equal for takes of one step on one side (T046); -1 for measures of streams."""
+    """Return a number for each clip, equal for takes of one step on one side (T046); -1 for measures of streams and for
+    clips that no join leads to."""
     numbers: dict[tuple[object, ...], int] = {}
+    alone = [clip.in_stream or clip.unjoined for clip in library.clips]
+    kinds = [(*_kind(clip), clip.leading_foot or clip.mirrored) for clip in library.clips]
     return np.array(
-        [
-            -1 if c.in_stream else numbers.setdefault((*_kind(c), c.leading_foot or c.mirrored), len(numbers))
-            for c in library.clips
-        ]
+        [-1 if out else numbers.setdefault(kind, len(numbers)) for out, kind in zip(alone, kinds, strict=True)]
     )
 
 
@@ -125,6 +149,12 @@ def _moments(library: "StepLibrary") -> tuple[Bool, npt.NDArray[np.float32]]:
     root = rotation[:, :, 0].astype(np.float64)
     rotation[:, :, 0] = quaternion.mul(quaternion.inverse(root[:, :1]), root)
     return library.clip_contact[at], rotation
+
+
+def _origin(clip: StepClip) -> bytes:
+    """Return what a clip and its variations have in common sample by sample: contacts if it was recorded, else the way
+    of the hips, which contacts of sketched directions share."""
+    return clip.clip.contact.tobytes() if clip.recorded else clip.clip.root_position.tobytes()
 
 
 def _kind(clip: StepClip) -> tuple[object, ...]:

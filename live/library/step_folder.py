@@ -13,6 +13,7 @@ from live.library.disk_cache import ClipCache
 from live.library.recording_file import no_steps_error, read_step_files
 from live.library.recordings import recorded_steps
 from live.library.textured_steps import read_textured
+from live.motion.editing.momentum_variation import vary_steps
 from live.motion.editing.path_bend import path_variants, source_name
 from live.motion.step_clip import StepClip
 
@@ -79,6 +80,19 @@ def with_path_variants(steps: Sequence[StepClip]) -> list[StepClip]:
     for copy in PATHS.load_or_build(_contents(recorded), lambda: [v for step in recorded for v in path_variants(step)]):
         copies.setdefault(source_name(copy.clip.name), []).append(copy)
     return [one for step in steps for one in (step, *(copies.pop(step.clip.name, []) if step.recorded else []))]
+
+
+VARIATIONS: Final = ClipCache("variations", max_entries=32)
+"""One entry for each set of steps, number of variations and seed."""
+
+
+def varied_steps(steps: Sequence[StepClip], count: int, seed: int) -> list[StepClip]:
+    """Return `count` variations of each step that is danced, of the same momentum (T142)."""
+    if not count:
+        return []
+    steps = [step for step in steps if not step.unjoined]
+    sources = (f"{count} {seed}".encode(), *_contents(steps))
+    return VARIATIONS.load_or_build(sources, lambda: vary_steps(steps, count, seed))
 
 
 def _contents(steps: Sequence[StepClip]) -> Iterator[bytes]:

@@ -142,6 +142,17 @@ def from_columns(x: Float, y: Float, z: Float) -> Float:
     return unit(np.take_along_axis(candidates, best[..., None, None], axis=-2)[..., 0, :])
 
 
+def to_matrix(q: Float) -> Float:
+    """Return rotation matrices (..., 3, 3) of unit quaternions."""
+    w, x, y, z = np.moveaxis(np.asarray(q), -1, 0)
+    rows = (
+        (1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)),
+        (2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)),
+        (2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)),
+    )
+    return np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
+
+
 def align_signs(q: Float) -> Float:
     """The same rotations (T, ..., 4) with signs chosen so that each is nearest to its predecessor along axis 0."""
     q = np.asarray(q)

@@ -75,6 +75,8 @@ class StepClip:
     """How a recorded step was changed for a show of another tempo."""
     in_stream: bool = False
     """True for a measure of an unsegmented recording (T037): its neighbours are not takes of the same step."""
+    variation: int = 0
+    """Number of the made variation (T142) that it is: a take that is only mixed into its step; 0 for a step itself."""
 
     def __post_init__(self) -> None:
         end = self.first + self.measures * self.samples_per_measure
@@ -85,6 +87,11 @@ class StepClip:
                 f"step {self.step!r}: {self.measures} measures end at sample {end:.1f}, "
                 f"but the clip {self.clip.name!r} ends at {self.clip.sample_count - 1}"
             )
+
+    @property
+    def unjoined(self) -> bool:
+        """Whether it is never danced by itself: a variation, or an example of a mood."""
+        return self.variation > 0 or bool(self.mood)
 
     @property
     def beats(self) -> int:

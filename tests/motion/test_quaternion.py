@@ -54,6 +54,7 @@ def test_rotations_from_axes_and_columns_match_scipy(random: np.random.Generator
     for rotations in (Rotation.random(50, random), half_turns):
         columns = np.moveaxis(rotations.as_matrix(), -1, 0)
         assert same(quaternion.from_columns(*columns), wxyz(rotations))
+        assert np.allclose(quaternion.to_matrix(wxyz(rotations)), rotations.as_matrix(), atol=1e-12)
 
 
 def test_rotation_between_vectors_maps_first_to_second(random: np.random.Generator) -> None:

@@ -158,7 +158,8 @@ class Boundaries:
 def find_joins(library: StepLibrary, boundaries: Boundaries, rule: JoinSettings) -> Joins:
     """Return the joins of a library that the rule's limits keep, and the links between them.
 
-    Within a step of several measures each leads only to the next (T039), of its own clip or of another take.
+    Within a step of several measures each leads only to the next (T039), of its own clip or of another take. Variations
+    (T142) have none: they are only mixed in.
     """
     everything = np.arange(library.node_count)
     search = _JoinSearch(library, boundaries, rule)
@@ -205,8 +206,9 @@ class _JoinSearch:
         self._library, self._boundaries, self._rule = library, boundaries, rule
         self._codes: StructureCodes = structure_codes(library)
         self._variation = variation_codes(library)
-        self._leaves = library.node_measure == library.node_measures - 1
-        self._enters = library.node_measure == 0
+        itself = ~library.unjoined
+        self._leaves = (library.node_measure == library.node_measures - 1) & itself
+        self._enters = (library.node_measure == 0) & itself
 
     def between(
         self, first: Int64, second: Int64, label: Int32 | None = None, limits: EdgeLimits | None = None
@@ -236,7 +238,8 @@ class _JoinSearch:
         `second`."""
         library, boundaries, rule = self._library, self._boundaries, self._rule
         kind = take_kinds(library)[library.node_clip]
-        leaves, enters = first[~self._leaves[first] & (kind[first] >= 0)], second[~self._enters[second]]
+        inside = library.node_measure < library.node_measures - 1
+        leaves, enters = first[inside[first] & (kind[first] >= 0)], second[library.node_measure[second] > 0]
         size = int(library.node_measure.max(initial=0)) + 2
         place = (kind * size + library.node_measure).astype(np.int32)
         leaving, entering = np.full((len(leaves), 2), -1, np.int32), np.full((len(enters), 2), -1, np.int32)
@@ -285,7 +288,8 @@ _LINKS: Final = EdgeLimits(per_node=1 << 30, per_variation=1, into=0)
 
 def _inner(library: StepLibrary, nodes: Int64) -> Joins:
     """Return the joins within clips; the measures of one clip are neighbours in the library."""
-    source = nodes[library.node_measure[nodes] < library.node_measures[nodes] - 1].astype(np.int32)
+    inside = (library.node_measure[nodes] < library.node_measures[nodes] - 1) & ~library.unjoined[nodes]
+    source = nodes[inside].astype(np.int32)
     count = len(source)
     return Joins(source, source + np.int32(1), np.zeros(count), np.zeros((count, 3)))
 

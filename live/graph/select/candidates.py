@@ -146,10 +146,10 @@ class Candidates:
 def find_candidates(graph: "MotionGraph", weights: tuple[float, ...] = WEIGHTS) -> Candidates:
     """Return all candidates of a graph: clips, and mixtures by `weights` with takes that do not go the opposite way."""
     node, take, share, first = [], [], [], [0]
-    way = measure_displacements(graph)
+    way, variation = measure_displacements(graph), graph.library.node_variation
     for u in range(graph.library.node_count):
         others = graph.takes.node[graph.takes.start[u] : graph.takes.start[u + 1]]
-        others = others[~is_opposite(way[u], way[others])]
+        others = others[~is_opposite(way[u], way[others]) & ~variation[others]]  # a variation goes the same way
         if len(others) > MAX_TAKES:
             others = others[np.linspace(0, len(others) - 1, MAX_TAKES).astype(np.int64)]
         count = 1 + len(others) * len(weights)

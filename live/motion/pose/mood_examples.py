@@ -35,7 +35,7 @@ def learnt_ends(clips: Sequence[StepClip]) -> MoodEnds:
         return PARAMETRIC
     plain: dict[str, list[tuple[str, Float64]]] = {}
     for clip in clips:
-        if clip.step in wanted and not clip.mood and not clip.mirrored:
+        if clip.step in wanted and not clip.unjoined and not clip.mirrored:
             plain.setdefault(clip.step, []).append((clip.direction, _features(clip)))
     rows, changes = [], []
     for clip in clips:

@@ -85,8 +85,8 @@ def _steps(section: PartnerSection, library: StepLibrary) -> list[StepClip]:
     for name in section.steps:
         if name.casefold() not in known:
             raise PersonError(f"steps: no step is called {name!r}", f"there are: {', '.join(sorted(known))}")
-    clips = [clip for clip in library.clips if clip.step.casefold() in names & known] if names & known else []
-    return clips or list(library.clips)
+    clips = [clip for clip in library.joined_clips if clip.step.casefold() in names & known]
+    return clips or list(library.joined_clips)
 
 
 def _units(section: PartnerSection, path: Path, library: StepLibrary) -> tuple[Units, int]:

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final
 
 from live.base.errors import PersonError
-from live.library.step_folder import load_folder, with_path_variants
+from live.library.step_folder import load_folder, varied_steps, with_path_variants
 from live.motion.editing.tempo_forms import recorded_name
 from live.motion.mirror import unmirrored_name
 from live.motion.step_clip import StepClip
@@ -45,9 +45,11 @@ NO_TEMPO: Final = ShowTempo()
 
 
 def read_clips(patch: Patch, path: Path, recordings: Path | None) -> list[StepClip]:
-    """Return the clips of a patch as recorded or sketched, in order, recorded ones with their path variants."""
+    """Return the clips of a patch as recorded or sketched, in order, recorded ones with their path variants; then the
+    variations that the patch asks for."""
     clips = _read_own_steps(patch, path) if recordings is None else load_folder(recordings)
-    return with_path_variants(_chosen_takes(patch, clips))
+    chosen = _chosen_takes(patch, clips)
+    return with_path_variants(chosen) + varied_steps(chosen, patch.variations, patch.seed)
 
 
 def _chosen_takes(patch: Patch, clips: list[StepClip]) -> list[StepClip]:

@@ -208,6 +208,14 @@ def test_chosen_takes_act_at_the_next_start_and_unknown_ones_are_refused(patch):
     assert "line 4: takes.side step: the step 'side step' has no take" in night.watch.problem
 
 
+def test_variations_are_made_at_the_next_start(patch):
+    night = WatchedShow(patch)
+    assert not night.edit("reserve = 0", "reserve = 0\nvariations = 2")
+    assert night.watch.deferred_keys == ("variations",)
+    assert not night.edit("variations = 2", "variations = 20")
+    assert "line 4: variations" in night.watch.problem
+
+
 def test_live_values_stay_unless_the_edit_changes_them(patch):
     night = WatchedShow(patch)
     for parameter, value in (("head", 0.3), ("larger", 0.2)):
