@@ -81,7 +81,7 @@ def test_steps_are_found_named_added_and_danced(tmp_path: Path, take: Path) -> N
     library = tmp_path / "library"
     found = find_vocabulary([take], {}, on_the_beat, library=library)
     assert [(step.name, step.found.measures, len(step.found.starts)) for step in found.steps][1:] == [
-        ("step in place", 1, 3), ("travel right", 1, 1),
+        ("step in place, arms wide", 1, 3), ("travel right", 1, 1),
     ]  # fmt: skip
     phrase = found.steps[0]
     assert (phrase.found.measures, sorted(phrase.found.starts)) == (2, [0, 4, 8])
@@ -120,7 +120,7 @@ def test_names_of_the_library_are_not_used_again(tmp_path: Path, sketches, take:
     found = find_vocabulary([take], {}, on_the_beat, library=library)
     names = {plain_name(step.name) for step in found.steps}
     assert not names & {plain_name(name) for name in names_in(library)}
-    assert "step in place 2" in names
+    assert "step in place, arms wide 2" in names
     with pytest.raises(PersonError, match="the library has a step called so"):
         renamed(found, {1: "Step-in_place"}, library)
     with pytest.raises(PersonError, match="step 2 is called so"):
@@ -153,7 +153,7 @@ def test_takes_are_limited_to_the_most_typical(tmp_path: Path, sketches) -> None
 def test_two_recordings_share_their_steps(tmp_path: Path, sketches, take: Path) -> None:
     other = recording(tmp_path / "second.bvh", sketches, ["samba", "right", "right"])
     found = find_vocabulary([take, other], {}, on_the_beat)
-    samba = next(step for step in found.steps if step.name.startswith("step in place"))
+    samba = next(step for step in found.steps if step.name.startswith("step in place, arms wide"))
     assert sorted((t.name, n) for t, n in map(found.place, samba.found.starts)) == [
         ("rehearsal.bvh", 3), ("rehearsal.bvh", 4), ("rehearsal.bvh", 8), ("second.bvh", 1),
     ]  # fmt: skip
