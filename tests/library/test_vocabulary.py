@@ -122,7 +122,7 @@ def test_names_of_the_library_are_not_used_again(tmp_path: Path, sketches, take:
     assert not names & {plain_name(name) for name in names_in(library)}
     assert "step in place, arms wide 2" in names
     with pytest.raises(PersonError, match="the library has a step called so"):
-        renamed(found, {1: "Step-in_place"}, library)
+        renamed(found, {1: "Step-in_place, arms wide"}, library)
     with pytest.raises(PersonError, match="step 2 is called so"):
         renamed(found, {1: found.steps[1].name}, library)
     assert renamed(found, {2: "samba roll"}, library).steps[1].name == "samba roll"
