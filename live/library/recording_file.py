@@ -169,9 +169,6 @@ def problem_text(problem: Any) -> str:
             "a text that is not blank, without line breaks and other control characters, expected, "
             f"found {value_text(read)}"
         )
-    if field == "mood":
-        names = ", ".join(MOOD_NAMES)
-        return f"moods expected, {names}, each from -1 to 1, as in {{ energy = -1.0 }}; found {value_text(read)}"
     return f"{expected_text(field, inside=len(problem['loc']) > 1)} expected, found {value_text(read)}"
 
 
@@ -188,6 +185,8 @@ def value_text(value: object) -> str:
 
 def expected_text(field: str, *, inside: bool = False) -> str:
     """Return a description of the values allowed for a field; `inside`: for one element of its list."""
+    if field == "mood":
+        return f"moods as in {{ energy = -1.0 }}, {', '.join(MOOD_NAMES)}, each from -1 to 1"
     return _type_text(_TYPE_HINTS.get(field), inside)
 
 

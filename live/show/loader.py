@@ -14,6 +14,7 @@ from live.base.errors import PersonError, error_context
 from live.base.stage_snapshot import Scene
 from live.graph.build.metric import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
+from live.graph.search.sequence import parse_sequence
 from live.graph.step_library import StepLibrary, build_library
 from live.library.capture_material import NO_BEAT_TAG, read_material
 from live.motion.editing.tempo_forms import TempoForms, all_forms, tempo_forms
@@ -30,7 +31,7 @@ from live.show.patch.patch_search_path import PATCHES, find_resource
 from live.show.patch.section_motion import parse_entry
 from live.show.patch.toml_model import BridgeTables, TomlSources, key_text
 from live.show.patch_checks.score_conflicts import check_step_call, step_calls
-from live.show.score.step_names import UnknownStep
+from live.show.score.step_names import UnknownStep, check_connected
 from live.show.selection.graph_update import clip_key, clips_by_key, library_hash
 from live.show.selection.show_clips import NO_TEMPO, ShowTempo, read_clips, replace_clips
 from live.show.show import Show
@@ -55,7 +56,7 @@ def adapt_to_recordings(patch: Patch, clips: list[StepClip]) -> Patch:
 def with_connected_steps(patch: Patch, graph: MotionGraph) -> Patch:
     """Return the patch with every group choosing at random from all connected steps (`--steps`); echoes stay echoes.
 
-    Reactions and MIDI mappings that call a missing step are removed.
+    So do phrases (`[[sequence]]`) with a missing step. Reactions and MIDI mappings that call one are removed.
     """
     library = graph.library
     names = tuple(f"{name} x1" for step, name in enumerate(library.steps) if len(graph.entries(step)))
@@ -66,7 +67,20 @@ def with_connected_steps(patch: Patch, graph: MotionGraph) -> Patch:
     react, keys = _unknown_calls(patch, graph)
     kept = tuple(reaction for index, reaction in enumerate(patch.react) if index not in react)
     midi = patch.midi.model_copy(update={"map": tuple(k for i, k in enumerate(patch.midi.map) if i not in keys)})
-    return patch.model_copy(update={"group": groups, "react": kept, "midi": midi})
+    phrases = tuple(
+        phrase if _is_danced(phrase.steps, graph) else phrase.model_copy(update={"steps": names, "choose": "random"})
+        for phrase in patch.sequence
+    )
+    return patch.model_copy(update={"group": groups, "sequence": phrases, "react": kept, "midi": midi})
+
+
+def _is_danced(steps: Sequence[str], graph: MotionGraph) -> bool:
+    """Whether all steps of a phrase are in the library and connected."""
+    try:
+        check_connected(graph, parse_sequence(", ".join(steps), graph.library))
+    except (PersonError, ValueError):
+        return False
+    return True
 
 
 def _unknown_calls(patch: Patch, graph: MotionGraph) -> tuple[set[int], set[int]]:

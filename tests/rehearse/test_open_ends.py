@@ -180,7 +180,7 @@ def test_shipped_suggestions_lint_clean():
     path = PATCHES / "release" / "show.toml"
     loaded = load_show(path)
     hints = next_formation_hints(loaded.start(begin=False))
-    assert len(hints) == 2
+    assert hints
     former = [words for one in lint_show(loaded.start(begin=False)) for words in one.warnings]
     for block in (block for hint in hints for block in blocks(hint)):
         edited = parse_patch(path.read_text() + "\n" + block + "\n", str(path))

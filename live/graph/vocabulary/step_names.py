@@ -119,7 +119,7 @@ def describe_step(facts: StepFacts, heights: tuple[float, float]) -> str:
         words.append("low")
     lifted = facts.pose[:, _FEET, 1].max(axis=0) - ankle
     if lifted.max() > KICK_HEIGHT and height >= FLOOR_HIPS:
-        words.append(f"kick {_SIDES[int(np.argmax(lifted))]}")
+        words.append("kicks" if lifted.min() > KICK_HEIGHT else f"kick {_SIDES[int(np.argmax(lifted))]}")
     return ", ".join([*words, *_arm_words(facts.pose)])
 
 

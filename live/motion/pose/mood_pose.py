@@ -14,12 +14,11 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Float32, Float64
-from live.motion.pose.pose_pipeline import PoseSkeleton
 from live.motion.skeleton import SKELETON
 
 WEIGHT, TIME, SPACE, FLOW, CONFIDENCE, ENERGY = range(6)
 """Rows of a mood, shape (6, A)."""
-FIRST, LAST = (int(joint) for joint in PoseSkeleton.whole().body[:2])
+FIRST, LAST = SKELETON.index("spine"), SKELETON.index("leftUpperLeg")
 """Joints FIRST..LAST-1 are bent: the upper body."""
 UPPER: Final = LAST - FIRST
 

@@ -303,7 +303,7 @@ def test_what_was_danced_becomes_a_section_and_is_danced_again(night: EditedShow
     for address, values in (
         ("/dance/sequence", ["side step x2, groove", "ember"]),
         ("/dance/formation", ["star", 2, "tide", True]),
-        ("/dance/attract", [2.0, 1.0, 1.5, 2.0, "ember"]),
+        ("/dance/attract", [2.0, 1.0, 0.5, 2.0, "ember"]),
         ("/dance/motion/larger", [0.4, "tide"]),
     ):
         event = REGISTRY.call(address, values, night.clock.now(), "osc")
@@ -318,7 +318,7 @@ def test_what_was_danced_becomes_a_section_and_is_danced_again(night: EditedShow
     kinds = ("segment", "element", "at")
     own = {kind: [one for one in getattr(patch, kind) if one.section == "take"] for kind in kinds}
     (element,) = own["element"]
-    assert (element.kind, element.at, element.strength, element.group) == ("attract", (2.0, 1.0), 1.5, "ember")
+    assert (element.kind, element.at, element.strength, element.group) == ("attract", (2.0, 1.0), 0.5, "ember")
     assert [one.formation for one in own["segment"] if one.group == "tide"] == ["star"]
     assert [(one.call, one.values) for one in own["at"]] == [("/dance/motion/larger", (0.4, "tide"))]
     steps = {one.group: one.steps for one in patch.sequence if one.section == "take"}
@@ -326,7 +326,7 @@ def test_what_was_danced_becomes_a_section_and_is_danced_again(night: EditedShow
     night.inbox.put(REGISTRY.call("/dance/section", ["take"], night.clock.now(), "osc"))  # type: ignore[arg-type]
     again = night.run(14.0)
     rows = [danced[first + k] for k in range(4)]
-    assert len(set(map(frozenset, rows))) == 2
+    assert len(set(map(frozenset, rows))) > 1
     assert any([again.get(begin + k) for k in range(4)] == rows for begin in again)
     night.undo("ana")
     assert night.path.read_text() == PATCH

@@ -178,7 +178,9 @@ def test_bad_moods_of_recordings_are_refused(tmp_path):
     text = RECORDING.format(file="walk.bvh", bpm=100, first=0.2)
     for words in ("{ courage = 1.0 }", "{ energy = 2.0 }", '"tired"', '{ energy = "low" }'):
         (tmp_path / "walk.toml").write_text(f"{text}mood = {words}\n", encoding="utf-8")
-        with pytest.raises(RecordingError, match=r"walk\.toml, line 10: mood.*weight, time, space, flow"):
+        with pytest.raises(
+            RecordingError, match=r"walk\.toml, line 10: mood.*energy = -1.0.*weight, time, space, flow"
+        ):
             recorded_steps(read_step_files(tmp_path))
 
 
