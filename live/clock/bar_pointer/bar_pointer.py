@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from live.base.arrays import Float64
 from live.clock.bar_pointer.bar_pointer_kernels import (
     LEAST,
     advance,
@@ -17,7 +18,7 @@ from live.clock.bar_pointer.bar_pointer_kernels import (
 from live.clock.bar_pointer.beat_regression import BeatRegression, MeasurePosition
 from live.clock.bar_pointer.line_evidence import LineEvidence
 from live.clock.bar_pointer.observation_model import ActivationPhase, likelihoods
-from live.clock.bar_pointer.state_space import BarPointerModel, StateSpace
+from live.clock.bar_pointer.state_space import FIRST_SLOT, SLOTS, BarPointerModel, StateSpace
 from live.clock.bar_pointer.transition_model import ManualConstraints, tempo_to_interval
 
 _SIDE_BINS: Final = 2
@@ -198,6 +199,21 @@ class BarPointer:
         """Probability that the next beat is right, 0 to 1 (calibrated: of beats with confidence c about a share c are
         right)."""
         return self._activation_phase.confidence(self.share, self._manual.keeps_level)
+
+    def tempo_shares(self) -> tuple[Float64, Float64]:
+        """Return the tempi [bpm] and the share of the states at each, at the last search, both (K,)."""
+        share = self._states.histogram.sum(axis=1, dtype=np.float64)
+        return 60.0 * self.model.frame_rate / self._states.length, share / max(float(share.sum()), 1e-30)
+
+    def metre_shares(self) -> Float64:
+        """Return the share of each of METRES among the grid's states, (4,)."""
+        share = np.add.reduceat(self._position.shares[: SLOTS - 1], FIRST_SLOT)
+        return np.asarray(share / max(float(share.sum()), 1e-30))
+
+    @property
+    def phase_strength(self) -> tuple[float, ...]:
+        """How strongly the last beats sounded on the beat, a quarter after it, half and three quarters, 0 to 1."""
+        return tuple(self._activation_phase.strength)
 
     def set_metre(self, beats: int) -> None:
         """Set a measure of 2, 3, 4 or 6 beats; 0: as detected. ValueError for another number."""
