@@ -1,7 +1,7 @@
-"""A picture of what a beat tracker thought: tempo, half beat, measure line and metre over time (`live beats --explain`).
+"""A picture of what a beat tracker thought: tempo, half beat, measure line and metre over time (`--explain`).
 
-Brighter is more likely. The line in the tempo lane is the tempo that was taken; the rows of the measure lane say by how
-many beats later measures could begin, 0 being where the tracker has them; ticks below are its beats, long ones its ones.
+Brighter is more likely. The line in the tempo lane is the tempo that was taken. The rows of the measure lane say by how
+many beats later measures could begin than where the tracker has them. Ticks below are its beats, long ones its ones.
 """
 
 from collections.abc import Sequence
@@ -28,7 +28,13 @@ LINES: Final = 6
 MAX_WIDTH: Final = 2400
 PIXELS_PER_SECOND: Final = 24
 LEFT, GAP, TICKS = 110, 16, 26
-_LANES: Final = (("tempo", len(TEMPI), 2), ("beat", 4, 14), ("measure", LINES, 14), ("metre", len(METRES), 14), ("sure", 1, 40))
+_LANES: Final = (
+    ("tempo", len(TEMPI), 2),
+    ("beat", 4, 14),
+    ("measure", LINES, 14),
+    ("metre", len(METRES), 14),
+    ("sure", 1, 40),
+)
 """Name, rows, and pixels of a row of each lane."""
 _INK, _PAPER, _TAKEN = (225, 225, 225), (16, 18, 24), (255, 170, 60)
 
@@ -50,7 +56,7 @@ class HypothesesRecord:
         pointer = self._tracker.pointer
         bpm, share = pointer.tempo_shares()
         rows = np.argmin(np.abs(np.log(bpm)[:, None] - np.log(TEMPI)[None]), axis=1)
-        self._columns["tempo"].append(np.bincount(rows, weights=share, minlength=len(TEMPI)))
+        self._columns["tempo"].append(np.bincount(rows, weights=share, minlength=len(TEMPI)).astype(np.float64))
         self._columns["beat"].append(np.array(pointer.phase_strength))
         lines = np.zeros(LINES)
         found = pointer.line_evidence.shares()

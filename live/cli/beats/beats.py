@@ -32,7 +32,9 @@ def beats(
     explain: Annotated[
         Path | None,
         typer.Option(
-            help="Draw what the tracker thought: tempo, half beat, measure line, metre.", metavar="OUT.png", dir_okay=False
+            help="Draw what the tracker thought: tempo, half beat, measure line, metre.",
+            metavar="OUT.png",
+            dir_okay=False,
         ),
     ] = None,
     tracker: Annotated[

@@ -26,6 +26,8 @@ _SIDE_BINS: Final = 2
 SEARCH_INTERVAL: Final = 3
 """Number of frames between searches over all states; in between only states near the grid are evaluated."""
 
+SURE_BEATS: Final = 0.7
+"""Beats of this confidence are sure."""
 SURE_METRE: Final = 0.9
 """A metre with this share of the grid's states is sure."""
 
@@ -146,8 +148,11 @@ class BarPointer:
     def set_downbeat(self, age: float) -> None:
         """Start a measure `age` frames before the last frame (negative: in the future).
 
+        If the beats are sure, it is the beat nearest to that time: a hand is late more often than the beats are wrong.
         The present metre is kept, too, if it is sure.
         """
+        if self.interval > 0.0 and self.confidence > SURE_BEATS:
+            age = self.since_beat + round((age - self.since_beat) / self.interval) * self.interval
         if self.interval > 0.0 and self._position.metre_share > SURE_METRE and not self._manual.held_metre:
             self._manual.set_metre(self._position.metre)
         self._manual.set_downbeat(age)
