@@ -15,6 +15,7 @@ from typing import Final, TextIO
 
 import numpy as np
 
+from live.app.pictures.beats_picture import HypothesesRecord
 from live.base.errors import PersonError
 from live.clock.beat_estimate import BeatEstimate, Samples
 from live.clock.follower.timeline_follower import TimelineFollower
@@ -45,6 +46,8 @@ class BeatListener:
         self._tap_at, self._one_at = seeds.tap_at, seeds.one_at
         self._tap_bpm = seeds.tap_bpm or 0.0
         self._timeline = timeline
+        self.record: HypothesesRecord | None = None
+        """What the tracker thinks is recorded here, if there is one."""
 
     def feed(self, samples: Samples) -> list[BeatEstimate]:
         """Return the beats announced during these samples, shape (n,)."""
@@ -60,6 +63,8 @@ class BeatListener:
             if self._timeline is not None:
                 self._timeline.one(self._one_at)
             self._one_at = None
+        if self.record is not None:
+            self.record.update()
         if self._timeline is not None:
             self._timeline.add_beats(beats, self.tracker.level, heard)
         return beats
@@ -139,6 +144,8 @@ class TimelineFile:
                 beat.fed,
                 beat=beat.beat,
                 beats_per_measure=beat.beats_per_measure,
+                runner_up=beat.runner_up,
+                runner_up_share=beat.runner_up_share,
             )
 
     def _run(self, until: float) -> None:

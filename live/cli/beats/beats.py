@@ -29,6 +29,14 @@ def beats(
         Path | None,
         typer.Option(help="Write the dancers' timeline, 64 lines per second.", metavar="OUT.csv", dir_okay=False),
     ] = None,
+    explain: Annotated[
+        Path | None,
+        typer.Option(
+            help="Draw what the tracker thought: tempo, half beat, measure line, metre.",
+            metavar="OUT.png",
+            dir_okay=False,
+        ),
+    ] = None,
     tracker: Annotated[
         Literal["network", "aubio"], typer.Option(help="Beat tracker: the built-in network, or aubio's tempo.")
     ] = "network",
@@ -52,8 +60,10 @@ def beats(
     check_range(one_at, "--one-at", 0, 36_000)
     if stdin == (file is not None):
         raise PersonError("live beats needs either a FILE or --stdin", "live beats music.ogg")
-    if stdin and (as_json or as_csv or click is not None):
-        raise PersonError("--json, --csv and --click are for files", "give a FILE instead of --stdin")
+    if stdin and (as_json or as_csv or click is not None or explain is not None):
+        raise PersonError("--json, --csv, --click and --explain are for files", "give a FILE instead of --stdin")
+    if explain is not None and tracker != "network":
+        raise PersonError("--explain draws the network's tracker", "leave out --tracker aubio")
     if (tap_bpm is None) != (at is None):
         raise PersonError("--tap-bpm and --at belong together", "--tap-bpm 96 --at 5")
     seeds = ManualInputs(tap_bpm=tap_bpm, tap_at=at, one_at=one_at)
@@ -64,7 +74,7 @@ def beats(
             return
         assert file is not None
         form: Form = "json" if as_json else "csv" if as_csv else "table"
-        _track_file(file, tracker, seeds, form=form, click=click, timeline=lines)
+        _track_file(file, tracker, seeds, form=form, click=click, timeline=lines, explain=explain)
 
 
 def _timeline_file(path: Path) -> "TimelineFile":
@@ -102,9 +112,12 @@ def _track_file(
     form: Form,
     click: Path | None,
     timeline: "TimelineFile | None",
+    explain: Path | None,
 ) -> None:
     from live.app.offline.beats_report import BeatListener, as_csv, as_json, print_table, track_file, write_click
+    from live.app.pictures.beats_picture import HypothesesRecord, write_picture
     from live.base.errors import PersonError
+    from live.clock.tracking.beat_tracker import BeatTracker
     from live.control.audio.music_file import MusicFileError, read_music
 
     try:
@@ -112,6 +125,8 @@ def _track_file(
     except MusicFileError as error:
         raise PersonError(str(error)) from None
     ear = BeatListener(music.sample_rate, tracker, seeds, timeline)
+    if explain is not None and isinstance(ear.tracker, BeatTracker):
+        ear.record = HypothesesRecord(ear.tracker)
     beats = track_file(ear, music)
     if form == "json":
         print(as_json(file, tracker, music, beats))
@@ -119,5 +134,7 @@ def _track_file(
         print(as_csv(beats))
     else:
         print_table(file, music, beats, ear.note)
+    if ear.record is not None and explain is not None:
+        write_picture(explain, ear.record, beats)
     if click is not None:
         write_click(click, music, beats)

@@ -4,6 +4,7 @@ from typing import Final
 
 import numpy as np
 
+from live.base.arrays import Float64
 from live.clock.bar_pointer.bar_pointer_kernels import (
     LEAST,
     advance,
@@ -17,7 +18,7 @@ from live.clock.bar_pointer.bar_pointer_kernels import (
 from live.clock.bar_pointer.beat_regression import BeatRegression, MeasurePosition
 from live.clock.bar_pointer.line_evidence import LineEvidence
 from live.clock.bar_pointer.observation_model import ActivationPhase, likelihoods
-from live.clock.bar_pointer.state_space import BarPointerModel, StateSpace
+from live.clock.bar_pointer.state_space import FIRST_SLOT, SLOTS, BarPointerModel, StateSpace
 from live.clock.bar_pointer.transition_model import ManualConstraints, tempo_to_interval
 
 _SIDE_BINS: Final = 2
@@ -25,6 +26,8 @@ _SIDE_BINS: Final = 2
 SEARCH_INTERVAL: Final = 3
 """Number of frames between searches over all states; in between only states near the grid are evaluated."""
 
+SURE_BEATS: Final = 0.7
+"""Beats of this confidence are sure."""
 SURE_METRE: Final = 0.9
 """A metre with this share of the grid's states is sure."""
 
@@ -145,8 +148,11 @@ class BarPointer:
     def set_downbeat(self, age: float) -> None:
         """Start a measure `age` frames before the last frame (negative: in the future).
 
+        If the beats are sure, it is the beat nearest to that time: a hand is late more often than the beats are wrong.
         The present metre is kept, too, if it is sure.
         """
+        if self.interval > 0.0 and self.confidence > SURE_BEATS:
+            age = self.since_beat + round((age - self.since_beat) / self.interval) * self.interval
         if self.interval > 0.0 and self._position.metre_share > SURE_METRE and not self._manual.held_metre:
             self._manual.set_metre(self._position.metre)
         self._manual.set_downbeat(age)
@@ -198,6 +204,21 @@ class BarPointer:
         """Probability that the next beat is right, 0 to 1 (calibrated: of beats with confidence c about a share c are
         right)."""
         return self._activation_phase.confidence(self.share, self._manual.keeps_level)
+
+    def tempo_shares(self) -> tuple[Float64, Float64]:
+        """Return the tempi [bpm] and the share of the states at each, at the last search, both (K,)."""
+        share = self._states.histogram.sum(axis=1, dtype=np.float64)
+        return 60.0 * self.model.frame_rate / self._states.length, share / max(float(share.sum()), 1e-30)
+
+    def metre_shares(self) -> Float64:
+        """Return the share of each of METRES among the grid's states, (4,)."""
+        share = np.add.reduceat(self._position.shares[: SLOTS - 1], FIRST_SLOT)
+        return np.asarray(share / max(float(share.sum()), 1e-30))
+
+    @property
+    def phase_strength(self) -> tuple[float, ...]:
+        """How strongly the last beats sounded on the beat, a quarter after it, half and three quarters, 0 to 1."""
+        return tuple(self._activation_phase.strength)
 
     def set_metre(self, beats: int) -> None:
         """Set a measure of 2, 3, 4 or 6 beats; 0: as detected. ValueError for another number."""

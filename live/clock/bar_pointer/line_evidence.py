@@ -67,13 +67,19 @@ class LineEvidence:
         first = min(max(self._first / self._loudest, LEAST_SAID), MOST_SAID)
         self._score[beat] += math.log(first / (1.0 - first)) - math.log(USUAL / (1.0 - USUAL))
 
+    def shares(self) -> Float64:
+        """Return the probability of each line: measures begin where they do, or so many beats later, (metre,)."""
+        if self._metre < 2:
+            return np.zeros(0)
+        score = INDEPENDENCE * self._score[: self._metre]
+        share = np.exp(score - score.max())
+        return np.asarray(share / share.sum())
+
     @property
     def runner_up(self) -> tuple[int, float]:
         """The most likely other line: by how many beats later measures would begin, and its probability, 0 to 1."""
-        if self._metre < 2:
+        share = self.shares()
+        if share.size == 0:
             return 0, 0.0
-        score = INDEPENDENCE * self._score[: self._metre]
-        share = np.exp(score - score.max())
-        share /= share.sum()
         other = 1 + int(np.argmax(share[1:]))
         return other, float(share[other])

@@ -105,3 +105,36 @@ def test_full_disk_is_reported_in_one_line(music: Path) -> None:
         )  # fmt: skip
     assert b"the beats cannot be written (No space left on device)" in beats.stderr
     assert b"Traceback" not in beats.stderr
+
+
+def test_explain_draws_tempo_half_beat_line_metre_and_confidence(music: Path, tmp_path: Path) -> None:
+    """The tempo lane is brightest at 120 bpm, the beat lane on the beat, in each column once the tempo is found."""
+    from PIL import Image
+
+    from live.app.pictures.beats_picture import GAP, LEFT, TEMPI
+
+    path = tmp_path / "why.png"
+    result = run_live("beats", str(music), "--explain", str(path))
+    assert result.returncode == 0, result.stderr
+    with Image.open(path) as image:
+        pixels = np.asarray(image.convert("RGB"), np.float64)
+    right = pixels[:, LEFT + (pixels.shape[1] - LEFT) // 2 :]
+    lane = right[GAP : GAP + 2 * len(TEMPI) : 2]
+    tempo = TEMPI[np.argmax(lane.sum(axis=2).mean(axis=1))]
+    assert tempo == pytest.approx(120.0, rel=0.04)
+    beat = right[2 * GAP + 2 * len(TEMPI) :][[7, 21, 35, 49]].sum(axis=2).mean(axis=1)
+    assert np.argmax(beat) == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "says"),
+    [
+        (["--stdin", "--explain", "why.png"], "--explain are for files"),
+        (["FILE", "--tracker", "aubio", "--explain", "why.png"], "--explain draws the network's tracker"),
+        (["FILE", "--explain", "no/such/folder/why.png"], "--explain no/such/folder/why.png cannot be written"),
+    ],
+)
+def test_explain_says_what_it_cannot_do(music: Path, words: list[str], says: str) -> None:
+    result = run_live("beats", *(str(music) if word == "FILE" else word for word in words))
+    assert result.returncode == 2
+    assert says in " ".join(result.stderr.split())

@@ -95,6 +95,21 @@ def test_marked_downbeat_stays_against_all_evidence_and_the_music_is_the_runner_
     assert share > 0.95
 
 
+@pytest.mark.parametrize("late", [-0.4, -0.3, 0.3, 0.4])
+def test_a_press_beside_the_beat_takes_the_nearest_beat_and_not_the_off_beat(late: float) -> None:
+    activations = groove(116.0, 4, 60.0)
+    pointer = BarPointer()
+    begin = int(10.0 * RATE)
+    follow(pointer, activations, 0, begin)
+    period = 60.0 * RATE / 116.0
+    pointer.set_downbeat(begin - 1 - (activations.truth[14] + late * period))
+    followed = follow(pointer, activations, begin)
+    off = np.abs(followed.time[:, None] - activations.truth[None]).min(axis=1)
+    assert off.max() < 3.0  # frames
+    number = np.argmin(np.abs(followed.time[:, None] - activations.truth[None]), axis=1)
+    assert np.all(followed.beat == (number - 14) % 4)
+
+
 def test_music_that_agrees_with_the_marked_downbeat_has_no_strong_runner_up() -> None:
     activations = groove(116.0, 4, 60.0)
     pointer = BarPointer()
