@@ -26,6 +26,10 @@ _SIDE_BINS: Final = 2
 SEARCH_INTERVAL: Final = 3
 """Number of frames between searches over all states; in between only states near the grid are evaluated."""
 
+SETTLING_S: Final = 12.0
+SETTLING_SHARPNESS: Final = 0.1
+"""After a silence the exponent of downbeat likelihoods grows from this share to the whole in so long [s], unless another
+grid is found: whatever comes first sounds like a downbeat, and the network counts on from it."""
 SURE_BEATS: Final = 0.7
 """Beats of this confidence are sure."""
 SURE_METRE: Final = 0.9
@@ -54,6 +58,7 @@ class BarPointer:
         self._states.reset()
         self._until_survey = 0
         self._challenged = 0
+        self._settling = 0.0  # how much of the time after a silence is left, 1 to 0
         self._restarted = True
         self._total = 1.0  # the sum of all states
         self._regression = BeatRegression()
@@ -117,7 +122,9 @@ class BarPointer:
                 np.float32(hand.line_change), self._total,
             )  # fmt: skip
             self._total += change_octave(*ring, states.partner, states.slot_share, hand.octave_change_odds)
-            said = likelihoods(self.model, beat, downbeat, hand.downbeat_range, hand.downbeat_sharpness)
+            self._settling = max(self._settling - 1.0 / (SETTLING_S * self.model.frame_rate), 0.0)
+            sharpness = hand.downbeat_sharpness * (1.0 - (1.0 - SETTLING_SHARPNESS) * self._settling)
+            said = likelihoods(self.model, beat, downbeat, hand.downbeat_range, sharpness)
             self._total += observe(*ring, self._window, *said)
         else:
             self._total = advance(
@@ -136,6 +143,7 @@ class BarPointer:
         self._follow(switch)
         if switch:
             self.line_evidence.clear()
+            self._settling = 0.0
         place = self._position
         in_window = 0.0 <= place.phase * self.interval < len(self._window)
         self.line_evidence.step(in_window, place.metre, place.window_beat, beat, downbeat)
@@ -194,6 +202,7 @@ class BarPointer:
         """
         if self.interval > 0.0:
             self._states.set_grid(self.interval, self._position.phase, self._position.slot_distribution(), doubt)
+            self._settling = 1.0
         else:
             self._states.reset()
         self._total = 1.0

@@ -95,6 +95,27 @@ def test_grid_before_missing_beats_is_restored_after_music_ends(bpm: float) -> N
     assert np.all(followed.beat[1:4] == (coming + number[1:]) % 4)
 
 
+@pytest.mark.parametrize("wrong", [1, 2, 3])
+def test_after_a_stop_the_old_line_stays_although_the_music_seems_to_begin_anew(wrong: int) -> None:
+    """The music returns on the grid, in the middle of a measure, and for two measures its first beat is heard as a one."""
+    activations = groove(112.0, 4, 20.0)
+    pointer = BarPointer()
+    follow(pointer, activations)
+    for _ in range(round(4.0 * RATE)):
+        pointer.step(0.005, 0.002, listening=False)
+    pointer.resume(0.3)
+    coming = (pointer.beat + 1) % 4
+    again = groove(112.0, 4, 20.0, first=pointer.to_next)
+    period = 60.0 * RATE / 112.0
+    for number, place in enumerate(again.truth):
+        one = (number + wrong) % 4 == 0 if number < 8 else (number + coming) % 4 == 0
+        at = slice(max(int(place) - 2, 0), int(place) + 4)
+        again.downbeat[at] = again.beat[at] * (0.8 if one else 0.1)
+    followed = follow(pointer, again)
+    number = np.round((followed.time - again.truth[0]) / period).astype(int)
+    assert np.all(followed.beat[1:] == (coming + number[1:]) % 4)
+
+
 def test_offbeat_accent_does_not_shift_confident_grid() -> None:
     activations = groove(100.0, 4, 16.0)
     half = 0.5 * 60.0 * RATE / 100.0
