@@ -28,8 +28,8 @@ SEARCH_INTERVAL: Final = 3
 
 SETTLING_S: Final = 12.0
 SETTLING_SHARPNESS: Final = 0.1
-"""After a silence the exponent of downbeat likelihoods grows from this share to the whole in so long [s], unless another
-grid is found: whatever comes first sounds like a downbeat, and the network counts on from it."""
+"""After a silence the exponent of downbeat likelihoods grows from this share to the whole in so long [s], unless
+another grid is found: whatever comes first sounds like a downbeat, and the network counts on from it."""
 SURE_BEATS: Final = 0.7
 """Beats of this confidence are sure."""
 SURE_METRE: Final = 0.9

@@ -97,7 +97,7 @@ def test_grid_before_missing_beats_is_restored_after_music_ends(bpm: float) -> N
 
 @pytest.mark.parametrize("wrong", [1, 2, 3])
 def test_after_a_stop_the_old_line_stays_although_the_music_seems_to_begin_anew(wrong: int) -> None:
-    """The music returns on the grid, in the middle of a measure, and for two measures its first beat is heard as a one."""
+    """The music returns on the grid, in the middle of a measure; for two measures its first beat is heard as a one."""
     activations = groove(112.0, 4, 20.0)
     pointer = BarPointer()
     follow(pointer, activations)
