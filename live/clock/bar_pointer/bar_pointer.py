@@ -30,6 +30,8 @@ SETTLING_S: Final = 12.0
 SETTLING_SHARPNESS: Final = 0.1
 """After a silence the exponent of downbeat likelihoods grows from this share to the whole in so long [s], unless
 another grid is found: whatever comes first sounds like a downbeat, and the network counts on from it."""
+SETTLING_RATIO: Final = 20.0
+"""... and another line must be so much more likely than usual, at first."""
 SURE_BEATS: Final = 0.7
 """Beats of this confidence are sure."""
 SURE_METRE: Final = 0.9
@@ -293,7 +295,8 @@ class BarPointer:
         if found[2] <= 0.0:
             return
         best = int(np.argmax(place.shares))
-        if switched or place.shares[best] > model.line_ratio * place.shares[place.slot]:
+        ratio = model.line_ratio * (1.0 + SETTLING_RATIO * self._settling)
+        if switched or place.shares[best] > ratio * place.shares[place.slot]:
             place.slot = best
         self.slot_share = float(place.shares[place.slot])
         self.interval = float(found[0])
