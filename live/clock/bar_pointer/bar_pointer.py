@@ -34,6 +34,8 @@ SETTLING_RATIO: Final = 20.0
 """... and another line must be so much more likely than usual, at first."""
 SURE_BEATS: Final = 0.7
 """Beats of this confidence are sure."""
+HAND_ERROR: Final = 0.25
+"""A press this near to a beat means that beat [beats]."""
 SURE_METRE: Final = 0.9
 """A metre with this share of the grid's states is sure."""
 
@@ -158,11 +160,13 @@ class BarPointer:
     def set_downbeat(self, age: float) -> None:
         """Start a measure `age` frames before the last frame (negative: in the future).
 
-        If the beats are sure, it is the beat nearest to that time: a hand is late more often than the beats are wrong.
-        The present metre is kept, too, if it is sure.
+        Near a sure beat it is that beat: hands are late by as much. Farther from it the hand is right and the beats are
+        wrong, for example on the off-beat. The present metre is kept, too, if it is sure.
         """
         if self.interval > 0.0 and self.confidence > SURE_BEATS:
-            age = self.since_beat + round((age - self.since_beat) / self.interval) * self.interval
+            beats = (age - self.since_beat) / self.interval
+            if abs(beats - round(beats)) < HAND_ERROR:
+                age = self.since_beat + round(beats) * self.interval
         if self.interval > 0.0 and self._position.metre_share > SURE_METRE and not self._manual.held_metre:
             self._manual.set_metre(self._position.metre)
         self._manual.set_downbeat(age)
