@@ -27,9 +27,11 @@ SEARCH_INTERVAL: Final = 3
 """Number of frames between searches over all states; in between only states near the grid are evaluated."""
 
 SETTLING_S: Final = 12.0
+SETTLING_DOUBT: Final = 0.04
 SETTLING_SHARPNESS: Final = 0.1
-"""After a silence the exponent of downbeat likelihoods grows from this share to the whole in so long [s], unless
-another grid is found: whatever comes first sounds like a downbeat, and the network counts on from it."""
+"""After a silence with at least this doubt (of 2 s: slow clicks have shorter rests) the exponent of downbeat
+likelihoods grows from this share to the whole in so long [s], unless another grid is found: whatever comes first sounds
+like a downbeat, and the network counts on from it."""
 SETTLING_RATIO: Final = 20.0
 """... and another line must be so much more likely than usual, at first."""
 SURE_BEATS: Final = 0.7
@@ -208,7 +210,7 @@ class BarPointer:
         """
         if self.interval > 0.0:
             self._states.set_grid(self.interval, self._position.phase, self._position.slot_distribution(), doubt)
-            self._settling = 1.0
+            self._settling = float(doubt >= SETTLING_DOUBT)
         else:
             self._states.reset()
         self._total = 1.0
