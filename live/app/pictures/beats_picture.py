@@ -18,7 +18,7 @@ from live.clock.beat_estimate import BeatEstimate
 from live.clock.tracking.beat_tracker import BeatTracker
 
 if TYPE_CHECKING:
-    from PIL import Image
+    from PIL import Image, ImageDraw
 
 COLUMN_S: Final = 0.1
 """Seconds between two columns of the record."""
@@ -132,10 +132,10 @@ def _heat(values: Float64, width: int, height: int) -> "Image.Image":
     return Image.fromarray(colour).resize((width, height), Image.Resampling.NEAREST)
 
 
-def _draw_tempo(draw: object, tempo: Float64, width: int, top: int, size: int) -> None:
+def _draw_tempo(draw: "ImageDraw.ImageDraw", tempo: Float64, width: int, top: int, size: int) -> None:
     """Draw the tempo that was taken; it breaks where it jumps."""
     row = np.interp(np.log(np.maximum(tempo, 1.0)), np.log(TEMPI[::-1]), np.arange(len(TEMPI))[::-1])
     x = LEFT + (np.arange(tempo.size) + 0.5) / max(tempo.size, 1) * width
     for k in range(1, tempo.size):
         if tempo[k] > 0.0 and abs(row[k] - row[k - 1]) < 8:
-            draw.line((x[k - 1], top + row[k - 1] * size, x[k], top + row[k] * size), fill=_TAKEN, width=2)  # type: ignore[attr-defined]
+            draw.line((x[k - 1], top + row[k - 1] * size, x[k], top + row[k] * size), fill=_TAKEN, width=2)

@@ -145,11 +145,14 @@ class BarPointer:
             return
         self._activation_phase.step(self.since_beat / self.interval if self.interval > 0.0 else 0.0, beat)
         self._until_survey -= 1
+        by_hand = self._restarted
         switch = self._until_survey < 0 and self._search_grid()
         self._follow(switch)
         if switch:
             self.line_evidence.clear()
             self._settling = 0.0
+            if not by_hand:  # other music
+                self._manual.release_line()
         place = self._position
         in_window = 0.0 <= place.phase * self.interval < len(self._window)
         self.line_evidence.step(in_window, place.metre, place.window_beat, beat, downbeat)
@@ -169,9 +172,8 @@ class BarPointer:
             beats = (age - self.since_beat) / self.interval
             if abs(beats - round(beats)) < HAND_ERROR:
                 age = self.since_beat + round(beats) * self.interval
-        if self.interval > 0.0 and self._position.metre_share > SURE_METRE and not self._manual.held_metre:
-            self._manual.set_metre(self._position.metre)
-        self._manual.set_downbeat(age)
+        sure = self.interval > 0.0 and self._position.metre_share > SURE_METRE
+        self._manual.set_downbeat(age, self._position.metre if sure else 0)
         self.line_evidence.clear()
         self._restart_search()
 

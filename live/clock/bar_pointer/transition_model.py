@@ -143,6 +143,7 @@ class ManualConstraints:
         """Remove all manual settings."""
         self._middle = 0.0  # interval about which the level is kept; 0: free
         self._metre = 0
+        self._line_metre = 0
         self._line_is_set = False
         self.keeps_phase = False
         """Whether a beat was tapped: another phase is accepted only if the music has left the present one."""
@@ -173,11 +174,24 @@ class ManualConstraints:
         constrain_beat(self._states, age)
         self.keeps_phase = True
 
-    def set_downbeat(self, age: float) -> None:
-        """Start a measure `age` frames before this one (negative: in the future), and keep this line from now on."""
+    def set_downbeat(self, age: float, metre: int = 0) -> None:
+        """Start a measure `age` frames before this one (negative: in the future), and keep this line from now on.
+
+        `metre`: the beats of its measures, kept as long as the line is; 0: as detected.
+        """
+        if metre and not self._metre:
+            constrain_metre(self._states, metre)
+            self._line_metre = metre
+            self._update_transitions()  # the downbeat is one of this metre's
         constrain_downbeat(self._states, age)
         self._line_is_set = self.keeps_phase = True
         self._update_transitions()
+
+    def release_line(self) -> None:
+        """Let the music find line and metre: the beats by which a manual line counts are gone."""
+        if self._line_is_set:
+            self._line_is_set, self._line_metre = False, 0
+            self._update_transitions()
 
     def scale(self, factor: float, interval: float, since: float, slot: int) -> bool:
         """Multiply the tempo of the grid by `factor`, see `change_level`; False if it is outside the model's range."""
@@ -190,7 +204,7 @@ class ManualConstraints:
         """Set the number of beats in a measure (0: as detected). Raises ValueError for an unsupported metre."""
         if beats not in (0, *METRES):
             raise ValueError(f"a measure of {beats} beats: one of {METRES} expected, or 0")
-        self._metre = beats
+        self._metre, self._line_metre = beats, 0
         if beats:
             constrain_metre(self._states, beats)
         self._update_transitions()
@@ -226,10 +240,11 @@ class ManualConstraints:
         self.octave_change_odds = (octave * np.where(partner >= 0, allowed[partner], 0.0)).astype(np.float32)
         self.line_change = model.line_change * calm
         self.downbeat_sharpness = model.downbeat_sharpness * (MANUAL_LINE_SHARPNESS if self._line_is_set else 1.0)
-        change = 0.0 if self._metre else calm
+        metre = self._metre or self._line_metre
+        change = 0.0 if metre else calm
         self.downbeat_range = MANUAL_LINE_RANGE if self._line_is_set else FREE_RANGE
         self.metre = (change * model.metre_transitions() + (1.0 - change) * states.same_metre).astype(np.float32)
-        states.slot_share = _slot_share(model, self._metre)
+        states.slot_share = _slot_share(model, metre)
 
     def _preference(self) -> tuple[Float32, Float32, Float32]:
         """Return per interval: factor of one more beat, probability for a new grid (sum 1), whether it is allowed."""

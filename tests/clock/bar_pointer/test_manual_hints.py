@@ -127,6 +127,24 @@ def test_a_press_on_the_off_beat_moves_a_tracker_that_is_off_the_beat() -> None:
     assert np.abs(last - activations.truth).min() < 4.0
 
 
+def test_other_music_after_a_pause_finds_its_own_line_and_metre() -> None:
+    """A one is pressed in four four; after ten seconds of silence comes a waltz in another tempo."""
+    pointer = BarPointer()
+    first = groove(116.0, 4, 30.0)
+    follow(pointer, first, 0, int(10.0 * RATE))
+    pointer.set_downbeat(int(10.0 * RATE) - 1 - first.truth[16])
+    follow(pointer, first, int(10.0 * RATE))
+    for _ in range(round(10.0 * RATE)):
+        pointer.step(0.005, 0.002, listening=False)
+    pointer.resume(0.35)
+    waltz = groove(158.0, 3, 40.0)
+    followed = follow(pointer, waltz)
+    late = followed.time > 25.0 * RATE
+    assert set(followed.metre[late]) == {3}
+    number = np.argmin(np.abs(followed.time[late][:, None] - waltz.truth[None]), axis=1)
+    assert np.all(followed.beat[late] == number % 3)
+
+
 def test_music_that_agrees_with_the_marked_downbeat_has_no_strong_runner_up() -> None:
     activations = groove(116.0, 4, 60.0)
     pointer = BarPointer()
