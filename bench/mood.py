@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from bench._locomotion_run import engine_of
-from live.base.motion_parameters import MOODS
+from live.base.motion_parameters import MOOD_NAMES
 from live.base.stage_snapshot import StageView
 from live.cli.bench import Row
 from live.library.step_folder import load_folder
@@ -67,13 +67,12 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     steps = [(folder, name, beats) for folder in (PATCHES / "steps", *folders) for name, beats in _steps(folder)]
     danced = [performances(folder, name, beats) for folder, name, beats in steps]
     seen = np.array([[features(one) for one in each] for each in danced])
-    names = [row.patch.partition(".")[2] for row in MOODS]
     rows = []
-    for number, mood in enumerate(names):
+    for number, mood in enumerate(MOOD_NAMES):
         found = told_apart(seen[:, 1 + 2 * number : 3 + 2 * number])
         rows.append(Row(f"{mood} told apart on unseen steps", found, "", BAR if mood in TOLD else None, "at least"))
     rows.append(Row("which of the twelve ends it is, on unseen steps", named(seen), "", BAR, "at least"))
-    slides = [np.concatenate([slide(each[k]) for each in danced]) for k in range(1 + 2 * len(names))]
+    slides = [np.concatenate([slide(each[k]) for each in danced]) for k in range(1 + 2 * len(MOOD_NAMES))]
     for name, bar, figure in (("mean", 0.03, np.mean), ("p99", 0.15, lambda values: np.percentile(values, 99))):
         usual, *moods = (float(figure(values)) for values in slides)
         peers = {"without a mood": usual}
@@ -85,7 +84,7 @@ def run(full: bool, shared: Path | None) -> list[Row]:
 def frame_cost() -> float:
     """Return how many times longer a frame of the first show's steps takes for 100 dancers in all moods at once."""
     head = _HEAD.format(bpm=BPM, beats=4, folder=PATCHES / "steps")
-    all_moods = ", ".join(f"{row.patch.partition('.')[2]} = 0.7" for row in MOODS)
+    all_moods = ", ".join(f"{name} = 0.7" for name in MOOD_NAMES)
     group = _GROUP.replace("dancers = 1", "dancers = 100").replace("[1.0, 1.0]", "[30.0, 5.0]")
     shows = []
     for mood in ("", all_moods):
@@ -117,7 +116,7 @@ def _steps(folder: Path) -> list[tuple[str, int]]:
 
 def performances(folder: Path, step: str, beats: int) -> Float64:
     """Return the joints [m] of a step danced without a mood, then at the lower and upper end of each, (13, T, J, 3)."""
-    moods = ["", *(f"{row.patch.partition('.')[2]} = {end}" for row in MOODS for end in (-1.0, 1.0))]
+    moods = ["", *(f"{name} = {end}" for name in MOOD_NAMES for end in (-1.0, 1.0))]
     text = _HEAD.format(bpm=BPM, beats=beats, folder=folder)
     for number, mood in enumerate(moods):
         text += _GROUP.format(number=number, step=step, x=2.5 * (number - 6), mood=mood)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Final, Literal
 
-from live.base.motion_parameters import MOODS, MOTION_PARAMETERS, MOTION_PREFIX
+from live.base.motion_parameters import MOOD_NAMES, MOTION_PARAMETERS, MOTION_PREFIX
 from live.base.parameter import Parameter
 from live.base.picture_parameters import GROUP_PARAMETERS, PARAMETERS
 from live.control.events.event import ControlEvent
@@ -53,7 +53,7 @@ MOOD_CONTROL: Final = Control(
     "/dance/mood", _make_mood,
     (
         replace(DANCERS, name="group"),
-        Argument("name", "name", f"the mood: {', '.join(row.patch.partition('.')[2] for row in MOODS)}"),
+        Argument("name", "name", f"the mood: {', '.join(MOOD_NAMES)}"),
         Argument("value", "float", "from one end to the other", "", -1, 1),
         _MEASURES,
     ),
