@@ -10,6 +10,7 @@ import os
 import re
 import sys
 from collections.abc import Callable, Mapping
+from functools import partial
 from types import ModuleType
 from typing import Any, Final
 
@@ -18,6 +19,8 @@ from live.control.worker_thread import WorkerThread
 
 CLIENT_NAME: Final = "ChoreoGraphics"
 """Name of our end of a connection in the system's patch bays."""
+JACK_POLL_INTERVAL: Final = 0.001
+"""Seconds between two looks at JACK's messages; a cycle of JACK takes 3 to 20 ms."""
 
 
 class MidiUnavailable(RuntimeError):
@@ -47,6 +50,7 @@ class OpenPort:
         self.direction = direction
         self._client = _client(direction, api)
         self._jack = api == rtmidi().API_UNIX_JACK
+        self._poll: WorkerThread | None = None
         try:
             names: list[str] = self._client.get_ports()
             self.name = match_port(wanted, names)
@@ -58,7 +62,20 @@ class OpenPort:
     def listen(self, receive: Callable[[list[int]], None]) -> None:
         """Pass every message, including clock, active sensing and system exclusive, to `receive` as it arrives."""
         self._client.ignore_types(sysex=False, timing=False, active_sense=False)
-        self._client.set_callback(lambda event, _data=None: receive(event[0]))
+        if self._jack:
+            self._poll = WorkerThread("midi in", partial(self._pass_on, receive), every=JACK_POLL_INTERVAL)
+            self._poll.start()
+        else:
+            self._client.set_callback(lambda event, _data=None: receive(event[0]))
+
+    def _pass_on(self, receive: Callable[[list[int]], None]) -> None:
+        """Take JACK's messages from rtmidi's own queue.
+
+        A callback would wait for the interpreter within JACK's cycle. If it waits too long, the next cycle empties the
+        buffer, and rtmidi passes on the last message again instead of each that follows.
+        """
+        while (event := self._client.get_message()) is not None:
+            receive(event[0])
 
     def send(self, message: bytes) -> None:
         """Send one message."""
@@ -85,6 +102,8 @@ class OpenPort:
 
     def close(self) -> None:
         """Close the port; errors of the system are ignored."""
+        if self._poll is not None:
+            self._poll.stop()
         client, self._client = self._client, _ClosedClient()
         if self._jack and not client.get_ports():
             leak_client(client)
@@ -116,6 +135,8 @@ class _ClosedClient:
         raise OSError("the MIDI port is closed")
 
     def cancel_callback(self) -> None: ...
+
+    def get_message(self) -> None: ...
 
     def close_port(self) -> None: ...
 

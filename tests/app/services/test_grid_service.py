@@ -207,18 +207,24 @@ def test_a_grid_is_found_by_its_name_among_real_ports(
     lights: dict[tuple[int, int], int] = {}
     with contextlib.ExitStack() as ends:
 
-        def plug(direction: Any, port: str) -> Any:
-            client = direction(module.API_UNIX_JACK, name="LPMiniMK3 MIDI")
-            client.open_virtual_port(port)
-            ends.callback(client.delete)
-            return client
+        def client(direction: Any) -> Any:
+            made = direction(module.API_UNIX_JACK, name="LPMiniMK3 MIDI")
+            ends.callback(made.delete)
+            return made
 
         night = GridNight(Device(), AUTO, opener=open_grid)
         night.service.start()
         ends.callback(night.service.stop)
-        keys, lamps = plug(module.MidiOut, "out"), plug(module.MidiIn, "in")
-        lamps.set_callback(lambda event, _data=None: lights.__setitem__((event[0][0], event[0][1]), event[0][2]))
-        night.until(lambda: len(lights) >= 80 and bool(night.service._input.connected))
+        keys, lamps = client(module.MidiOut), client(module.MidiIn)
+        lamps.open_virtual_port("in")
+        keys.open_virtual_port("out")
+
+        def all_lit() -> bool:
+            while (event := lamps.get_message()) is not None:
+                lights[event[0][0], event[0][1]] = event[0][2]
+            return len(lights) >= 80 and bool(night.service._input.connected)
+
+        night.until(all_lit)
         keys.send_message([0x90, 81, 127])
         night.until(lambda: not night.service._input._arrived.empty() or bool(night.inbox))
         night.run(3)

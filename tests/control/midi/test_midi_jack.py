@@ -1,5 +1,6 @@
 """Tests of MIDI over real ports: two programs on a private JACK server."""
 
+import threading
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from live.control.midi.midi_clock_output import MidiClockOutput
 from live.control.midi.midi_feedback import MidiOutput
 from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_mapping import MidiMap
-from live.control.midi.midi_ports import UnknownPort, find_port, leak_client, rtmidi
+from live.control.midi.midi_ports import OpenPort, UnknownPort, find_port, leak_client, rtmidi
 from tests.control.midi.jack import JackServer, jack_server  # noqa: F401 - a fixture
 from tests.control.waiting import wait_for
 
@@ -86,6 +87,31 @@ def test_replugged_controller_with_new_number_is_found(monkeypatch: pytest.Monke
     assert [type(event) for event in inbox.drain()] == [Tap]
 
 
+def test_burst_is_received_whole_while_python_is_busy() -> None:
+    box, received, done = sender("keyboard"), list[list[int]](), threading.Event()
+    sent = [[0x90, key, velocity] for velocity in range(1, 6) for key in range(100)]
+    system = rtmidi().API_UNIX_JACK
+
+    def busy() -> None:
+        while not done.is_set():
+            sum(range(10_000))
+
+    busy_threads = [threading.Thread(target=busy) for _ in range(3)]
+    port = OpenPort("input", system, "keyboard")
+    try:
+        port.listen(received.append)
+        for thread in busy_threads:
+            thread.start()
+        for message in sent:
+            box.send_message(message)
+        assert wait_for(lambda: len(received) >= len(sent), 20.0)
+        assert received == sent
+    finally:
+        done.set()
+        port.close()
+        box.delete()
+
+
 def test_pad_feedback_is_received_at_port(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.2)
     module = rtmidi()
@@ -93,8 +119,8 @@ def test_pad_feedback_is_received_at_port(monkeypatch: pytest.MonkeyPatch) -> No
 
     def plugged_in() -> Any:
         pads = module.MidiIn(module.API_UNIX_JACK, name="pads")
-        pads.open_virtual_port("in")
         pads.set_callback(lambda event, _data=None: found.append(event[0]))
+        pads.open_virtual_port("in")
         return pads
 
     pads = plugged_in()
