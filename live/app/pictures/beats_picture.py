@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from live.base.arrays import Float64
 from live.base.errors import PersonError
-from live.clock.bar_pointer.state_space import METRES
+from live.clock.bar_pointer.metre import MAX_METRE, METRES
 from live.clock.beat_estimate import BeatEstimate
 from live.clock.tracking.beat_tracker import BeatTracker
 
@@ -24,7 +24,7 @@ COLUMN_S: Final = 0.1
 """Seconds between two columns of the record."""
 TEMPI: Final = np.geomspace(240.0, 40.0, 96)
 """Tempo of each row of the tempo lane [bpm], fastest above."""
-LINES: Final = 6
+LINES: Final = MAX_METRE
 MAX_WIDTH: Final = 2400
 PIXELS_PER_SECOND: Final = 24
 LEFT, GAP, TICKS = 110, 16, 26

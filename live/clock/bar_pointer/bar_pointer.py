@@ -18,7 +18,8 @@ from live.clock.bar_pointer.bar_pointer_kernels import (
 from live.clock.bar_pointer.beat_regression import BeatRegression, MeasurePosition
 from live.clock.bar_pointer.line_evidence import LineEvidence
 from live.clock.bar_pointer.observation_model import ActivationPhase, likelihoods
-from live.clock.bar_pointer.state_space import FIRST_SLOT, SLOTS, BarPointerModel, StateSpace
+from live.clock.bar_pointer.metre import FIRST_SLOT, USED, counted_metre
+from live.clock.bar_pointer.state_space import BarPointerModel, StateSpace
 from live.clock.bar_pointer.transition_model import ManualConstraints, tempo_to_interval
 
 _SIDE_BINS: Final = 2
@@ -55,6 +56,7 @@ class BarPointer:
         self._states = StateSpace(self.model)
         self._manual = ManualConstraints(self._states)
         self._window = np.array(self.model.window, np.float32)
+        self._accents = self.model.accents()
         self._no_births = np.zeros(self._states.count, np.float32)
         self._found = np.zeros(4)
         self.clear()
@@ -131,7 +133,7 @@ class BarPointer:
             self._settling = max(self._settling - 1.0 / (SETTLING_S * self.model.frame_rate), 0.0)
             sharpness = hand.downbeat_sharpness * (1.0 - (1.0 - SETTLING_SHARPNESS) * self._settling)
             said = likelihoods(self.model, beat, downbeat, hand.downbeat_range, sharpness)
-            self._total += observe(*ring, self._window, *said)
+            self._total += observe(*ring, self._window, self._accents, *said)
         else:
             self._total = advance(
                 *ring, states.constant_tempo, states.same_metre, self._no_births, states.slot_share, states.leaving,
@@ -230,8 +232,8 @@ class BarPointer:
         return 60.0 * self.model.frame_rate / self._states.length, share / max(float(share.sum()), 1e-30)
 
     def metre_shares(self) -> Float64:
-        """Return the share of each of METRES among the grid's states, (4,)."""
-        share = np.add.reduceat(self._position.shares[: SLOTS - 1], FIRST_SLOT)
+        """Return the share of each of METRES among the grid's states, (M,)."""
+        share = np.add.reduceat(self._position.shares[:USED], FIRST_SLOT)
         return np.asarray(share / max(float(share.sum()), 1e-30))
 
     @property
@@ -240,8 +242,8 @@ class BarPointer:
         return tuple(self._activation_phase.strength)
 
     def set_metre(self, beats: int) -> None:
-        """Set a measure of 2, 3, 4 or 6 beats; 0: as detected. ValueError for another number."""
-        self._manual.set_metre(beats)
+        """Set the beats of a measure; 0: as detected. Others than 2 to 9 are counted in parts, see `counted_metre`."""
+        self._manual.set_metre(counted_metre(beats, self.model.metres))
         self._restart_search()
 
     def clear_manual(self) -> None:

@@ -6,24 +6,23 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import kernel
+from live.clock.bar_pointer.metre import FIRST_SLOT, METRES, NEXT, PREVIOUS, SLOTS, USED
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
-_SLOTS, _USED = 16, 15
+_SLOTS, _USED = SLOTS, USED
 LEAST = np.float32(1e-30)
 """Smaller values become 0: denormal numbers are slow."""
 _FENCE, _FENCE_TEMPO = 0.25, 1.15
 """States further away than this many beats, or this ratio of tempi, belong to another grid."""
 _BINS = 24
 """Phase bins of a beat in `histogram`."""
-_NEXT = np.array([1, 0, 3, 4, 2, 6, 7, 8, 5, 10, 11, 12, 13, 14, 9, 15])
-_PREVIOUS = np.array([1, 0, 4, 2, 3, 8, 5, 6, 7, 14, 9, 10, 11, 12, 13, 15])
-"""Slots of the next and of the previous beat in the same metre."""
-_FIRST = np.array([0, 2, 5, 9])
-"""Slot of each metre's downbeat."""
-_THIRD_OF_FOUR, _FOURTH_OF_SIX = 7, 12
+_NEXT, _PREVIOUS = NEXT, PREVIOUS
+_FIRST = np.array(FIRST_SLOT)
+_LAST = PREVIOUS[_FIRST]
+_METRES = len(METRES)
 
 
 @kernel(
@@ -48,9 +47,9 @@ def advance(
 
     `sum_before` is the sum of all states; births are relative to it. Returns the new sum.
 
-    state (N, 16): shares of all states, a ring of length[k] rows for interval k from row offset[k] on, position 0 at
-    head[k]. tempo (K, 2R+1) and metre (4, 4): transitions, see Model; born (K,) new grids that begin in this frame;
-    leaving, entering (K, 16): scratch. odds: [0, 1) probability that a beat is any other of its metre.
+    state (N, S): shares of all states, a ring of length[k] rows for interval k from row offset[k] on, position 0 at
+    head[k]. tempo (K, 2R+1) and metre (M, M): transitions, see Model; born (K,) new grids that begin in this frame;
+    leaving, entering (K, S): scratch. odds: [0, 1) probability that a beat is any other of its metre.
     """
     intervals, reach = length.shape[0], tempo.shape[1] // 2
     zero, one = np.float32(0.0), np.float32(1.0)
@@ -72,18 +71,21 @@ def advance(
                     entering[other, s] += share * leaving[k, s]
     for k in range(intervals):
         row = offset[k] + head[k]
-        e2, e3, e4, e6 = entering[k, 1], entering[k, 4], entering[k, 8], entering[k, 14]
         total = zero
         for s in range(_USED):
             total += entering[k, s]
         for s in range(_USED):
             slots[s] = entering[k, _PREVIOUS[s]]
-        for to in range(4):
-            slots[_FIRST[to]] = e2 * metre[0, to] + e3 * metre[1, to] + e4 * metre[2, to] + e6 * metre[3, to]
+        for to in range(_METRES):
+            begun_here = zero
+            for of in range(_METRES):
+                begun_here += entering[k, _LAST[of]] * metre[of, to]
+            slots[_FIRST[to]] = begun_here
         for s in range(_USED):
             state[row, s] = (one - odds) * slots[s] + (odds * total + scale * births[k]) * slot_share[s]
             begun += float(state[row, s])
-        state[row, _USED] = zero
+        for s in range(_USED, _SLOTS):
+            state[row, s] = zero
     return sum_before - gone + begun
 
 
@@ -113,39 +115,36 @@ def change_octave(
     return grown
 
 
-@kernel("f8(f4[:,::1], i4[::1], i4[::1], i4[::1], f4[::1], f4, f4, f4, f4)", fastmath={"reassoc"})
+@kernel("f8(f4[:,::1], i4[::1], i4[::1], i4[::1], f4[::1], f4[::1], f4, f4, f4)", fastmath={"reassoc"})
 def observe(
     state: Float32,
     head: Int32,
     offset: Int32,
     length: Int32,
     window: Float32,
+    accent: Float32,
     beat: np.float32,
     downbeat: np.float32,
-    middle: np.float32,
     between: np.float32,
 ) -> float:
     """Multiply the states in whose beat window this frame lies by their likelihoods.
 
-    By `downbeat` for the first of a measure, `middle` for the third of four and the fourth of six, else `beat`: all
-    likelihoods relative to a frame without a beat; `between` is that of a frame half way between beats.
-    window (W,): weight of each position. Returns the growth of the sum of all states.
+    By `beat`, and as far as a slot is accented by `downbeat`: likelihoods relative to a frame without a beat;
+    `between` is that of a frame half way between beats. window (W,): weight of each position; accent (S,): how often
+    each slot sounds like a downbeat. Returns the growth of the sum of all states.
     """
     one, grown = np.float32(1.0), 0.0
     width = window.shape[0]
+    gain = np.zeros(_SLOTS, np.float32)
     factors = np.zeros(_SLOTS, np.float32)
+    for s in range(_SLOTS):
+        gain[s] = beat + accent[s] * (downbeat - beat) - one
     for k in range(length.shape[0]):
         for p in range(width):
             at = head[k] + p
             row = offset[k] + (at - length[k] if at >= length[k] else at)
-            other = one + window[p] * (beat - one)
-            first = one + window[p] * (downbeat - one)
-            half = one + window[p] * (middle - one)
             for s in range(_SLOTS):
-                factors[s] = other
-            for s in range(4):
-                factors[_FIRST[s]] = first
-            factors[_THIRD_OF_FOUR], factors[_FOURTH_OF_SIX] = half, half
+                factors[s] = one + window[p] * gain[s]
             before = after = np.float32(0.0)
             for s in range(_SLOTS):
                 before += state[row, s]
@@ -263,7 +262,7 @@ def refine(
 ) -> None:
     """Compute means over the states near a grid: found gets (interval, phase correction in beats, share).
 
-    slots (16,): the share of each slot among them.
+    slots (S,): the share of each slot among them.
     """
     total = sum_interval = sum_off = 0.0
     for s in range(_SLOTS):

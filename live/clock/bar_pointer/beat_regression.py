@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Float32
-from live.clock.bar_pointer.state_space import FIRST_SLOT, METRES, SLOTS, slot_metre
+from live.clock.bar_pointer.metre import FIRST_SLOT, METRES, NEXT, PREVIOUS, SLOTS, USED, slot_metre
 
 Floats = npt.NDArray[np.float64]
 
@@ -116,10 +116,8 @@ class BeatRegression:
         return slope, last + float(error[-MIN_BEATS:].mean())
 
 
-_OF: Final = tuple(slot_metre(slot) for slot in range(SLOTS - 1))
-_NEXT: Final = tuple(first + (b + 1) % n for n, first in zip(METRES, FIRST_SLOT, strict=True) for b in range(n))
-_PREVIOUS: Final = tuple(first + (b - 1) % n for n, first in zip(METRES, FIRST_SLOT, strict=True) for b in range(n))
-_BEFORE, _AFTER = np.array(_PREVIOUS), np.array(_NEXT)
+_OF: Final = tuple(slot_metre(slot) for slot in range(USED))
+_NEXT, _PREVIOUS = tuple(NEXT.tolist()), tuple(PREVIOUS.tolist())
 
 
 class MeasurePosition:
@@ -164,11 +162,11 @@ class MeasurePosition:
         if self.phase >= 1.0:
             self.phase -= 1.0
             self.slot = _NEXT[self.slot]
-            self.shares[:-1] = self.shares[_BEFORE]
+            self.shares[:] = self.shares[PREVIOUS]
         elif self.phase < 0.0:
             self.phase += 1.0
             self.slot = _PREVIOUS[self.slot]
-            self.shares[:-1] = self.shares[_AFTER]
+            self.shares[:] = self.shares[NEXT]
 
     def reset(self, slot: int, shares: npt.NDArray[np.float64], beats: float) -> None:
         """Set the position to `beats` after the start of the window of beat `slot`, with the slots' `shares` at that

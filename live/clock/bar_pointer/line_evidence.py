@@ -10,10 +10,10 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Float64
+from live.clock.bar_pointer.metre import MAX_METRE
 
 MEMORY_MEASURES: Final = 10.0
 """Time constant of the memory [measures]."""
-MAX_METRE: Final = 6
 USUAL: Final = 0.25
 """Share of beats that are downbeats."""
 LEAST_SAID, MOST_SAID = 0.03, 0.97

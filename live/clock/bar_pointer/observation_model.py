@@ -9,7 +9,7 @@ import numpy as np
 
 from live.clock.bar_pointer.state_space import BarPointerModel
 
-Likelihoods = tuple[np.float32, np.float32, np.float32, np.float32]
+Likelihoods = tuple[np.float32, np.float32, np.float32]
 
 MIN_PROBABILITY: Final = 1e-4
 """Lower limit of the probability of a beat and of its absence."""
@@ -18,8 +18,7 @@ MIN_PROBABILITY: Final = 1e-4
 def likelihoods(
     model: BarPointerModel, beat: float, downbeat: float, downbeat_range: tuple[float, float], downbeat_sharpness: float
 ) -> Likelihoods:
-    """Return the likelihoods of a plain beat, a downbeat, the middle of a measure, and between beats, relative to no
-    beat.
+    """Return the likelihoods of a plain beat, a downbeat, and between beats, relative to no beat.
 
     `downbeat_range`: limits of the probability of a downbeat among beats; `downbeat_sharpness`: exponent of its
     likelihoods.
@@ -33,8 +32,7 @@ def likelihoods(
     other = any_beat * ((1.0 - first) / (1.0 - usual)) ** downbeat_sharpness
     one = any_beat * (first / usual) ** downbeat_sharpness
     between = any_beat**model.half_beat
-    middle = model.middle_share * one + (1.0 - model.middle_share) * other
-    return np.float32(other), np.float32(one), np.float32(middle), np.float32(between)
+    return np.float32(other), np.float32(one), np.float32(between)
 
 
 QUARTERS: Final = 4

@@ -11,15 +11,8 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Float32, Int32
+from live.clock.bar_pointer.metre import DEFAULT, METRES, SLOTS, USED, Metre, accents, metre_shares, slot_shares
 
-METRES: Final = (2, 3, 4, 6)
-"""Supported metres: beats in a measure."""
-
-FIRST_SLOT: Final = (0, 2, 5, 9)
-"""The slot of each metre's downbeat; its other beats follow."""
-
-SLOTS: Final = 16
-"""Slots of each (interval, position); the last is unused: sixteen fill the processor's registers."""
 REACH: Final = 8
 """Number of intervals to each side that the tempo can change to at one beat."""
 
@@ -56,14 +49,14 @@ class BarPointerModel:
     """Probability at each measure line that another metre begins."""
     line_change: float = 2e-4
     """Probability at each beat that it is any other beat of its metre."""
-    metre_share: tuple[float, float, float, float] = (0.015, 0.2, 0.735, 0.05)
-    """Prior of the metres; many measures of four also fit a metre of two."""
+    metres: tuple[Metre, ...] = DEFAULT
+    """The metres that a measure may have, unless another is set by hand."""
     beat_share: float = 0.12
     """Share of frames with a beat, for the activations."""
     downbeat_share: float = 0.25
     """Share of the beats that are downbeats, for the activations."""
-    middle_share: float = 0.5
-    """Share of the measures of four and six with a downbeat activation in the middle."""
+    accent_share: float = 0.5
+    """Share of the measures in which the first beat of a group sounds like a downbeat."""
     sharpness: float = 0.6
     """Exponent of the likelihoods, because neighbouring frames are correlated."""
     downbeat_sharpness: float = 0.8
@@ -128,26 +121,17 @@ class BarPointerModel:
         return np.ascontiguousarray(weight / weight.sum(axis=1, keepdims=True), np.float32)
 
     def metre_transitions(self) -> Float32:
-        """Return transitions from the metre of a measure to the next one's, shape (4, 4); rows sum to 1."""
-        share = np.array(self.metre_share) / sum(self.metre_share)
+        """Return transitions from the metre of a measure to the next one's, shape (M, M); rows sum to 1."""
         stay = np.eye(len(METRES)) * (1.0 - self.metre_change)
-        return (stay + self.metre_change * share[None, :]).astype(np.float32)
+        return (stay + self.metre_change * metre_shares(self.metres)[None, :]).astype(np.float32)
 
     def slot_share(self) -> Float32:
         """Return the prior of each slot, shape (SLOTS,), sum 1."""
-        share = np.zeros(SLOTS, np.float32)
-        for metre, first, part in zip(METRES, FIRST_SLOT, self.metre_share, strict=True):
-            share[first : first + metre] = part / metre
-        share /= share.sum()
-        return share
+        return slot_shares(self.metres)
 
-
-def slot_metre(slot: int) -> tuple[int, int]:
-    """Return (beats in the measure, beat from 0) of a slot."""
-    for metre, first in zip(METRES, FIRST_SLOT, strict=True):
-        if slot < first + metre:
-            return metre, slot - first
-    raise ValueError(f"slot {slot}: 0 to {FIRST_SLOT[-1] + METRES[-1] - 1} expected")
+    def accents(self) -> Float32:
+        """Return how often each slot sounds like a downbeat, shape (SLOTS,), 0 to 1."""
+        return accents(self.metres, self.accent_share)
 
 
 BINS: Final = 24
@@ -161,7 +145,7 @@ PLACE_WIDTH: Final = 2.0
 class StateSpace:
     """Arrays of the kernels.
 
-    `share` (N, 16) float32: interval k has length[k] rows from offset[k] on, a ring whose position 0 is at head[k].
+    `share` (N, SLOTS) float32: interval k has length[k] rows from offset[k] on, a ring whose position 0 is at head[k].
     """
 
     def __init__(self, model: BarPointerModel) -> None:
@@ -215,8 +199,8 @@ class StateSpace:
         return np.mod(at, self.row_interval).astype(np.float32)
 
     def normalize(self) -> None:
-        """Normalise the shares to the sum 1 and clear the unused slot; set the prior if all are 0."""
-        self.share[:, SLOTS - 1] = 0.0
+        """Normalise the shares to the sum 1 and clear unused slots; set the prior if all are 0."""
+        self.share[:, USED:] = 0.0
         total = float(self.share.sum(dtype=np.float64))
         if total > 0.0:
             self.share *= np.float32(1.0 / total)

@@ -10,7 +10,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Float32
-from live.clock.bar_pointer.state_space import FIRST_SLOT, METRES, SLOTS, BarPointerModel, StateSpace, slot_metre
+from live.clock.bar_pointer.metre import FIRST_SLOT, METRES, SLOTS, USED, Metre, slot_metre, slot_shares
+from live.clock.bar_pointer.state_space import BarPointerModel, StateSpace
 
 Floats = npt.NDArray[np.float64]
 
@@ -49,7 +50,7 @@ def constrain_downbeat(states: StateSpace, age: float) -> None:
     """Keep only states with a measure start `age` frames before this one (negative: in the future)."""
     since = states.positions() - states.model.centre - age
     near = np.zeros((states.row_interval.size, SLOTS))
-    for slot in range(SLOTS - 1):
+    for slot in range(USED):
         beats, beat = slot_metre(slot)
         near[:, slot] = _tap_agreement(states, since + beat * states.row_interval, beats * states.row_interval)
     _reweight(states, near, _by_tempo(states)[:, None] * near * states.slot_share)
@@ -260,12 +261,7 @@ class ManualConstraints:
 
 
 def _slot_share(model: BarPointerModel, metre: int) -> Float32:
-    share = model.slot_share()
-    if metre:
-        first = FIRST_SLOT[METRES.index(metre)]
-        share[:] = 0.0
-        share[first : first + metre] = 1.0 / metre
-    return share
+    return slot_shares((Metre(metre),)) if metre else model.slot_share()
 
 
 def tempo_to_interval(bpm: float, model: BarPointerModel) -> float:

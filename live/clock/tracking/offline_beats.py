@@ -14,12 +14,15 @@ import numpy.typing as npt
 
 from live.base.arrays import Float64
 from live.clock.bar_pointer.observation_model import MIN_PROBABILITY
-from live.clock.bar_pointer.state_space import METRES, BarPointerModel
+from live.clock.bar_pointer.metre import FIRST_SLOT, METRES, metre_shares
+from live.clock.bar_pointer.state_space import BarPointerModel
 
 TEMPO_CHANGE: Final = 100.0
 """As in the model; a whole piece shows more clearly than its past how constant its tempo is."""
 HALF_BEAT: Final = 0.3
 """Exponent of a beat's likelihood in the middle between beats."""
+LEAST_METRE: Final = 1e-3
+"""Least prior of a metre that a person gave for some of the measures."""
 DOWNBEAT_SHARPNESS: Final = 0.5
 TEMPO_JUMP: Final = 1e-4
 """Probability at each beat of any other tempo; these were chosen on 15 of the 29 songs of a test set."""
@@ -172,8 +175,8 @@ def _measure_slots(
     metres: Sequence[tuple[float, int]], model: BarPointerModel,
 ) -> list[tuple[int, int]]:  # fmt: skip
     """Return metre and position in the measure of each beat: the most probable sequence of measures."""
-    known = sorted({*METRES, *(beats for _, beats in metres)})
-    shares = dict(zip(METRES, model.metre_share, strict=True))
+    known = sorted({metre.beats for metre in model.metres} | {beats for _, beats in metres})
+    shares = {beats: max(share, LEAST_METRE) for beats, share in zip(METRES, metre_shares(model.metres), strict=True)}
     slots = [(metre, k) for metre in known for k in range(metre)]
     metre_of, position = (np.array(column) for column in zip(*slots, strict=True))
     first = np.empty(frames.size)
@@ -184,16 +187,16 @@ def _measure_slots(
     first = np.clip(first, 0.02, 0.98)[:, np.newaxis]
     one = DOWNBEAT_SHARPNESS * np.log(first / model.downbeat_share)
     other = DOWNBEAT_SHARPNESS * np.log((1.0 - first) / (1.0 - model.downbeat_share))
-    middle = np.log(model.middle_share * np.exp(one) + (1.0 - model.middle_share) * np.exp(other))
-    half = (metre_of % 2 == 0) & (metre_of > 2) & (position == metre_of // 2)
-    observed = np.where(position == 0, one, np.where(half, middle, other))
+    of_slot = model.accents()
+    accent = np.array([of_slot[FIRST_SLOT[METRES.index(m)] + k] if m in METRES else float(k == 0) for m, k in slots])
+    observed = np.log(accent * np.exp(one) + (1.0 - accent) * np.exp(other))
     for frame in given:
         observed[np.abs(frames - frame).argmin(), position != 0] -= 1e9
     for row, time in enumerate(times.tolist()):
         wanted = [beats for begin, beats in sorted(metres) if begin <= time + 1e-6]
         if wanted:
             observed[row, metre_of != wanted[-1]] -= 1e6
-    prior = np.log([shares.get(metre, 1e-3) / metre for metre in metre_of.tolist()])
+    prior = np.log([shares.get(metre, LEAST_METRE) / metre for metre in metre_of.tolist()])
     return [slots[k] for k in _best_path(observed, prior, _slot_changes(slots, shares, model))]
 
 
@@ -206,7 +209,7 @@ def _slot_changes(slots: Sequence[tuple[int, int]], shares: dict[int, float], mo
                 change[row, column] = math.log(1.0 - model.line_change)
             elif k == metre - 1 and position == 0:
                 same = other == metre
-                chance = 1.0 - model.metre_change if same else model.metre_change * shares.get(other, 1e-3)
+                chance = 1.0 - model.metre_change if same else model.metre_change * shares.get(other, LEAST_METRE)
                 change[row, column] = math.log(chance)
     return change
 

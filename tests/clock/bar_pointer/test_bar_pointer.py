@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from live.clock.bar_pointer.bar_pointer import BarPointer
-from live.clock.bar_pointer.state_space import METRES
+from live.clock.bar_pointer.metre import DEFAULT, METRES, Metre, counted_metre
+from live.clock.bar_pointer.state_space import BarPointerModel
 from tests.clock.bar_pointer.made import RATE, Activations, beat_number_accuracy, errors, follow, groove
 
 
@@ -34,7 +35,48 @@ def test_beats_are_found_at_any_tempo(bpm: float) -> None:
 @pytest.mark.parametrize("metre", METRES)
 def test_every_metre_and_its_downbeat_are_found(metre: int) -> None:
     activations = groove(126.0, metre, 16.0)
-    assert beat_number_accuracy(follow(BarPointer(), activations), activations, metre, 10.0) == 1.0
+    pointer = BarPointer(BarPointerModel(metres=(*DEFAULT, Metre(8)))) if metre == 8 else BarPointer()
+    assert beat_number_accuracy(follow(pointer, activations), activations, metre, 10.0) == 1.0
+
+
+def test_only_the_metres_given_are_found() -> None:
+    activations = groove(126.0, 5, 16.0)
+    pointer = BarPointer(BarPointerModel(metres=(Metre(3), Metre(4))))
+    assert set(follow(pointer, activations).metre[8:].tolist()) <= {3, 4}
+
+
+def test_groups_decide_where_a_measure_of_five_begins() -> None:
+    """Strong first and fourth beats alike are 3 + 2 from the first on, or 2 + 3 from the fourth on."""
+    activations = groove(126.0, 5, 30.0)
+    for number, place in enumerate(activations.truth):
+        if number % 5 == 3:
+            frames = slice(max(int(place) - 2, 0), int(place) + 4)
+            activations.downbeat[frames] = 0.8 * activations.beat[frames]
+    for text, first in (("3+2", 0), ("2+3", 3)):
+        pointer = BarPointer(BarPointerModel(metres=(Metre.parse(text),)))
+        followed = follow(pointer, activations)
+        late = followed.time > 15.0 * RATE
+        number = np.argmin(np.abs(followed.time[late, None] - activations.truth[None]), axis=1)
+        assert np.all(followed.beat[late] == (number - first) % 5)
+
+
+@pytest.mark.parametrize(
+    ("text", "beats", "groups"), [(5, 5, ()), ("7", 7, ()), ("3+2", 5, (3, 2)), ("3+3+2", 8, (3, 3, 2))]
+)
+def test_metres_are_read(text: str | int, beats: int, groups: tuple[int, ...]) -> None:
+    assert Metre.parse(text) == Metre(beats, groups)
+
+
+@pytest.mark.parametrize("text", ["", "1", "10", "3+", "0+4", "-3", "4/4", "3+2+5", "9999999", "³"])
+def test_other_metres_are_refused(text: str) -> None:
+    with pytest.raises(ValueError, match="expected|has 2 to 9 beats"):
+        Metre.parse(text)
+
+
+@pytest.mark.parametrize(("beats", "counted"), [(0, 0), (1, 0), (2, 2), (7, 7), (8, 4), (10, 5), (11, 0), (12, 6), (16, 4)])
+def test_long_measures_are_counted_in_parts(beats: int, counted: int) -> None:
+    assert counted_metre(beats, DEFAULT) == counted
+    assert counted_metre(8, (Metre(8),)) == 8
 
 
 def test_noisy_activations_do_not_lose_the_beat() -> None:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from live.clock.bar_pointer.beat_regression import FADE_OUT_FRAMES, MIN_BEATS, BeatRegression
-from live.clock.bar_pointer.state_space import SLOTS
+from live.clock.bar_pointer.metre import SLOTS
 
 SLOTS_SAID = np.full(SLOTS, 1.0 / SLOTS)
 

@@ -165,7 +165,7 @@ def test_without_evidence_all_lines_are_equally_likely() -> None:
     assert pointer.line_evidence.runner_up[1] == pytest.approx(0.25, abs=0.05)
 
 
-@pytest.mark.parametrize("metre", [2, 3, 4, 6])
+@pytest.mark.parametrize("metre", [2, 3, 4, 5, 6, 7, 9])
 def test_manual_metre_is_kept(metre: int) -> None:
     activations = groove(120.0, 4, 8.0)
     pointer = BarPointer()
@@ -176,10 +176,16 @@ def test_manual_metre_is_kept(metre: int) -> None:
     pointer.set_metre(0)
 
 
-def test_invalid_metre_and_tempo_are_refused() -> None:
+def test_a_metre_that_cannot_be_counted_frees_it() -> None:
+    activations = groove(120.0, 4, 16.0)
     pointer = BarPointer()
-    with pytest.raises(ValueError, match="5 beats"):
-        pointer.set_metre(5)
+    pointer.set_metre(3)
+    pointer.set_metre(11)
+    assert set(follow(pointer, activations).metre[-8:].tolist()) == {4}
+
+
+def test_invalid_tempo_is_refused() -> None:
+    pointer = BarPointer()
     for bpm in (0.0, 500.0, float("nan")):
         with pytest.raises(ValueError, match="bpm"):
             pointer.set_tempo(bpm)

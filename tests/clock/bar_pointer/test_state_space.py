@@ -8,10 +8,17 @@ import pytest
 
 from live.clock.bar_pointer.bar_pointer import BarPointer
 from live.clock.bar_pointer.observation_model import likelihoods
-from live.clock.bar_pointer.state_space import METRES, REACH, SLOTS, BarPointerModel, slot_metre
+from live.clock.bar_pointer.metre import METRES, USED, Metre, slot_metre
+from live.clock.bar_pointer.state_space import REACH, BarPointerModel
 from live.clock.bar_pointer.transition_model import FREE_RANGE
 
 WINDOW = 7  # frames in which a beat's activation may lie, the beat in the middle
+
+# How often the beat of a metre (from 0) sounds like a downbeat: half of the measures, divided by the usual groupings.
+ACCENTS = {
+    (4, 2): 0.5, (6, 3): 0.5, (8, 4): 0.5, (5, 3): 0.25, (5, 2): 0.25, (7, 2): 0.25, (7, 4): 0.25, (7, 3): 0.25,
+    (7, 5): 0.25, (9, 2): 0.25, (9, 4): 0.25, (9, 6): 0.5, (9, 3): 0.25,
+}  # fmt: skip
 
 State = tuple[int, int, int, int]  # interval, position, metre, beat
 
@@ -26,7 +33,7 @@ class ReferenceFilter:
         self.lengths = [int(length) for length in model.intervals]
         self.tempo = (model.tempo_transitions() * model.tempo_weight()[:, None]).tolist()
         self.metres, self.share = model.metre_transitions().tolist(), model.tempo_share().tolist()
-        self.slots = {slot_metre(slot): float(part) for slot, part in enumerate(model.slot_share()[: SLOTS - 1])}
+        self.slots = {slot_metre(slot): float(part) for slot, part in enumerate(model.slot_share()[:USED])}
         self.belief: dict[State, float] = {
             (n, p, *place): self.share[k] / n * part
             for k, n in enumerate(self.lengths)
@@ -34,7 +41,7 @@ class ReferenceFilter:
             for place, part in self.slots.items()
         }
 
-    def step(self, other: float, first: float, middle: float, between: float) -> None:
+    def step(self, other: float, first: float, between: float) -> None:
         """One frame with these likelihoods."""
         after = dict.fromkeys(self.belief, 0.0)
         for (n, p, metre, number), mass in self.belief.items():
@@ -46,7 +53,8 @@ class ReferenceFilter:
             after[m, 0, *place] += self.model.birth * self.share[k] * part
         for n, p, metre, number in after:
             if p < WINDOW:
-                ratio = first if number == 0 else middle if (metre, number) in ((4, 2), (6, 3)) else other
+                accent = 1.0 if number == 0 else ACCENTS.get((metre, number), 0.0)
+                ratio = accent * first + (1.0 - accent) * other
                 after[n, p, metre, number] *= 1.0 + self.model.window[p] * (ratio - 1.0)
             away = (p - n // 2) % n
             if away < WINDOW:
@@ -83,7 +91,7 @@ def test_kernels_match_the_forward_algorithm(birth: float) -> None:
     found = {
         (int(n), int(p), *slot_metre(slot)): float(states.share[row, slot])
         for row, (n, p) in enumerate(zip(states.row_interval, positions, strict=True))
-        for slot in range(SLOTS - 1)
+        for slot in range(USED)
     }
     total = sum(found.values())
     assert found.keys() == slow.belief.keys()
