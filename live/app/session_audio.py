@@ -15,11 +15,12 @@ from live.app.processes.audio_client import AudioClient
 from live.app.processes.resume_state import ResumeState
 from live.base.errors import PersonError, error_context
 from live.base.event_queue import EventQueue
+from live.clock.bar_pointer.state_space import BarPointerModel
 from live.clock.follower.manual_control import TrackerHint
 from live.clock.map_clock import MapClock
 from live.clock.time_source import Clock, SystemClock
 from live.control.audio.devices import device_error
-from live.control.audio.music_file import Music, MusicFileError, read_music
+from live.control.audio.music_file import Music, MusicFileError, read_music, tempo_in_name
 from live.control.events.events import ControlEvent, RestartAudio, SetLatency
 from live.control.midi.midi_file import read_song
 from live.show.loader import LoadedShow
@@ -131,7 +132,15 @@ def make_map_clock(sound: AudioChoice, patch: Patch) -> MapClock | None:
     return MapClock(patch.music.measures, sound.music.duration)
 
 
-def make_show_analysis(loaded: LoadedShow, show: Show, measures: MapClock | None = None) -> "MakeAnalysis":
+def likely_tempo(of_patch: float | None, music: Path | None) -> float | None:
+    """Return the tempo that the beat of the music is likely to have [bpm]: that of the patch, else the one in the name
+    of the music's file; None if there is none."""
+    return tempo_in_name(music.stem) if of_patch is None and music is not None else of_patch
+
+
+def make_show_analysis(
+    sound: AudioChoice, loaded: LoadedShow, show: Show, measures: MapClock | None = None
+) -> "MakeAnalysis":
     """Return a factory of analyses with the patch's tracker, this show's manual settings of the beat, and the known
     measures of its music.
 
@@ -140,21 +149,26 @@ def make_show_analysis(loaded: LoadedShow, show: Show, measures: MapClock | None
     """
     seeds: deque[TrackerHint] = deque(maxlen=64)
     show.seed_tracker(seeds.append)
-    return make_analysis_factory(loaded.patch.clock.tracker, seeds, measures)
+    clock = loaded.patch.clock
+    model = BarPointerModel.expecting(clock.metres, likely_tempo(clock.likely_bpm, sound.path))
+    return make_analysis_factory(clock.tracker, seeds, measures, model)
 
 
 def make_analysis_factory(
-    tracker: "TrackerName", seeds: deque[TrackerHint], measures: MapClock | None = None
+    tracker: "TrackerName",
+    seeds: deque[TrackerHint],
+    measures: MapClock | None = None,
+    model: BarPointerModel | None = None,
 ) -> "MakeAnalysis":
     """Return a factory of analyses with that tracker, each replacing the one before; `seeds`: manual settings;
-    `measures`: the known measures of the music."""
+    `measures`: the known measures of the music; `model`: the metres and tempi that the tracker expects."""
     from live.control.audio.analysis import AudioAnalysis
 
     former: AudioAnalysis | None = None
 
     def make(rate: float) -> AudioAnalysis:
         nonlocal former
-        analysis = AudioAnalysis(rate, tracker=tracker, seeds=seeds, energy=True, measures=measures)
+        analysis = AudioAnalysis(rate, tracker=tracker, seeds=seeds, energy=True, measures=measures, model=model)
         if former is not None:
             analysis.take_over(former)
         former = analysis
@@ -172,6 +186,8 @@ def audio_plan(sound: AudioChoice, loaded: LoadedShow) -> dict[str, Any]:
         "output": sound.output,
         "one_at": loaded.patch.music.first_downbeat if sound.from_patch else None,
         "tracker": loaded.patch.clock.tracker,
+        "metres": list(loaded.patch.clock.metres),
+        "likely_bpm": likely_tempo(loaded.patch.clock.likely_bpm, sound.path),
     }
 
 
@@ -199,7 +215,7 @@ def make_audio(
                 output=output,
                 latency=latencies.output,
                 one_at=one_at,
-                analysis=make_show_analysis(loaded, show, measures),
+                analysis=make_show_analysis(sound, loaded, show, measures),
             )
         except ValueError as error:  # the named output does not exist
             raise PersonError(f"the venue's audio.output: {error}") from None
@@ -219,7 +235,7 @@ def make_audio(
         clock,
         channels=_channels(sound.channels),
         latency=latencies.input,
-        analysis=make_show_analysis(loaded, show, measures),
+        analysis=make_show_analysis(sound, loaded, show, measures),
     )
 
     def to_listener(event: ControlEvent) -> None:

@@ -1,13 +1,15 @@
 """Audio input of a show: manual settings outlive the device, and a manual restart clears them."""
 
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, cast
 
 import numpy as np
 import pytest
 
-from live.app.session_audio import AudioChoice, make_audio, make_show_analysis
+from live.app.session_audio import AudioChoice, likely_tempo, make_audio, make_show_analysis
 from live.base.event_queue import EventQueue
+from live.clock.bar_pointer.state_space import BarPointerModel
 from live.clock.follower.manual_control import TrackerHint
 from live.clock.tracking.beat_tracker import BeatTracker
 from live.control.audio.analysis import AudioAnalysis
@@ -16,7 +18,9 @@ from live.control.events.events import ControlEvent, RestartAudio
 from live.show.venue.venue import Latencies
 from tests.control.audio.fake_sound import fake_sound_system
 
-LOADED: Any = SimpleNamespace(patch=SimpleNamespace(clock=SimpleNamespace(tracker="network")))
+LOADED: Any = SimpleNamespace(
+    patch=SimpleNamespace(clock=SimpleNamespace(tracker="network", metres=(3, 4), likely_bpm=66.0))
+)
 
 
 class FakeShow:
@@ -40,12 +44,22 @@ def manual_settings(analysis: AudioAnalysis) -> tuple[float, int]:
 
 def test_next_analysis_keeps_manual_settings_of_last_one() -> None:
     show = FakeShow()
-    make = make_show_analysis(LOADED, cast(Any, show))
+    make = make_show_analysis(AudioChoice(), LOADED, cast(Any, show))
     first = make(44_100.0)
     show.follower.on_hint(TrackerHint("tempo", 1.0, 60.0))
     assert manual_settings(first) == (pytest.approx(86.13, abs=0.01), 3)
     make(96_000.0)  # refused at this rate: it never hears anything
     assert manual_settings(make(48_000.0)) == (pytest.approx(86.13, abs=0.01), 3)
+
+
+def test_the_tracker_expects_what_patch_and_name_say() -> None:
+    make = make_show_analysis(AudioChoice(), LOADED, cast(Any, FakeShow()))
+    tracker = make(44_100.0).tracker
+    assert isinstance(tracker, BeatTracker)
+    assert tracker.pointer.model == BarPointerModel.expecting((3, 4), 66.0)
+    assert likely_tempo(66.0, Path("song 120 bpm.ogg")) == 66.0
+    assert likely_tempo(None, Path("song 120 bpm.ogg")) == 120.0
+    assert likely_tempo(None, None) is None
 
 
 def test_manual_restart_keeps_only_patch_settings(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,6 +17,7 @@ import numpy as np
 
 from live.app.pictures.beats_picture import HypothesesRecord
 from live.base.errors import PersonError
+from live.clock.bar_pointer.state_space import BarPointerModel
 from live.clock.beat_estimate import BeatEstimate, Samples
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.silence import PauseDetector, SoundState
@@ -40,9 +41,15 @@ class BeatListener:
     """Feeds a tracker with sound, and with manual inputs at their times."""
 
     def __init__(
-        self, sample_rate: float, name: TrackerName, seeds: ManualInputs, timeline: "TimelineFile | None" = None
+        self,
+        sample_rate: float,
+        name: TrackerName,
+        seeds: ManualInputs,
+        timeline: "TimelineFile | None" = None,
+        model: BarPointerModel | None = None,
     ) -> None:
-        self.tracker, self.note = make_tracker(name, sample_rate)
+        """`model`: the metres and tempi that the network's tracker expects."""
+        self.tracker, self.note = make_tracker(name, sample_rate, model)
         self._tap_at, self._one_at = seeds.tap_at, seeds.one_at
         self._tap_bpm = seeds.tap_bpm or 0.0
         self._timeline = timeline

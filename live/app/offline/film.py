@@ -73,7 +73,9 @@ def film_show(
     music = None
     if sound.music is not None:
         music = OfflineMusic(
-            sound.music, one_at=one_at, analysis=make_show_analysis(loaded, show, make_map_clock(sound, loaded.patch))
+            sound.music,
+            one_at=one_at,
+            analysis=make_show_analysis(sound, loaded, show, make_map_clock(sound, loaded.patch)),
         )
     engine.guides = guides
     attach_midi_file(options.midi_file, show, engine)

@@ -128,7 +128,9 @@ def moments_of_patch(
     if sound.music is not None:
         one_at = loaded.patch.music.first_downbeat if sound.from_patch else None
         music = OfflineMusic(
-            sound.music, one_at=one_at, analysis=make_show_analysis(loaded, show, make_map_clock(sound, loaded.patch))
+            sound.music,
+            one_at=one_at,
+            analysis=make_show_analysis(sound, loaded, show, make_map_clock(sound, loaded.patch)),
         )
     taking = MomentSelector(show, every, 0)
     for tick in range(1, math.ceil(seconds / TICK) + 1):

@@ -15,6 +15,7 @@ from typing import Any, Final
 
 from live.app.session_audio import make_analysis_factory
 from live.base.event_queue import EventQueue
+from live.clock.bar_pointer.state_space import BarPointerModel
 from live.clock.follower.manual_control import TrackerHint
 from live.clock.map_clock import MapClock
 from live.clock.measure_map import MeasureLine, MeasureMap
@@ -105,7 +106,8 @@ class AudioWorker:
         try:
             music = None if plan["music"] is None else read_music(Path(plan["music"]))
             self._measures = None if music is None else MapClock(None, music.duration)
-            analysis = make_analysis_factory(plan["tracker"], self._seeds, self._measures)
+            model = BarPointerModel.expecting(plan["metres"], plan["likely_bpm"])
+            analysis = make_analysis_factory(plan["tracker"], self._seeds, self._measures, model)
             if music is None:
                 source: AudioInput | MusicPlayer = AudioInput(
                     plan["device"], self._sender, clock, channels=Channels.parse(plan["channels"]), latency=into,

@@ -9,6 +9,7 @@ import typer
 
 if TYPE_CHECKING:
     from live.app.offline.beats_report import BeatListener, ManualInputs, TimelineFile
+    from live.clock.bar_pointer.state_space import BarPointerModel
 
 Form = Literal["table", "json", "csv"]
 STREAM_RATE = 44_100
@@ -40,6 +41,18 @@ def beats(
     tracker: Annotated[
         Literal["network", "aubio"], typer.Option(help="Beat tracker: the built-in network, or aubio's tempo.")
     ] = "network",
+    metres: Annotated[
+        str | None,
+        typer.Option(help='Metres that the music may have, such as 3,4 or 5 or "3+2".', metavar="LIST"),
+    ] = None,
+    likely_bpm: Annotated[
+        float | None,
+        typer.Option(
+            help="Tempo that the beat is likely to have; it decides between half and double. Default: that in the "
+            "file's name, if any.",
+            metavar="BPM",
+        ),
+    ] = None,
     tap_bpm: Annotated[float | None, typer.Option(help="Simulate one tap of this tempo …", metavar="BPM")] = None,
     at: Annotated[float | None, typer.Option(help="… at this time [s].", metavar="SECONDS")] = None,
     one_at: Annotated[
@@ -56,6 +69,7 @@ def beats(
     from live.base.errors import PersonError
 
     check_range(tap_bpm, "--tap-bpm", 40, 240)
+    check_range(likely_bpm, "--likely-bpm", 40, 240)
     check_range(at, "--at", 0, 36_000)
     check_range(one_at, "--one-at", 0, 36_000)
     if stdin == (file is not None):
@@ -70,11 +84,24 @@ def beats(
     with contextlib.ExitStack() as stack:
         lines = None if timeline is None else stack.enter_context(_timeline_file(timeline))
         if stdin:
-            _track_stream(BeatListener(STREAM_RATE, tracker, seeds, lines))
+            _track_stream(BeatListener(STREAM_RATE, tracker, seeds, lines, _model(metres, likely_bpm)))
             return
         assert file is not None
         form: Form = "json" if as_json else "csv" if as_csv else "table"
-        _track_file(file, tracker, seeds, form=form, click=click, timeline=lines, explain=explain)
+        _track_file(
+            file, tracker, seeds, metres=metres, likely_bpm=likely_bpm, form=form, click=click, timeline=lines,
+            explain=explain,
+        )  # fmt: skip
+
+
+def _model(metres: str | None, likely_bpm: float | None) -> "BarPointerModel":
+    from live.base.errors import PersonError
+    from live.clock.bar_pointer.state_space import BarPointerModel
+
+    try:
+        return BarPointerModel.expecting(metres.split(",") if metres is not None else (), likely_bpm)
+    except ValueError as error:
+        raise PersonError(f"--metres {error}", '--metres 3,4 or --metres "3+2"') from None
 
 
 def _timeline_file(path: Path) -> "TimelineFile":
@@ -109,6 +136,8 @@ def _track_file(
     tracker: Literal["network", "aubio"],
     seeds: "ManualInputs",
     *,
+    metres: str | None,
+    likely_bpm: float | None,
     form: Form,
     click: Path | None,
     timeline: "TimelineFile | None",
@@ -118,13 +147,14 @@ def _track_file(
     from live.app.pictures.beats_picture import HypothesesRecord, write_picture
     from live.base.errors import PersonError
     from live.clock.tracking.beat_tracker import BeatTracker
-    from live.control.audio.music_file import MusicFileError, read_music
+    from live.control.audio.music_file import MusicFileError, read_music, tempo_in_name
 
     try:
         music = read_music(file)
     except MusicFileError as error:
         raise PersonError(str(error)) from None
-    ear = BeatListener(music.sample_rate, tracker, seeds, timeline)
+    likely = tempo_in_name(file.stem) if likely_bpm is None else likely_bpm
+    ear = BeatListener(music.sample_rate, tracker, seeds, timeline, _model(metres, likely))
     if explain is not None and isinstance(ear.tracker, BeatTracker):
         ear.record = HypothesesRecord(ear.tracker)
     beats = track_file(ear, music)

@@ -17,8 +17,8 @@ from live.clock.bar_pointer.bar_pointer_kernels import (
 )
 from live.clock.bar_pointer.beat_regression import BeatRegression, MeasurePosition
 from live.clock.bar_pointer.line_evidence import LineEvidence
-from live.clock.bar_pointer.observation_model import ActivationPhase, likelihoods
 from live.clock.bar_pointer.metre import FIRST_SLOT, USED, counted_metre
+from live.clock.bar_pointer.observation_model import ActivationPhase, likelihoods
 from live.clock.bar_pointer.state_space import BarPointerModel, StateSpace
 from live.clock.bar_pointer.transition_model import ManualConstraints, tempo_to_interval
 

@@ -72,20 +72,17 @@ def advance(
     for k in range(intervals):
         row = offset[k] + head[k]
         total = zero
-        for s in range(_USED):
+        for s in range(_SLOTS):
             total += entering[k, s]
-        for s in range(_USED):
             slots[s] = entering[k, _PREVIOUS[s]]
         for to in range(_METRES):
             begun_here = zero
             for of in range(_METRES):
                 begun_here += entering[k, _LAST[of]] * metre[of, to]
             slots[_FIRST[to]] = begun_here
-        for s in range(_USED):
+        for s in range(_SLOTS):  # those not in use stay 0
             state[row, s] = (one - odds) * slots[s] + (odds * total + scale * births[k]) * slot_share[s]
             begun += float(state[row, s])
-        for s in range(_USED, _SLOTS):
-            state[row, s] = zero
     return sum_before - gone + begun
 
 

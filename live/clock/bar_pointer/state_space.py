@@ -5,6 +5,7 @@ window began, and a slot for beat and metre. The position advances by one each f
 a beat. The states of each interval form a ring.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Final
 
@@ -16,11 +17,16 @@ from live.clock.bar_pointer.metre import DEFAULT, METRES, SLOTS, USED, Metre, ac
 REACH: Final = 8
 """Number of intervals to each side that the tempo can change to at one beat."""
 
+SLOWEST_BPM: Final = 38.0
+FASTEST_BPM: Final = 260.0
 COARSE: Final = 90
 """From this interval on [frames] only every second one is used: 57 bpm and slower."""
 
 MAX_PRIOR_OCTAVES: Final = 0.9
 """The prior of the tempo is constant beyond this distance from its mean [octaves]."""
+
+LIKELY_OCTAVES: Final = 0.3
+"""Spread of the tempi about one that the operator calls likely [octaves]."""
 
 MIN_TRANSITION: Final = 1e-5
 """Changes of tempo with a lower probability are left out."""
@@ -32,8 +38,8 @@ class BarPointerModel:
 
     frame_rate: float = 44100.0 / 512.0
     """Frames of activations per second."""
-    slowest_bpm: float = 38.0
-    fastest_bpm: float = 260.0
+    slowest_bpm: float = SLOWEST_BPM
+    fastest_bpm: float = FASTEST_BPM
     tempo_bpm: float = 115.0
     """Centre of the tempi that people tap (log-normal)."""
     tempo_octaves: float = 0.5
@@ -80,6 +86,19 @@ class BarPointerModel:
     """... in more than this many searches."""
     line_ratio: float = 2.0
     """Another beat of the measure, or another metre, replaces the present one if its share is larger by this factor."""
+
+    @classmethod
+    def expecting(cls, metres: Iterable[str | int] = (), likely_bpm: float | None = None) -> "BarPointerModel":
+        """Return the model of music in one of `metres` (empty: the usual ones), whose beat has about this tempo.
+
+        Raises ValueError for an unknown metre or a tempo out of range.
+        """
+        known = tuple(Metre.parse(metre) for metre in metres) or DEFAULT
+        if likely_bpm is None:
+            return cls(metres=known)
+        if not SLOWEST_BPM <= likely_bpm <= FASTEST_BPM:
+            raise ValueError(f"a tempo of {likely_bpm} bpm: {SLOWEST_BPM:g} to {FASTEST_BPM:g} expected")
+        return cls(metres=known, tempo_bpm=likely_bpm, tempo_octaves=LIKELY_OCTAVES)
 
     @property
     def intervals(self) -> Int32:

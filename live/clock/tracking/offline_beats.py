@@ -13,8 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Float64
-from live.clock.bar_pointer.observation_model import MIN_PROBABILITY
 from live.clock.bar_pointer.metre import FIRST_SLOT, METRES, metre_shares
+from live.clock.bar_pointer.observation_model import MIN_PROBABILITY
 from live.clock.bar_pointer.state_space import BarPointerModel
 
 TEMPO_CHANGE: Final = 100.0

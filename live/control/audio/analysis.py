@@ -14,6 +14,7 @@ from typing import Final, Literal
 import numpy as np
 import numpy.typing as npt
 
+from live.clock.bar_pointer.state_space import BarPointerModel
 from live.clock.beat_estimate import BeatEstimate
 from live.clock.energy.music_energy import BeatEnergy, MusicEnergy
 from live.clock.follower.manual_control import TrackerHint
@@ -39,16 +40,19 @@ def beat_weights() -> NetworkWeights:
 TrackerName = Literal["network", "aubio"]
 
 
-def make_tracker(name: TrackerName, sample_rate: float) -> tuple[BeatTracker | AubioTracker, str]:
+def make_tracker(
+    name: TrackerName, sample_rate: float, model: BarPointerModel | None = None
+) -> tuple[BeatTracker | AubioTracker, str]:
     """Return the tracker of that name, and a note on any deviation from the request ("" if none).
 
+    `model`: the metres and tempi that the network's tracker expects.
     If the network's weights cannot be read, or the sample rate is too low for it, aubio is used instead. ValueError for
     an impossible sample rate.
     """
     if name == "aubio":
         return AubioTracker(sample_rate), ""
     try:
-        return BeatTracker(sample_rate, BeatNetwork(beat_weights())), ""
+        return BeatTracker(sample_rate, BeatNetwork(beat_weights()), model), ""
     except (OSError, ValueError) as error:
         return AubioTracker(sample_rate), f"aubio is used instead of the beat network: {error}"
 
@@ -77,13 +81,15 @@ class AudioAnalysis:
         seeds: deque[TrackerHint] | None = None,
         energy: bool = False,
         measures: MapClock | None = None,
+        model: BarPointerModel | None = None,
     ) -> None:
         """`source`: the events' source name; `energy`: whether MusicHeard events describe each beat; `measures`: the
-        known measures of the piece, which are told instead of tracked beats while there are any.
+        known measures of the piece, which are told instead of tracked beats while there are any; `model`: the metres
+        and tempi that the tracker expects.
 
         ValueError for an impossible sample rate.
         """
-        self.tracker, self.note = make_tracker(tracker, sample_rate)
+        self.tracker, self.note = make_tracker(tracker, sample_rate, model)
         self.seeds: deque[TrackerHint] = deque(maxlen=64) if seeds is None else seeds
         """Manual corrections for the tracker; they are applied and removed with the next samples."""
         self._corrected_tracker = self.tracker if isinstance(self.tracker, BeatTracker) else None

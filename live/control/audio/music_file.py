@@ -1,5 +1,6 @@
 """Music files: decoding into memory, and offline analysis."""
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -21,6 +22,19 @@ DOWNBEAT_LEAD: Final = 30.0
 
 It is announced early so that a score that starts with it is not late, and no tracker moves the measure lines before it.
 """
+
+
+_TEMPO_IN_NAME: Final = re.compile(
+    r"(?<![0-9.])([0-9]{2,3}(?:\.[0-9]+)?)[ _-]?bpm|bpm[ _-]?([0-9]{2,3})(?![0-9])", re.I
+)
+TEMPO_MIN, TEMPO_MAX = 40.0, 240.0
+
+
+def tempo_in_name(name: str) -> float | None:
+    """Return the tempo in the name of a song, such as "Waltz 90 bpm" [bpm]; None if it has none from 40 to 240."""
+    found = _TEMPO_IN_NAME.search(name)
+    tempo = 0.0 if found is None else float(found[1] or found[2])
+    return tempo if TEMPO_MIN <= tempo <= TEMPO_MAX else None
 
 
 class MusicFileError(ValueError):

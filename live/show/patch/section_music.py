@@ -4,9 +4,10 @@ import itertools
 from typing import Annotated, Final, Literal
 
 import numpy as np
-from pydantic import Field, ValidationInfo, model_validator
+from pydantic import Field, ValidationInfo, field_validator, model_validator
 
 from live.base.motion_parameters import MOTION_KEYS
+from live.clock.bar_pointer.metre import DEFAULT, Metre
 from live.clock.follower.clock_source import PRIORITY, SourceName
 from live.clock.measure_map import MIN_MEASURE_S, MeasureLine, MeasureMap, Phrase
 from live.show.patch.section_base import InvalidEntry, Section, run_check
@@ -116,8 +117,12 @@ class ClockSection(Section):
     """Music outside this range [bpm] is danced at half or double tempo."""
     tracker: Literal["network", "aubio"] = "network"
     """Beat tracker for sound: the neural network, which also finds the measure, or aubio's tempo tracker."""
+    metres: Annotated[tuple[int | str, ...], Field(min_length=1, max_length=16)] = tuple(m.beats for m in DEFAULT)
+    """Metres that the music may have: beats of a measure, 2 to 9, or its groups, such as "3+2"."""
     follow_metre: bool = False
     """Whether the music may change the number of beats of a measure; otherwise only manual control does."""
+    likely_bpm: Annotated[float, Field(ge=40, le=240)] | None = None
+    """The tempo that the beat of the music is likely to have; it decides between half and double."""
 
     @model_validator(mode="after")
     def _range_is_an_octave(self) -> "ClockSection":
@@ -125,6 +130,13 @@ class ClockSection(Section):
         if highest < 2.0 * lowest:
             raise ValueError(f"tempo_range [{lowest:g}, {highest:g}]: the second must be at least twice the first")
         return self
+
+    @field_validator("metres")
+    @classmethod
+    def _metres_are_known(cls, metres: tuple[int | str, ...]) -> tuple[int | str, ...]:
+        for metre in metres:
+            Metre.parse(metre)
+        return metres
 
     @model_validator(mode="after")
     def _sources_differ(self) -> "ClockSection":

@@ -55,6 +55,21 @@ def test_table_csv_click_and_timeline_are_written_for_file(music: Path, tmp_path
     assert float(heading.split(" bpm")[0].split()[-1]) == pytest.approx(120.0, abs=0.5)
 
 
+def test_likely_tempo_and_metres_decide_how_clicks_are_counted(music: Path) -> None:
+    """Clicks without any accent: the operator or the file's name says what they are."""
+
+    def told(path: Path, *options: str) -> tuple[float, set[int]]:
+        report = json.loads(run_live("beats", str(path), "--json", *options).stdout)
+        return report["bpm"], {beat["beats_per_measure"] for beat in report["beats"]}
+
+    assert told(music)[0] == pytest.approx(120.0, rel=0.02)
+    assert told(music, "--likely-bpm", "55")[0] == pytest.approx(60.0, rel=0.02)
+    named = music.with_name("slow clicks 60 bpm.wav")
+    named.write_bytes(music.read_bytes())
+    assert told(named)[0] == pytest.approx(60.0, rel=0.02)
+    assert told(music, "--metres", "2+3")[1] == {5}
+
+
 def test_stream_prints_beats_while_audio_arrives() -> None:
     """In a process of its own, as the benchmark starts it; each beat is printed before its time."""
     sound, times = clicks(120, RATE, 8.0)
@@ -81,6 +96,9 @@ def test_stream_prints_beats_while_audio_arrives() -> None:
         (("a.wav", "--tap-bpm", "90"), "belong together"),
         (("a.wav", "--tap-bpm", "900", "--at", "3"), "--tap-bpm 900"),
         (("a.wav", "--one-at", "nan"), "--one-at nan"),
+        (("a.wav", "--likely-bpm", "700"), "--likely-bpm 700"),
+        (("--stdin", "--metres", "3,1"), "--metres '1': a measure has 2 to 9 beats"),
+        (("--stdin", "--metres", "4/4"), "number of beats such as 5"),
         (("a.wav", "--timeline", "/no/such/folder/t.csv"), "cannot be written"),
     ],
 )

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from live.clock.bar_pointer.bar_pointer import BarPointer
+from live.clock.bar_pointer.metre import METRES, USED, slot_metre
 from live.clock.bar_pointer.observation_model import likelihoods
-from live.clock.bar_pointer.metre import METRES, USED, Metre, slot_metre
 from live.clock.bar_pointer.state_space import REACH, BarPointerModel
 from live.clock.bar_pointer.transition_model import FREE_RANGE
 

@@ -14,7 +14,7 @@ from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from live.control.audio import music_file
 from live.control.audio.analysis import AudioAnalysis
-from live.control.audio.music_file import Music, MusicFileError, OfflineMusic, read_music
+from live.control.audio.music_file import Music, MusicFileError, OfflineMusic, read_music, tempo_in_name
 from live.control.events.events import BeatHeard, ControlEvent, One, SourceChanged
 from tests.clock.clicks import clicks
 
@@ -81,6 +81,17 @@ def test_invalid_music_files_are_refused_with_reason(tmp_path: Path) -> None:
     noise.write_bytes(np.random.default_rng(0).bytes(20_000))
     refusal(noise)
     assert "0.00 s of sound" in refusal(write_wav(tmp_path / "short.wav", np.zeros(10, np.float32)))
+
+
+@pytest.mark.parametrize(
+    ("name", "tempo"),
+    [
+        ("Waltz 90 bpm", 90.0), ("92.5BPM_groove", 92.5), ("loop-128-bpm", 128.0), ("bpm 70", 70.0), ("track 07", None),
+        ("bpm", None), ("1120 bpm", None), ("20 bpm", None), ("300bpm", None), ("12.5.130 bpm", None),
+    ],
+)  # fmt: skip
+def test_tempo_is_read_from_name(name: str, tempo: float | None) -> None:
+    assert tempo_in_name(name) == tempo
 
 
 def test_unsupported_sample_rate_is_refused(tmp_path: Path) -> None:

@@ -18,6 +18,9 @@ from tests.show.made_show import PATCH
         ("[stage]\nwidth = nan", "line 3: stage.width", "found nan"),
         ("seed = -1", "line 2: seed", "found -1"),
         ("[camera]\neye = [0, 0, 0]\ntarget = [0, 0, 0]", "line 2: camera", "the camera looks nowhere"),
+        ("[clock]\nmetres = [3, 12]", "line 3: clock.metres", "2 to 9 beats"),
+        ("[clock]\nmetres = []", "line 3: clock.metres", "at least 1"),
+        ("[clock]\nlikely_bpm = 300", "line 3: clock.likely_bpm", "less than or equal to 240"),
         ("[clock]\nbpm = 1000", "line 3: clock.bpm", "less than or equal to 400"),
         (
             '[[element]]\nkind = "explode"\nmeasure = 1',
