@@ -217,3 +217,16 @@ def test_a_browser_without_webgl_keeps_the_stage_from_above(show: Studio, page: 
     page.get_by_role("button", name="3D", exact=True).click()
     page.get_by_text("3D needs WebGL").wait_for()
     assert page.locator(".solid").count() == 0
+
+
+def test_the_other_measure_line_is_shown_and_can_be_pressed(show: Studio, page: Any) -> None:
+    alignment = show.show.follower._alignment
+    assert page.get_by_role("button", name="later").count() == 0
+    alignment.runner_up = (1.0, 0.4)
+    page.get_by_role("button", name="or the one 1 beat later 40 %").wait_for()
+    alignment.runner_up, alignment._pinned, alignment._likely_since = (2.0, 0.95), True, -1000.0  # for many measures
+    asks = page.get_by_role("button", name="Is the one 2 beats later? 95 %")
+    asks.wait_for()
+    page.evaluate("window.taken = []; studio.values.send = (address) => window.taken.push(address); 0")
+    asks.click()
+    assert page.evaluate("window.taken") == ["/dance/clock/take"]

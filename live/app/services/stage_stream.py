@@ -140,6 +140,7 @@ class StageStream:
             "beat": round(show.span.fraction(show.timeline.beat_at(show.time)) * show.desk.beats + 1.0, 3),
             "bpm": round(show.follower.tempo, 2), "section": playhead.section_name(place),
             "score_measure": playhead.written_measure(place) + 1, "source": show.follower.source,
+            "runner_up": list(show.follower.runner_up), "asks": show.follower.asks,
             "elements": rows[:MAX_ELEMENTS], "late_frames": self._late_frames(), "frame_ms": round(period * 1e3, 1),
         }  # fmt: skip
 

@@ -13,6 +13,10 @@ export interface Clock {
   section: string | null;
   score_measure: number;
   source: string;
+  /** The most likely other measure line: how many beats later, and its share. */
+  runner_up: [number, number];
+  /** Whether the operator is asked about it. */
+  asks: boolean;
   elements: StageElement[];
   late_frames: number;
   frame_ms: number;

@@ -1,7 +1,10 @@
 import { Dialog } from "../ui/dialog";
 import { KEY_PAGES } from "../ui/keys";
+import type { Clock } from "../model/document";
 import { personColour, type Studio, type View } from "../model/studio";
 
+/** From this share on the other measure line is shown, as on the overlay. */
+const SHOWN_SHARE = 0.3;
 const VIEWS: [View, string][] = [["make", "Make"], ["play", "Play"], ["show", "Show"], ["storyboard", "Storyboard"]];
 
 export function Header({ studio }: { studio: Studio }) {
@@ -23,6 +26,7 @@ export function Header({ studio }: { studio: Studio }) {
         <b>{clock && clock.measure > 0 ? `${clock.score_measure}.${Math.max(1, Math.floor(clock.beat))}` : "–"}</b>
         <span>{clock ? `${clock.bpm.toFixed(1)} bpm` : ""}</span>
         <span>{clock?.section ?? ""}</span>
+        {clock && (clock.asks || clock.runner_up[1] >= SHOWN_SHARE) && <OtherLine clock={clock} take={() => studio.values.send("/dance/clock/take")} />}
       </div>
       <div class="tools">
         <button onClick={() => void doc.undo()} title="Undo (Ctrl+Z)">Undo</button>
@@ -40,6 +44,13 @@ export function Header({ studio }: { studio: Studio }) {
     {studio.helping.value && <Keys onClose={() => { studio.helping.value = false; }} />}
     </>
   );
+}
+
+/** The measure line that the music suggests beside the one that is danced; one press takes it. */
+function OtherLine({ clock, take }: { clock: Clock; take: () => void }) {
+  const [later, share] = clock.runner_up;
+  const words = `${clock.asks ? "Is the one" : "or the one"} ${later} ${later === 1 ? "beat" : "beats"} later${clock.asks ? "?" : ""} ${Math.round(100 * share)} %`;
+  return <button class={clock.asks ? "asks" : ""} title="Move the measure line there (-)" onClick={take}>{words}</button>;
 }
 
 function Keys({ onClose }: { onClose: () => void }) {

@@ -113,11 +113,13 @@ def test_the_clock_has_elements_with_their_measures_and_the_lateness(night: Stre
     assert isinstance(event, ControlEvent)
     night.inbox.put(event)
     night.run(1.0)
+    night.show.follower._alignment.runner_up = (2.0, 0.45)  # of another line
     night.stream._count = 1  # the next but one has a clock
     list(night.stream.packets(100.0, WANTS))
     packets = [packet for turn in range(4) for packet in night.stream.packets(100.25 + turn / 30, WANTS)]
     clock = texts_of(packets, "clock")[0]
     assert clock["late_frames"] == 3
+    assert (clock["runner_up"], clock["asks"]) == ([2.0, 0.45], False)
     assert clock["frame_ms"] == pytest.approx(250.0)
     (element,) = clock["elements"]
     assert (element["at"], element["strength"]) == ([1.0, -0.5], 1.5)
