@@ -25,10 +25,14 @@ PREDICTION_DISTANCE: Final = 12.0
 """Curves are compared by their prediction of the pulse half a beat ahead."""
 
 REJECTION_THRESHOLD: Final = 4.6
-"""Standard errors of a mean residual that reject a curve. The limit is high because each of a song's thousands of
-pulses
-brings ten tests, and a false rejection leaves only a short window for the tempo.
+"""Standard errors of a mean residual, or of the difference to a shorter curve's prediction, that reject a curve.
+
+The limit is high because each of a song's thousands of pulses brings ten tests, and a false rejection leaves only a
+short window for the tempo.
 """
+
+STEADY_PULSES: Final = 96
+"""If no line of so many pulses or more fits, the tempo moves, and short lines only hide how."""
 
 _HANKEL: Final = np.array(((0, 1, 2), (1, 2, 3), (2, 3, 4)))
 
@@ -122,7 +126,10 @@ def fit(
     variance = np.where(bent, _variance_ahead(lengths * 1.0, 2), _variance_ahead(lengths * 1.0, 1))
     if keep:
         variance[-1] = 0.0
-    doubt = _misfit(moments, lengths, bent, curves, noise)
+    doubt = np.maximum(_misfit(moments, lengths, bent, curves, noise), _bias(curves, variance, noise))
+    long = ~bent & (lengths >= STEADY_PULSES)
+    if long.any() and np.all(doubt[long] > 1.0) and np.any(doubt[bent] <= 1.0):
+        doubt[~bent] = np.inf
     chosen = next((int(i) for i in np.argsort(variance) if doubt[i] <= 1.0), int(np.argmin(doubt)))
     offset, slope, bend = (float(value) for value in curves[:, chosen])
     return PulseFit(last, float(times[-1]) + offset, max(rough + slope, PERIOD_MIN), bend, noise, int(lengths[chosen]))
@@ -140,6 +147,20 @@ def _curves(m: Times, bent: npt.NDArray[np.bool_]) -> Times:
     matrices[few] = np.eye(3)
     right[few] = np.nan
     return np.asarray(np.linalg.solve(matrices, right[:, :, None])[:, :, 0].T)
+
+
+def _bias(curves: Times, variance: Times, noise: float) -> Times:
+    """Return how far the prediction of each curve is outside those of the shorter ones, shape (C,); 1 is the limit.
+
+    A shorter window predicts less exactly, but with less bias: where both differ by more than chance, the longer one is
+    wrong (the intersection of confidence intervals).
+    """
+    ahead = curves[0] + PREDICTION_DISTANCE * (curves[1] + PREDICTION_DISTANCE * curves[2])
+    off = np.abs(ahead[:, None] - ahead[None, :])
+    allowed = REJECTION_THRESHOLD * noise * np.sqrt(np.maximum(variance[None, :] - variance[:, None], 1e-12))
+    shorter = (variance[None, :] > variance[:, None]) & np.isfinite(ahead)[None, :]
+    worst = np.max(np.where(shorter, off / allowed, 0.0), axis=1, initial=0.0)
+    return np.where(np.isfinite(ahead), worst, np.inf)
 
 
 def _misfit(
