@@ -1,5 +1,6 @@
 """Bar pointer: forward filter over tempo, phase, beat and metre, frame by frame."""
 
+import math
 from typing import Final
 
 import numpy as np
@@ -14,10 +15,11 @@ from live.clock.bar_pointer.bar_pointer_kernels import (
     phase_histogram,
     refine,
     search,
+    weigh_slots,
 )
 from live.clock.bar_pointer.beat_regression import BeatRegression, MeasurePosition
 from live.clock.bar_pointer.line_evidence import LineEvidence
-from live.clock.bar_pointer.metre import FIRST_SLOT, USED, counted_metre
+from live.clock.bar_pointer.metre import FIRST_SLOT, PREVIOUS, USED, counted_metre
 from live.clock.bar_pointer.observation_model import ActivationPhase, likelihoods
 from live.clock.bar_pointer.state_space import BarPointerModel, StateSpace
 from live.clock.bar_pointer.transition_model import ManualConstraints, tempo_to_interval
@@ -35,6 +37,9 @@ likelihoods grows from this share to the whole in so long [s], unless another gr
 like a downbeat, and the network counts on from it."""
 SETTLING_RATIO: Final = 20.0
 """... and another line must be so much more likely than usual, at first."""
+CUE_SHARPNESS: Final = 0.5
+MAX_CUE: Final = 1.5
+"""Exponent of the odds by measure cues, and the most that one beat changes the odds of a line (natural logarithm)."""
 SURE_BEATS: Final = 0.7
 """Beats of this confidence are sure."""
 HAND_ERROR: Final = 0.25
@@ -158,6 +163,21 @@ class BarPointer:
         place = self._position
         in_window = 0.0 <= place.phase * self.interval < len(self._window)
         self.line_evidence.step(in_window, place.metre, place.window_beat, beat, downbeat)
+
+    def add_cue(self, log_odds: float) -> None:
+        """Weigh the lines of the grid by the odds that the beat before the present one began a measure, given more than
+        half a beat after the present one."""
+        if self.interval <= 0.0 or self._manual.keeps_line:
+            return
+        strength = CUE_SHARPNESS * (1.0 - (1.0 - SETTLING_SHARPNESS) * self._settling)
+        gain = math.exp(min(max(strength * log_odds, -MAX_CUE), MAX_CUE)) - 1.0
+        factors = 1.0 + self._accents[PREVIOUS] * gain
+        place, states = self._position, self._states
+        usual = float(place.shares @ factors) / max(float(place.shares.sum()), 1e-30)
+        weigh_slots(
+            states.share, states.head, states.offset, states.length, self.interval, place.phase,
+            self.model.near_tempo, (factors / max(usual, 1e-6)).astype(np.float32),
+        )  # fmt: skip
 
     def set_tempo(self, bpm: float) -> None:
         """Set a tapped tempo and keep its metrical level. ValueError for a tempo outside the model's range."""

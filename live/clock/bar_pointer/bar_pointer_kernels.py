@@ -178,6 +178,26 @@ def clear_distant(state: Float32, head: Int32, offset: Int32, length: Int32, int
                     state[row, s] = zero
 
 
+@kernel("void(f4[:,::1], i4[::1], i4[::1], i4[::1], f8, f8, f8, f4[::1])")
+def weigh_slots(
+    state: Float32, head: Int32, offset: Int32, length: Int32, interval: float, phase: float, width: float,
+    factors: Float32,
+) -> None:  # fmt: skip
+    """Multiply the slots of the states near a grid by `factors`, shape (S,): within `width` (ratio) of `interval`, and
+    within `_FENCE` beats of `phase`, which is not so near to the end of the beat."""
+    for k in range(length.shape[0]):
+        n = length[k]
+        if abs(n / interval - 1.0) > width:
+            continue
+        for p in range(n):
+            if abs(p / n - phase) > _FENCE:
+                continue
+            at = head[k] + p
+            row = offset[k] + (at - n if at >= n else at)
+            for s in range(_SLOTS):
+                state[row, s] *= factors[s]
+
+
 @kernel("f8(f4[:,::1], i4[::1], i4[::1], i4[::1], f4[:,::1])", fastmath={"reassoc"})
 def phase_histogram(state: Float32, head: Int32, offset: Int32, length: Int32, histogram: Float32) -> float:
     """Sum all states by interval and phase of the beat: histogram (K, 24). Returns the total."""

@@ -156,6 +156,11 @@ class ManualConstraints:
         return self._middle > 0.0
 
     @property
+    def keeps_line(self) -> bool:
+        """Whether a downbeat was set."""
+        return self._line_is_set
+
+    @property
     def held_interval(self) -> float:
         """The interval [frames] about which the level is kept; 0 if none was set."""
         return self._middle

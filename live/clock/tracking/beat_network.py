@@ -221,6 +221,7 @@ class ActivationStream:
         self._level = LEVEL_FLOOR
         self._past = np.zeros((int(LAGS.max()) + 1, BAND_COUNT), np.float32)
         self._features = np.zeros(2 * BAND_COUNT, np.float32)
+        self._former = np.zeros(2 * BAND_COUNT, np.float32)
         self._allocate(INITIAL_CAPACITY)
 
     @property
@@ -277,10 +278,16 @@ class ActivationStream:
         self._level = follow_level(spectrum.bands, self._level)
         network_input(spectrum.bands, self._level, LAGS, self._past, spectrum.frames, self._features)
         count = self._activation.step(self._features)
+        assert count <= FRAMES_PER_STEP
         for index in range(count):
+            if index < count - 1:
+                self.features[first + index] = self._former
+            else:
+                self.features[first + index] = self._features
             self.position[first + index] = (spectrum.frames - count + 1 + index) * HOP - DELAY
             self.beat[first + index] = self._activation.beat[index]
             self.downbeat[first + index] = self._activation.downbeat[index]
+        self._former[:] = self._features
         return count
 
     def _allocate(self, frames: int) -> None:
@@ -290,3 +297,5 @@ class ActivationStream:
         """Probability of a beat, shape (frames,)."""
         self.downbeat = np.zeros(frames)
         """Probability of a downbeat, shape (frames,)."""
+        self.features = np.zeros((frames, 2 * BAND_COUNT), np.float32)
+        """Compressed bands and their rises, shape (frames, 2 BAND_COUNT)."""

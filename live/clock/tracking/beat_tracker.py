@@ -3,6 +3,9 @@
 import math
 from typing import Final
 
+import numpy as np
+import numpy.typing as npt
+
 from live.clock.bar_pointer.bar_pointer import BarPointer
 from live.clock.bar_pointer.state_space import BarPointerModel
 from live.clock.beat_announcer import BeatAnnouncer
@@ -10,6 +13,7 @@ from live.clock.beat_estimate import BeatEstimate, Samples
 from live.clock.silence import SilenceDetector
 from live.clock.tracking.beat_network import Activation, ActivationStream
 from live.clock.tracking.features import HOP
+from live.clock.tracking.measure_cues import CUE_WEIGHTS, MeasureCues
 
 TAP_MAX_AGE: Final = 6.0
 """A tap refers to the present beats if it is no further away than this [s]."""
@@ -33,6 +37,8 @@ class BeatTracker:
         self._activations = ActivationStream(sample_rate, activation)
         self._silence = SilenceDetector(HOP)
         self._announcer = BeatAnnouncer()
+        self._cues = MeasureCues(CUE_WEIGHTS)
+        self._grids = 0
         self._moment = 0.0
         self._downbeat_at = math.inf
         self.pointer = BarPointer(model)
@@ -121,9 +127,22 @@ class BeatTracker:
             pointer.resume(0.5 * min((ended - FRESH_AFTER) / FRESH_TIME, 1.0))
         elif listened and not quiet.expects_beats:
             pointer.restore_before(quiet.duration / HOP)
-        pointer.step(chance, float(hearing.downbeat[frame]), quiet.expects_beats)
+        downbeat = float(hearing.downbeat[frame])
+        pointer.step(chance, downbeat, quiet.expects_beats)
+        self._hear_cues(hearing.features[frame], chance, downbeat)
         if hearing.fed_seconds >= self._downbeat_at:
             time, self._downbeat_at = self._downbeat_at, math.inf
             self.set_downbeat(time)
         confidence = 0.0 if quiet.silent else pointer.confidence
         return self._announcer.beat(pointer, self._moment, hearing.fed_seconds, HOP, confidence)
+
+    def _hear_cues(self, features: npt.NDArray[np.float32], beat: float, downbeat: float) -> None:
+        """Pass what harmony and bass say of the last beats on to the pointer."""
+        pointer = self.pointer
+        if pointer.jumps != self._grids or not self._silence.expects_beats:
+            self._grids = pointer.jumps
+            self._cues.clear()
+        elif pointer.interval > 0.0:
+            found = self._cues.step(features, beat, downbeat, pointer.since_beat, pointer.interval)
+            if found is not None:
+                pointer.add_cue(found)

@@ -1,0 +1,128 @@
+"""python -m training.measure_cues WEIGHTS DATA...: fit the measure cues to recordings that the network has not learned.
+
+The features are the engine's own (`live.clock.tracking.measure_cues`), along the true beats. Prints the weights for
+that module, and on how many beats the line of the `--validation` recordings is right with and without them.
+"""
+
+import argparse
+import json
+import multiprocessing
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+import numpy.typing as npt
+import soundfile
+
+from live.clock.tracking.beat_network import ActivationStream, BeatNetwork, NetworkWeights
+from live.clock.tracking.features import HOP
+from live.clock.tracking.measure_cues import CONTEXT, FEATURES, BeatFeatures
+from training.features import read_beats
+from training.live_score import read_weights
+
+Floats = npt.NDArray[np.float64]
+Piece = tuple[Floats, npt.NDArray[np.int64], int]
+"""Features in context (n, CUES), place of each beat in its measure, beats of a measure."""
+
+BLOCK: Final = 512
+RIDGE: Final = 5.0
+STEPS: Final = 40
+MEMORY: Final = 10.0
+"""Measures over which evidence is summed for the printed figures."""
+
+
+def beat_features(sound: Path, weights: NetworkWeights) -> tuple[Floats, npt.NDArray[np.int64]]:
+    """(features (n, FEATURES), places (n,), 0 first) of the beats of a recording that are heard to their end."""
+    samples, rate = soundfile.read(sound, dtype="float32", always_2d=True)
+    samples = samples.mean(axis=1)
+    times, places = read_beats(sound.with_suffix(".beats"))
+    stream, collect = ActivationStream(rate, BeatNetwork(weights)), BeatFeatures()
+    rows: list[Floats] = []
+    kept: list[int] = []
+    for start in range(0, samples.size, BLOCK):
+        for frame in range(stream.feed(samples[start : start + BLOCK])):
+            moment = float(stream.position[frame])
+            index = int(np.searchsorted(times, moment, side="right")) - 1
+            if not 0 <= index < times.size - 1:
+                continue
+            interval = float(times[index + 1] - times[index]) / HOP
+            found = collect.step(
+                stream.features[frame], float(stream.beat[frame]), float(stream.downbeat[frame]),
+                (moment - float(times[index])) / HOP, interval,
+            )  # fmt: skip
+            if found is not None:
+                rows.append(found)
+                kept.append(int(places[index]) - 1)
+    return np.array(rows).reshape(-1, FEATURES), np.array(kept, np.int64)
+
+
+def read_piece(sound: Path, weights: NetworkWeights) -> Piece | None:
+    """The piece of a recording with known, uninterrupted measures; None for others."""
+    facts = json.loads(sound.with_suffix(".json").read_text(encoding="utf-8"))
+    whole = not facts.get("ignore") and not any(str(word).startswith("then") for word in facts.get("done", []))
+    if not facts.get("has_downbeat", True) or not whole:
+        return None
+    rows, places = beat_features(sound, weights)
+    if len(rows) < 4 * CONTEXT:
+        return None
+    joined = np.concatenate([rows[k : len(rows) - CONTEXT + 1 + k] for k in range(CONTEXT)], axis=1)
+    return joined, places[CONTEXT // 2 : len(rows) - CONTEXT // 2], int(facts["beats_per_bar"])
+
+
+def fit(rows: Floats, truth: Floats) -> Floats:
+    """Weights and a constant of a logistic regression (Newton's method), (columns + 1,)."""
+    rows = np.column_stack((rows, np.ones(len(rows))))
+    weights = np.zeros(rows.shape[1])
+    ridge = RIDGE * np.append(np.ones(rows.shape[1] - 1), 0.0)
+    for _ in range(STEPS):
+        chance = 1.0 / (1.0 + np.exp(-(rows @ weights)))
+        slope = rows.T @ (chance - truth) + ridge * weights
+        bend = (rows * (chance * (1.0 - chance))[:, None]).T @ rows + np.diag(ridge + 1e-6)
+        weights -= np.linalg.solve(bend, slope)
+    return weights
+
+
+def right_lines(pieces: list[Piece], columns: list[int], weights: Floats) -> float:
+    """Mean share of beats at which the line with the most evidence so far is the right one."""
+    shares = []
+    for rows, places, metre in pieces:
+        odds = rows[:, columns] @ weights[:-1] + weights[-1]
+        score, right = np.zeros(metre), []
+        for place, said in zip((places % metre).tolist(), odds.tolist(), strict=True):
+            score[place] = (1.0 - 1.0 / MEMORY) * score[place] + said
+            right.append(int(score.argmax()) == 0)
+        shares.append(np.mean(right[8:]))
+    return float(np.mean(shares))
+
+
+def main() -> None:
+    """Command line."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("weights", type=Path)
+    parser.add_argument("data", type=Path, nargs="+")
+    parser.add_argument("--validation", type=Path, nargs="*", default=[])
+    parser.add_argument("--jobs", type=int, default=2)
+    options = parser.parse_args()
+    network = read_weights(options.weights)
+
+    def pieces(folders: list[Path]) -> list[Piece]:
+        sounds = [(sound, network) for folder in folders for sound in sorted(folder.glob("*.wav"))]
+        with multiprocessing.get_context("fork").Pool(options.jobs) as pool:
+            return [piece for piece in pool.starmap(read_piece, sounds, chunksize=2) if piece is not None]
+
+    learned, held_out = pieces(options.data), pieces(options.validation)
+    rows = np.concatenate([piece[0] for piece in learned])
+    truth = np.concatenate([(piece[1] == 0).astype(np.float64) for piece in learned])
+    middle = FEATURES * (CONTEXT // 2) + FEATURES - 1
+    everything = list(range(rows.shape[1]))
+    both, alone = fit(rows, truth), fit(rows[:, [middle]], truth)
+    print(len(learned), "recordings,", len(rows), "beats")
+    print("(", ", ".join(f"{value:.3f}" for value in np.concatenate((both, alone))), ")")
+    for name, group in (("learned", learned), ("held out", held_out)):
+        if group:
+            words = f"{right_lines(group, [middle], alone):.3f} with the network alone"
+            print(f"{name}: line right {words}, {right_lines(group, everything, both):.3f} with cues")
+
+
+if __name__ == "__main__":
+    main()
