@@ -37,7 +37,7 @@ likelihoods grows from this share to the whole in so long [s], unless another gr
 like a downbeat, and the network counts on from it."""
 SETTLING_RATIO: Final = 20.0
 """... and another line must be so much more likely than usual, at first."""
-CUE_SHARPNESS: Final = 0.5
+CUE_SHARPNESS: Final = 1.0
 MAX_CUE: Final = 1.5
 """Exponent of the odds by measure cues, and the most that one beat changes the odds of a line (natural logarithm)."""
 SURE_BEATS: Final = 0.7

@@ -25,7 +25,7 @@ SLOTS: Final = 48
 """Slots of each (interval, position); those from `USED` on fill the processor's registers."""
 MAX_METRE: Final = METRES[-1]
 
-USUAL: Final = {2: 0.015, 3: 0.2, 4: 0.735, 5: 0.004, 6: 0.05, 7: 0.004, 8: 0.01, 9: 0.002}
+USUAL: Final = {2: 0.015, 3: 0.2, 4: 0.735, 5: 0.008, 6: 0.05, 7: 0.006, 8: 0.01, 9: 0.006}
 """Prior of each metre; many measures of four also fit a metre of two."""
 GROUPS: Final = {
     2: ((2,),), 3: ((3,),), 4: ((2, 2),), 5: ((3, 2), (2, 3)), 6: ((3, 3),), 7: ((2, 2, 3), (3, 2, 2)), 8: ((4, 4),),

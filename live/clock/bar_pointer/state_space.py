@@ -65,7 +65,7 @@ class BarPointerModel:
     """Share of the measures in which the first beat of a group sounds like a downbeat."""
     sharpness: float = 0.6
     """Exponent of the likelihoods, because neighbouring frames are correlated."""
-    downbeat_sharpness: float = 0.8
+    downbeat_sharpness: float = 0.6
     """Exponent of the likelihoods of downbeats."""
     ratio_max: float = 60.0
     ratio_min: float = 0.02

@@ -41,33 +41,11 @@ _BASS_LINE: Final = 18
 """Lowest bands of the long window that the bass's pitch is taken from: up to 300 Hz."""
 
 CUE_WEIGHTS: Final = np.array(
-    (
-        -0.297,
-        0.006,
-        0.028,
-        0.054,
-        -0.041,
-        -0.063,
-        0.056,
-        0.774,
-        -0.011,
-        0.034,
-        0.077,
-        0.280,
-        0.073,
-        0.703,
-        -0.483,
-        0.040,
-        -0.265,
-        -0.191,
-        -0.111,
-        0.314,
-        -0.291,
-        -1.168,
-        0.880,
-        -0.727,
-    )
-)
+    (-0.281, -0.023, 0.052, 0.017, -0.079, -0.000, 0.002, 0.750, 0.007, -0.012, -0.036, 0.271, 0.135, 0.829, -0.493,
+     0.068, -0.244, -0.164, -0.066, 0.209, -0.273, -1.092, 0.991, -0.601)
+)  # fmt: skip
+"""Made by `training.measure_cues`, see there: of the beat before, the beat, the one after, and a constant; then of the
+network's word alone, and a constant."""
 
 
 class BeatFeatures:

@@ -34,9 +34,10 @@ def test_beats_are_found_at_any_tempo(bpm: float) -> None:
 
 @pytest.mark.parametrize("metre", METRES)
 def test_every_metre_and_its_downbeat_are_found(metre: int) -> None:
-    activations = groove(126.0, metre, 16.0)
+    after = 10.0 if metre in (2, 3, 4, 6) else 18.0  # rare metres need more measures
+    activations = groove(126.0, metre, after + 6.0)
     pointer = BarPointer(BarPointerModel(metres=(*DEFAULT, Metre(8)))) if metre == 8 else BarPointer()
-    assert beat_number_accuracy(follow(pointer, activations), activations, metre, 10.0) == 1.0
+    assert beat_number_accuracy(follow(pointer, activations), activations, metre, after) == 1.0
 
 
 def test_only_the_metres_given_are_found() -> None:
