@@ -36,7 +36,9 @@ SETTLING_SHARPNESS: Final = 0.1
 likelihoods grows from this share to the whole in so long [s], unless another grid is found: whatever comes first sounds
 like a downbeat, and the network counts on from it."""
 SETTLING_RATIO: Final = 20.0
-"""... and another line must be so much more likely than usual, at first."""
+"""... and another line, or half or double the tempo, must be so much more likely than usual, at first."""
+SAME_LEVEL_OCTAVES: Final = 0.1
+"""Grids whose tempi differ by an octave, to within this, are levels of the same music."""
 CUE_SHARPNESS: Final = 1.0
 MAX_CUE: Final = 1.5
 """Exponent of the odds by measure cues, and the most that one beat changes the odds of a line (natural logarithm)."""
@@ -304,7 +306,7 @@ class BarPointer:
             model.near_tempo, _SIDE_BINS, found,
         )  # fmt: skip
         self.rival_share, near = float(found[2]) / total, float(found[3]) / total
-        self._challenged = self._challenged + 1 if self.rival_share > model.switch_ratio * near else 0
+        self._challenged = self._challenged + 1 if self.rival_share > self._switch_ratio(found[0]) * near else 0
         if not anew and self._challenged <= model.switch_surveys:
             self._manual.follow_drift(self.interval)
             return False
@@ -312,6 +314,13 @@ class BarPointer:
         self.interval, self._position.phase = float(found[0]), float(found[1])
         self._challenged = 0
         return True
+
+    def _switch_ratio(self, rival: float) -> float:
+        """Return how much larger the share of another grid of interval `rival` [frames] must be."""
+        model = self.model
+        if self.interval <= 0.0 or abs(abs(math.log2(rival / self.interval)) - 1.0) > SAME_LEVEL_OCTAVES:
+            return model.switch_ratio
+        return model.level_ratio * (1.0 + SETTLING_RATIO * self._settling)
 
     def _follow(self, switched: bool) -> None:
         """Move the grid to the mean of the states near it, and set the beat of the measure that most of them have."""

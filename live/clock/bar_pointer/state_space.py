@@ -82,6 +82,8 @@ class BarPointerModel:
     """States within this ratio of an interval and this many beats of a phase belong to one grid."""
     switch_ratio: float = 3.0
     """The grid is replaced by another one with this many times its share of the states ..."""
+    level_ratio: float = 10.0
+    """... or this many times, if it is half or double the tempo ..."""
     switch_surveys: int = 2
     """... in more than this many searches."""
     line_ratio: float = 2.0
