@@ -22,16 +22,18 @@ from training.rendering.tone import tone
 SPLITS = ("train", "validation", "held-out")
 
 
-def choose(rng: Random, split: str) -> Style:
-    """A style by weight: those held out only in `held-out`; in `validation` a third are."""
+def choose(rng: Random, split: str, families: tuple[str, ...] = ()) -> Style:
+    """A style (of these families) by weight: those held out only in `held-out`; in `validation` a third are."""
     held = split == "held-out" or (split == "validation" and rng.random() < 0.33)
     pool = [STYLES[name] for name in sorted(STYLES) if STYLES[name].held_out == held]
+    if families:
+        pool = [style for style in pool if style.family in families]
     return rng.choices(pool, [style.weight for style in pool])[0]
 
 
 def take_of(rng: Random, piece: Piece, seconds: float, font: str) -> Take:
     """A piece performed, synthesised and cut: from its very beginning (with some silence before) or from anywhere."""
-    notes = piece.perform(rng)
+    notes, fewer = _fewer(rng, piece, piece.perform(rng))
     beats = piece.beats()
     bar = beats[piece.metre.beats][0] - beats[0][0]
     if rng.random() < 0.25:
@@ -55,14 +57,37 @@ def take_of(rng: Random, piece: Piece, seconds: float, font: str) -> Take:
     take = Take(sound, kept, ignore)
     if lead > 0.8:
         take.done.append("starts after silence")
+    if fewer:
+        take.done.append(fewer)
     return take
+
+
+def _fewer(rng: Random, piece: Piece, notes: list[Sounding]) -> tuple[list[Sounding], str]:
+    """The notes, of some pieces without those of the drums, of some with those alone; and what was left out.
+
+    The beats stay the same. Pieces of drummers keep their drums; nobody is left who plays too little to tell a beat.
+    """
+    draw = rng.random()
+    drums = _drums(piece)
+    if draw >= 0.2 or STYLES[piece.style].family in ("drums", "hand drums"):
+        return notes, ""
+    kept = [note for note in notes if (note.channel in drums) == (draw >= 0.15)]
+    onsets = len({round(note.time, 1) for note in kept})
+    if len(kept) == len(notes) or onsets < 0.8 * len(piece.beats()):
+        return notes, ""
+    return kept, "without drums" if draw < 0.15 else "drums alone"
+
+
+def _drums(piece: Piece) -> set[int]:
+    """The channels of kits and of tuned drums."""
+    return {channel for channel, program in piece.programs() if channel == 9 or 115 <= program <= 118}
 
 
 def _sound(rng: Random, piece: Piece, notes: list[Sounding], font: str, seconds: float) -> Mono:
     """The notes through a font with a drawn mix; the drums sometimes through a drum machine of our own."""
     programs = piece.programs()
     controls = tone(rng, [channel for channel, _ in programs])
-    drums = {channel for channel, program in programs if channel == 9 or 115 <= program <= 118}
+    drums = _drums(piece)
     if not drums or rng.random() > 0.22:
         return synthesise(notes, programs, fonts()[font], seconds, controls)
     ours = play(rng, [note for note in notes if note.channel in drums], seconds)
@@ -84,10 +109,12 @@ def _silences(notes: list[Sounding], hang: float, seconds: float) -> list[tuple[
     return found
 
 
-def make(split: str, seed: int, index: int, seconds: float) -> tuple[Mono, list[tuple[float, int]], dict[str, object]]:
+def make(
+    split: str, seed: int, index: int, seconds: float, families: tuple[str, ...] = ()
+) -> tuple[Mono, list[tuple[float, int]], dict[str, object]]:
     """One item: sound, beats, and what is known about it. The same arguments give the same item."""
     rng = Random(f"{split}/{seed}/{index}")
-    style = choose(rng, split)
+    style = choose(rng, split, families)
     have = fonts()
     names = [name for name in FONTS if name in have]
     font = rng.choices(names, [FONTS[name] for name in names])[0]
@@ -95,7 +122,7 @@ def make(split: str, seed: int, index: int, seconds: float) -> tuple[Mono, list[
     take = take_of(rng, piece, seconds, font)
     known = piece.has_downbeat
     if rng.random() < 0.1:  # a medley: another piece takes over, on the spot
-        other = choose(rng, split)
+        other = choose(rng, split, families)
         after = compose(rng, other.name, seconds + 8)
         take = _medley(rng, take, take_of(rng, after, seconds, font), seconds)
         known = known and after.has_downbeat
@@ -128,9 +155,9 @@ def _medley(rng: Random, first: Take, second: Take, seconds: float) -> Take:
     return Take(np.asarray(sound, np.float32), beats, ignore, [*first.done, *second.done])
 
 
-def write(folder: Path, index: int, split: str, seed: int, seconds: float) -> str:
+def write(folder: Path, index: int, split: str, seed: int, seconds: float, families: tuple[str, ...] = ()) -> str:
     """Makes and writes one item: NNNNN.wav, NNNNN.beats, NNNNN.json. Returns its style."""
-    sound, beats, facts = make(split, seed, index, seconds)
+    sound, beats, facts = make(split, seed, index, seconds, families)
     stem = folder / f"{index:05d}"
     data = np.clip(np.round(sound * 32767), -32768, 32767).astype("<i2").tobytes()
     with wave.open(str(stem.with_suffix(".wav")), "wb") as file:
@@ -154,6 +181,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seconds", type=float, default=45.0)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--split", choices=SPLITS, default="train")
+    parser.add_argument("--families", nargs="*", default=[], help="only styles of these families")
     wanted = parser.parse_args(arguments)
     reason = available()
     if reason is not None:
@@ -162,7 +190,7 @@ def main(arguments: list[str] | None = None) -> int:
     wanted.folder.mkdir(parents=True, exist_ok=True)
     with ProcessPoolExecutor(wanted.jobs) as pool:
         jobs = [
-            pool.submit(write, wanted.folder, index, wanted.split, wanted.seed, wanted.seconds)
+            pool.submit(write, wanted.folder, index, wanted.split, wanted.seed, wanted.seconds, tuple(wanted.families))
             for index in range(wanted.first, wanted.first + wanted.count)
         ]
         for done, job in enumerate(as_completed(jobs), 1):

@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 
 import training.music.styles  # noqa: F401 (registers the styles)
+from training.music.build import _rest
 from training.music.harmony import Key, voicing
 from training.music.melody import rhythm
 from training.music.pattern import parse, weave
 from training.music.piece import COMMON, JIG, THREE, Feel, Metre, Piece
 from training.music.registry import STYLES, compose
+from training.music.styles.odd_metres import line, metre_of
 from training.music.tempo import change, expressive, human, steady
 
 FAMILIES = sorted({style.family for style in STYLES.values()})
@@ -27,7 +29,7 @@ def _check_piece(piece: Piece) -> None:
     beats = piece.beats()
     times = np.array([time for time, _ in beats])
     assert (np.diff(times) > 0.15).all()
-    assert np.diff(times).max() < 6.5
+    assert np.diff(times).max() < 6.5 + sum(length for _, length in piece.clock.gaps)
     assert [place for _, place in beats] == [index % piece.metre.beats + 1 for index in range(len(beats))]
     assert times[-1] - times[0] > 10.0
     notes = piece.perform(Random(1))
@@ -70,6 +72,25 @@ def test_styles_cover_wide_tempo_and_meter_ranges() -> None:
     assert {plan.metre.name for plan in plans} >= {"2/4", "3/4", "4/4", "6/8", "12/8"}
     held = [style for style in STYLES.values() if style.held_out]
     assert 5 <= len(held) <= len(STYLES) / 5
+
+
+def test_odd_metres_count_every_beat_of_their_groups() -> None:
+    assert metre_of((2, 2, 3)) == Metre(7, 2, (2, 4))
+    assert line((2, 2, 3), "X.", "x.", "o.") == "X...x...o....."
+    counted = {
+        compose(Random(seed), style.name, 4.0).metre.beats
+        for style in STYLES.values()
+        for seed in range(12)
+        if style.family == "odd"
+    }
+    assert counted >= {5, 7, 9, 11}
+
+
+def test_rests_last_whole_bars_or_a_few_beats() -> None:
+    piece = compose(Random(2), "rock", 4.0)
+    rests = [_rest(Random(seed), piece) * 60 / piece.bpm for seed in range(200)]
+    assert 0.2 < min(rests) < 2.0 < np.median(rests) < 7.0
+    assert 8.0 < max(rests) < 18.0
 
 
 def test_patterns_are_parsed_and_weighted_by_meter() -> None:

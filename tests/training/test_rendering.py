@@ -6,8 +6,9 @@ from random import Random
 import numpy as np
 import pytest
 
-from training.dataset import write
+from training.dataset import _fewer, choose, write
 from training.music.piece import Sounding
+from training.music.registry import compose
 from training.rendering import level, medium, noise, room
 from training.rendering.damage import Take, spoil
 from training.rendering.synth import RATE, available, fonts, synthesise
@@ -46,6 +47,27 @@ def test_item_is_written_completely_and_reproducibly(tmp_path: Path, monkeypatch
         assert (tmp_path / "a" / name).read_bytes() == (tmp_path / "b" / name).read_bytes()
     facts = measure(tmp_path / "a" / "00003")
     assert facts["seconds"] == pytest.approx(3.0, abs=0.5)
+
+
+def test_some_bands_lose_their_drums_or_all_but_these() -> None:
+    told: dict[str, int] = {}
+    for seed in range(80):
+        piece = compose(Random(seed), "rock", 10.0)
+        notes = piece.perform(Random(seed))
+        kept, said = _fewer(Random(seed), piece, notes)
+        told[said] = told.get(said, 0) + 1
+        drums = {note.channel == 9 for note in kept}
+        assert drums <= {"": {True, False}, "without drums": {False}, "drums alone": {True}}[said]
+        assert said or kept == notes
+    assert told[""] > told["without drums"] > told["drums alone"] > 0
+    alone = compose(Random(1), "drummer: rock", 10.0)
+    assert all(_fewer(Random(seed), alone, notes)[1] == "" for seed in range(20))
+
+
+def test_families_restrict_the_draw() -> None:
+    styles = {choose(Random(seed), "held-out", ("slow", "odd")) for seed in range(40)}
+    assert {style.family for style in styles} == {"slow", "odd"}
+    assert all(style.held_out for style in styles)
 
 
 def _clicks() -> np.ndarray:

@@ -154,17 +154,27 @@ def _surprise(rng: Random, piece: Piece, bars: list[Bar]) -> None:
     beats = piece.metre.beats
     draw = rng.random()
     at = rng.choice(starts) * beats if rng.random() < 0.75 else rng.randrange(4, max(5, len(bars) * beats - 8))
-    if draw < 0.06:
-        change(rng, piece.clock, at, rng.choice([0.7, 0.8, 0.9, 1.1, 1.2, 1.35, rng.uniform(0.65, 1.5)]))
+    if draw < 0.08:
+        step = rng.choice([rng.uniform(0.65, 0.85), rng.uniform(0.65, 0.85), rng.uniform(1.15, 1.35)])
+        change(rng, piece.clock, at, rng.choice([step, step, 0.9, 1.1, rng.uniform(0.65, 1.5)]))
     elif draw < 0.13:
         change(rng, piece.clock, at, rng.uniform(0.75, 1.35), rng.choice([4, 8, 16, 32]))
-    elif draw < 0.25:
+    elif draw < 0.21:  # a stop, and on again when they like
         at -= at % beats
-        piece.clock.gaps.append((float(at), rng.choice([rng.uniform(0.3, 2.0), rng.uniform(1.0, 8.0)])))
+        piece.clock.gaps.append((float(at), rng.choice([rng.uniform(0.3, 2.0), rng.uniform(3.0, 16.0)])))
         if rng.random() < 0.4:
             piece.mutes.append((float(at - rng.choice([0.5, 1, 2, beats - 1])), float(at)))
-    elif draw < 0.22:
-        piece.mutes.append((float(at), float(at + rng.choice([1, 2, 4, beats, 2 * beats, 2 * beats, 4 * beats]))))
-    elif draw < 0.25:  # the tempo wanders off and comes back
+    elif draw < 0.35:  # a rest through which the beat goes on in silence
+        piece.mutes.append((float(at), float(at + _rest(rng, piece))))
+    elif draw < 0.38:  # the tempo wanders off and comes back
         change(rng, piece.clock, at, rng.uniform(0.85, 1.18), 8)
         change(rng, piece.clock, at + 16, rng.uniform(0.85, 1.18), 8)
+
+
+def _rest(rng: Random, piece: Piece) -> int:
+    """Beats of a rest on the grid: a few beats, or whole bars, of 2 to 16 seconds."""
+    beats = piece.metre.beats
+    if rng.random() < 0.2:
+        return rng.choice([1, 2, 2, beats])
+    bars = rng.uniform(2.0, rng.choice([5.0, 9.0, 16.0])) * piece.bpm / 60 / beats
+    return beats * max(1, round(bars))

@@ -66,7 +66,10 @@ def _time(rng: Random, draw: np.random.Generator, take: Take) -> None:
 def _space(rng: Random, draw: np.random.Generator, take: Take) -> None:
     if rng.random() < 0.55:
         take.sound = room.room(
-            draw, take.sound, rng.choice([0.3, 0.5, 0.8, 1.2, 1.8, 2.5]) * rng.uniform(0.8, 1.2), rng.uniform(-6, 10)
+            draw,
+            take.sound,
+            rng.choice([0.3, 0.5, 0.8, 1.2, 1.8, 2.5, 3.2]) * rng.uniform(0.8, 1.2),
+            rng.uniform(-8, 10),
         )
         take.done.append("room")
     chance = rng.random()
@@ -97,8 +100,9 @@ def _company(rng: Random, draw: np.random.Generator, take: Take) -> None:
             other = noise.applause(draw, count)
             share = rng.uniform(0.2, 1.0)
             made = np.asarray(made / (np.std(made) + 1e-9) + share * other / (np.std(other) + 1e-9), np.float32)
-        take.sound = noise.add(take.sound, made, rng.uniform(4, 30))
-        take.done.append(kind)
+        loud = rng.random() < 0.3  # a crowd as loud as the music, or nearly
+        take.sound = noise.add(take.sound, made, rng.uniform(0, 10) if loud else rng.uniform(4, 30))
+        take.done.append(f"loud {kind}" if loud else kind)
     if rng.random() < 0.1:
         take.sound = room.hum(draw, take.sound)
         take.done.append("hum")
