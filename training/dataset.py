@@ -23,11 +23,11 @@ SPLITS = ("train", "validation", "held-out")
 
 
 def choose(rng: Random, split: str, families: tuple[str, ...] = ()) -> Style:
-    """A style (of these families) by weight: those held out only in `held-out`; in `validation` a third are."""
+    """A style (of these families, or with these names) by weight: those held out only in `held-out`; in `validation` a third are."""
     held = split == "held-out" or (split == "validation" and rng.random() < 0.33)
     pool = [STYLES[name] for name in sorted(STYLES) if STYLES[name].held_out == held]
     if families:
-        pool = [style for style in pool if style.family in families]
+        pool = [style for style in pool if style.family in families or style.name in families]
     return rng.choices(pool, [style.weight for style in pool])[0]
 
 
@@ -181,7 +181,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--seconds", type=float, default=45.0)
     parser.add_argument("--jobs", type=int, default=2)
     parser.add_argument("--split", choices=SPLITS, default="train")
-    parser.add_argument("--families", nargs="*", default=[], help="only styles of these families")
+    parser.add_argument("--families", nargs="*", default=[], help="only styles of these families, or with these names")
     wanted = parser.parse_args(arguments)
     reason = available()
     if reason is not None:

@@ -169,7 +169,10 @@ def main() -> None:
     parser.add_argument("--out", type=Path, required=True)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--steps", type=int, help="steps of the second stage")
-    parser.add_argument("--start", type=Path, help="go on from these weights, with the second stage only")
+    parser.add_argument("--rate", type=float, help="highest rate of the second stage")
+    parser.add_argument(
+        "--start", type=Path, nargs="+", help="go on from these weights, or from their mean, with the second stage only"
+    )
     parser.add_argument("--report-every", type=int, default=250)
     options = parser.parse_args()
     items = [item for folder in options.data for item in read_items(folder)]
@@ -179,9 +182,12 @@ def main() -> None:
     if options.start is None:
         weights = train(learned, held_out, options.seed, plain, network.initial(options.seed), options.report_every)
     else:
-        weights = load(options.start)
+        starts = [load(path) for path in options.start]
+        weights = {name: sum(start[name] for start in starts) / len(starts) for name in starts[0]}
     if options.steps:
         varied = replace(varied, steps=options.steps)
+    if options.rate:
+        varied = replace(varied, rate=options.rate)
     train(learned, held_out, options.seed + 1000, varied, weights, options.report_every, options.out)
 
 

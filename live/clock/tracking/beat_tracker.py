@@ -123,7 +123,7 @@ class BeatTracker:
         if not quiet.has_sound:
             return None
         self._moment = float(hearing.position[frame])
-        if ended > FRESH_AFTER:
+        if ended > FRESH_AFTER and not listened:  # in a rest that was expected the states have gone on by themselves
             pointer.resume(0.5 * min((ended - FRESH_AFTER) / FRESH_TIME, 1.0))
         elif listened and not quiet.expects_beats:
             pointer.restore_before(quiet.duration / HOP)

@@ -41,8 +41,8 @@ _BASS_LINE: Final = 18
 """Lowest bands of the long window that the bass's pitch is taken from: up to 300 Hz."""
 
 CUE_WEIGHTS: Final = np.array(
-    (-0.281, -0.023, 0.052, 0.017, -0.079, -0.000, 0.002, 0.750, 0.007, -0.012, -0.036, 0.271, 0.135, 0.829, -0.493,
-     0.068, -0.244, -0.164, -0.066, 0.209, -0.273, -1.092, 0.991, -0.601)
+    (-0.277, -0.024, 0.035, -0.001, -0.107, 0.015, -0.002, 0.744, 0.011, -0.040, 0.002, 0.288, 0.085, 0.853, -0.504,
+     0.072, -0.207, -0.206, -0.071, 0.223, -0.283, -1.084, 1.006, -0.580)
 )  # fmt: skip
 """Made by `training.measure_cues`, see there: of the beat before, the beat, the one after, and a constant; then of the
 network's word alone, and a constant."""
