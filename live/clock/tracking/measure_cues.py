@@ -41,8 +41,8 @@ _BASS_LINE: Final = 18
 """Lowest bands of the long window that the bass's pitch is taken from: up to 300 Hz."""
 
 CUE_WEIGHTS: Final = np.array(
-    (-0.277, -0.024, 0.035, -0.001, -0.107, 0.015, -0.002, 0.744, 0.011, -0.040, 0.002, 0.288, 0.085, 0.853, -0.504,
-     0.072, -0.207, -0.206, -0.071, 0.223, -0.283, -1.084, 1.006, -0.580)
+    (-0.297, 0.006, 0.028, 0.054, -0.041, -0.063, 0.056, 0.774, -0.011, 0.034, 0.077, 0.280, 0.073, 0.703, -0.483,
+     0.040, -0.265, -0.191, -0.111, 0.314, -0.291, -1.168, 0.880, -0.727)
 )  # fmt: skip
 """Made by `training.measure_cues`, see there: of the beat before, the beat, the one after, and a constant; then of the
 network's word alone, and a constant."""
