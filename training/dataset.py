@@ -23,7 +23,7 @@ SPLITS = ("train", "validation", "held-out")
 
 
 def choose(rng: Random, split: str, families: tuple[str, ...] = ()) -> Style:
-    """A style (of these families, or with these names) by weight: those held out only in `held-out`; in `validation` a third are."""
+    """A style (of these families or names) by weight: held-out ones only in `held-out`; a third in `validation`."""
     held = split == "held-out" or (split == "validation" and rng.random() < 0.33)
     pool = [STYLES[name] for name in sorted(STYLES) if STYLES[name].held_out == held]
     if families:
