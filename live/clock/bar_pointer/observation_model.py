@@ -52,7 +52,7 @@ CONFIDENCE_WEIGHTS: Final = (-1.02, 0.22, 3.5, -3.0, -1.0)
 MANUAL_LEVEL_WEIGHT: Final = 0.84
 """Log-odds that the next beat is right: constant; factors of the share's log-odds and of the strengths on the beat, off
 it and in between; and a bonus if the level was set by hand. A logistic regression over 10,000 beats reported in 60
-held-out synthetic pieces, seeded and not; `training.confidence` makes another.
+held-out synthetic pieces, seeded and not; `training/` makes another.
 """
 
 SHARE_LEAST: Final = 0.01

@@ -44,8 +44,8 @@ CUE_WEIGHTS: Final = np.array(
     (-0.297, 0.006, 0.028, 0.054, -0.041, -0.063, 0.056, 0.774, -0.011, 0.034, 0.077, 0.280, 0.073, 0.703, -0.483,
      0.040, -0.265, -0.191, -0.111, 0.314, -0.291, -1.168, 0.880, -0.727)
 )  # fmt: skip
-"""Made by `training.measure_cues`, see there: of the beat before, the beat, the one after, and a constant; then of the
-network's word alone, and a constant."""
+"""Made in `training/`: of the beat before, the beat, the one after, and a constant; then of the network's word alone,
+and a constant."""
 
 
 class BeatFeatures:
