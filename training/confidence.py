@@ -4,7 +4,6 @@ A logistic regression over the beats that the whole tracker names: is each withi
 for `live.clock.bar_pointer.observation_model`, and said against right for the `--validation` recordings.
 """
 
-import argparse
 import json
 import math
 import multiprocessing
@@ -20,7 +19,7 @@ from live.clock.tracking.beat_network import BeatNetwork, NetworkWeights
 from live.clock.tracking.beat_tracker import BeatTracker
 from training.features import read_beats
 from training.live_score import read_weights
-from training.measure_cues import fit
+from training.measure_cues import fit, read_options
 
 Floats = npt.NDArray[np.float64]
 
@@ -56,12 +55,7 @@ def named_beats(sound: Path, weights: NetworkWeights) -> Floats:
 
 def main() -> None:
     """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("weights", type=Path)
-    parser.add_argument("data", type=Path, nargs="+")
-    parser.add_argument("--validation", type=Path, nargs="*", default=[])
-    parser.add_argument("--jobs", type=int, default=2)
-    options = parser.parse_args()
+    options = read_options(__doc__)
     network = read_weights(options.weights)
 
     def beats(folders: list[Path]) -> Floats:

@@ -95,14 +95,19 @@ def right_lines(pieces: list[Piece], columns: list[int], weights: Floats) -> flo
     return float(np.mean(shares))
 
 
-def main() -> None:
-    """Command line."""
-    parser = argparse.ArgumentParser(description=__doc__)
+def read_options(description: str | None) -> argparse.Namespace:
+    """Read the command line of a fit: weights, data, --validation, --jobs."""
+    parser = argparse.ArgumentParser(description=description)
     parser.add_argument("weights", type=Path)
     parser.add_argument("data", type=Path, nargs="+")
     parser.add_argument("--validation", type=Path, nargs="*", default=[])
     parser.add_argument("--jobs", type=int, default=2)
-    options = parser.parse_args()
+    return parser.parse_args()
+
+
+def main() -> None:
+    """Command line."""
+    options = read_options(__doc__)
     network = read_weights(options.weights)
 
     def pieces(folders: list[Path]) -> list[Piece]:

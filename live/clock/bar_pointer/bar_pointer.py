@@ -167,8 +167,11 @@ class BarPointer:
         self.line_evidence.step(in_window, place.metre, place.window_beat, beat, downbeat)
 
     def add_cue(self, log_odds: float) -> None:
-        """Weigh the lines of the grid by the odds that the beat before the present one began a measure, given more than
-        half a beat after the present one."""
+        """Weigh the measure lines of the grid; one that was set by hand stays.
+
+        log_odds: natural logarithm of the odds that the beat before the present one began a measure. Call it in the
+        second half of a beat.
+        """
         if self.interval <= 0.0 or self._manual.keeps_line:
             return
         strength = CUE_SHARPNESS * (1.0 - (1.0 - SETTLING_SHARPNESS) * self._settling)

@@ -278,12 +278,8 @@ class ActivationStream:
         self._level = follow_level(spectrum.bands, self._level)
         network_input(spectrum.bands, self._level, LAGS, self._past, spectrum.frames, self._features)
         count = self._activation.step(self._features)
-        assert count <= FRAMES_PER_STEP
         for index in range(count):
-            if index < count - 1:
-                self.features[first + index] = self._former
-            else:
-                self.features[first + index] = self._features
+            self.features[first + index] = self._former if index < count - 1 else self._features
             self.position[first + index] = (spectrum.frames - count + 1 + index) * HOP - DELAY
             self.beat[first + index] = self._activation.beat[index]
             self.downbeat[first + index] = self._activation.downbeat[index]

@@ -34,6 +34,13 @@ SMOOTH: Final = 13
 USUAL_BEATS: Final = 16
 """Features are compared with those of the last beats."""
 LEAST_SAID, MOST_SAID = 0.02, 0.98
+"""Limits of the network's probability that a beat is a downbeat."""
+LEAST_SPREAD: Final = 0.15
+"""Least spread of a feature that is compared with the last beats, as a share of its mean."""
+LEAST_DEVIATION: Final = 1e-3
+LEAST_BEAT: Final = 1e-4
+LEAST_NORM: Final = 1e-6
+"""Added so that nothing is divided by 0."""
 
 _SHORT, _LONG = BANDS_PER_WINDOW
 _BASS, _MIDDLE, _HIGH = slice(_SHORT, _SHORT + 14), slice(20, 45), slice(52, _SHORT)
@@ -103,19 +110,19 @@ class BeatFeatures:
             found[1] = _distance(tones[:_BASS_LINE], self._previous[:_BASS_LINE])
         self._previous = tones
         found[2:6] = self._onset
-        said = min(max(self._downbeat / max(self._beat, 1e-4), LEAST_SAID), MOST_SAID)
+        said = min(max(self._downbeat / max(self._beat, LEAST_BEAT), LEAST_SAID), MOST_SAID)
         found[6] = math.log(said / (1.0 - said))
         self._recent[self._count % USUAL_BEATS] = found[:6]
         self._count += 1
         known = self._recent[: min(self._count, USUAL_BEATS)]
         mean = known.mean(axis=0)
-        found[:6] = (found[:6] - mean) / (known.std(axis=0) + 0.15 * np.abs(mean) + 1e-3)
+        found[:6] = (found[:6] - mean) / (known.std(axis=0) + LEAST_SPREAD * np.abs(mean) + LEAST_DEVIATION)
         return found
 
 
 def _distance(one: Float64, other: Float64) -> float:
     """Return 1 less the cosine of two spectra."""
-    return 1.0 - float(one @ other) / (math.sqrt(float(one @ one) * float(other @ other)) + 1e-6)
+    return 1.0 - float(one @ other) / (math.sqrt(float(one @ one) * float(other @ other)) + LEAST_NORM)
 
 
 class MeasureCues:
