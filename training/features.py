@@ -6,7 +6,7 @@ that loudness, tilt and noise can still be changed for each example.
 
 import json
 import multiprocessing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
 
@@ -14,7 +14,15 @@ import numpy as np
 import numpy.typing as npt
 import scipy.fft
 
-from live.clock.tracking.features import ANALYSIS_WINDOWS, BASE_HOP, BASE_RATE, filters, window_length
+from live.clock.tracking.features import (
+    ANALYSIS_WINDOWS,
+    BANDS_PER_WINDOW,
+    BASE_HOP,
+    BASE_RATE,
+    HOP,
+    filters,
+    window_length,
+)
 
 LOG_FLOOR: Final = 1e-7
 """Added to magnitudes before the logarithm (-140 dB)."""
@@ -100,6 +108,28 @@ def read_item(wav: Path, kept: Path) -> Item:
         partial.rename(bands_file)
     beats, places = read_beats(wav.with_suffix(".beats"))
     return Item(wav.stem, str(facts.get("style", "?")), log_bands, beats, places, facts)
+
+
+def reverse(item: Item) -> Item:
+    """The recording played backwards: its frames as the engine would see them, its beats and stops in mirrored order.
+
+    A window that ends with a frame begins with another one backwards, so ears of different windows shift apart.
+    """
+    frames = item.log_bands.shape[0]
+    seconds = frames * HOP
+    ears, first = [], 0
+    for ear, bands in zip(ANALYSIS_WINDOWS, BANDS_PER_WINDOW, strict=True):
+        order = np.clip(frames - 2 + ear.window // BASE_HOP - np.arange(frames), 0, frames - 1)
+        ears.append(item.log_bands[order, first : first + bands])
+        first += bands
+    stops = [[seconds - high, seconds - low] for low, high in reversed(item.facts.get("ignore", []))]
+    return replace(
+        item,
+        log_bands=np.concatenate(ears, axis=1),
+        beats=seconds - item.beats[::-1],
+        places=item.places[::-1].copy(),
+        facts={**item.facts, "ignore": stops},
+    )
 
 
 def read_items(folder: Path, jobs: int = 2) -> list[Item]:

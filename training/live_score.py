@@ -1,4 +1,4 @@
-"""python -m training.live_score WEIGHTS DATA...: the whole tracker on held-out recordings, as a stage would hear it.
+"""python -m training.live_score DATA...: the whole tracker on held-out recordings, as a stage would hear it.
 
 A beat counts at the later of the moment it names and the moment it was named. Figures by style: F live, AMLt, F live
 of downbeats, and the seconds until 4 s are wholly right for the first time.
@@ -17,6 +17,7 @@ import soundfile
 from live.clock.beat_estimate import BeatEstimate
 from live.clock.tracking.beat_network import BeatNetwork, NetworkWeights
 from live.clock.tracking.beat_tracker import BeatTracker
+from live.control.audio.analysis import beat_weights
 from training.features import read_beats
 
 Times = npt.NDArray[np.float64]
@@ -27,15 +28,25 @@ FROM: Final = 5.0
 LOCK: Final = 4.0
 
 
-def read_weights(path: Path) -> NetworkWeights:
-    """Weights from a file that `training.train` wrote."""
-    with np.load(path) as kept:
-        return NetworkWeights.from_arrays({name: kept[name] for name in kept.files if name != "recipe"})
+Network = tuple[NetworkWeights, ...]
+"""Networks that answer together."""
 
 
-def track(sound: npt.NDArray[np.float32], rate: float, weights: NetworkWeights) -> tuple[Times, Times]:
+def read_weights(paths: list[Path]) -> Network:
+    """Weights from files that `training.train` wrote; the engine's own without any."""
+    if not paths:
+        return beat_weights()
+    network = []
+    for path in paths:
+        with np.load(path) as kept:
+            arrays = {name: kept[name] for name in kept.files if name != "recipe"}
+            network.append(NetworkWeights.from_arrays(arrays))
+    return tuple(network)
+
+
+def track(sound: npt.NDArray[np.float32], rate: float, weights: Network) -> tuple[Times, Times]:
     """(beats, downbeats) at the later of the named moment and the naming [s], in the order of time."""
-    tracker = BeatTracker(rate, BeatNetwork(weights))
+    tracker = BeatTracker(rate, BeatNetwork(*weights))
     named: list[BeatEstimate] = []
     for start in range(0, sound.size, BLOCK):
         for beat in tracker.feed(sound[start : start + BLOCK]):
@@ -59,7 +70,7 @@ def lock(beats: Times, found: Times) -> float:
     return float("nan")
 
 
-def score(sound: Path, weights: NetworkWeights) -> tuple[str, list[float]]:
+def score(sound: Path, weights: Network) -> tuple[str, list[float]]:
     """(style, [F live, AMLt, F live of downbeats or NaN, lock]) of one recording."""
     import json
 
@@ -87,8 +98,8 @@ def score(sound: Path, weights: NetworkWeights) -> tuple[str, list[float]]:
 def main() -> None:
     """Command line."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("weights", type=Path)
     parser.add_argument("data", type=Path, nargs="+")
+    parser.add_argument("--weights", type=Path, nargs="+", default=[], help="networks that answer together")
     parser.add_argument("--every", type=int, default=1)
     parser.add_argument("--jobs", type=int, default=2)
     options = parser.parse_args()

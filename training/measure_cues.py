@@ -1,4 +1,4 @@
-"""python -m training.measure_cues WEIGHTS DATA...: fit the measure cues to recordings that the network has not learned.
+"""python -m training.measure_cues DATA...: fit the measure cues to recordings that the network has not learned.
 
 The features are the engine's own (`live.clock.tracking.measure_cues`), along the true beats. Prints the weights for
 that module, and on how many beats the line of the `--validation` recordings is right with and without them.
@@ -7,20 +7,22 @@ that module, and on how many beats the line of the `--validation` recordings is 
 import argparse
 import json
 import multiprocessing
+from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 import soundfile
 
-from live.clock.tracking.beat_network import ActivationStream, BeatNetwork, NetworkWeights
+from live.clock.tracking.beat_network import ActivationStream, BeatNetwork
 from live.clock.tracking.features import HOP
 from live.clock.tracking.measure_cues import CONTEXT, FEATURES, BeatFeatures
 from training.features import read_beats
-from training.live_score import read_weights
+from training.live_score import Network, read_weights
 
 Floats = npt.NDArray[np.float64]
+Read = TypeVar("Read")
 Piece = tuple[Floats, npt.NDArray[np.int64], int]
 """Features in context (n, CUES), place of each beat in its measure, beats of a measure."""
 
@@ -31,32 +33,38 @@ MEMORY: Final = 10.0
 """Measures over which evidence is summed for the printed figures."""
 
 
-def beat_features(sound: Path, weights: NetworkWeights) -> tuple[Floats, npt.NDArray[np.int64]]:
-    """(features (n, FEATURES), places (n,), 0 first) of the beats of a recording that are heard to their end."""
+def frames_of_beats(sound: Path, weights: Network) -> Iterator[tuple[ActivationStream, int, int, float, float]]:
+    """(stream, frame in it, number of the beat, frames since it, frames of the beat) of each frame of a recording
+    between two beats, as the engine hears it along the true beats."""
     samples, rate = soundfile.read(sound, dtype="float32", always_2d=True)
     samples = samples.mean(axis=1)
-    times, places = read_beats(sound.with_suffix(".beats"))
-    stream, collect = ActivationStream(rate, BeatNetwork(weights)), BeatFeatures()
-    rows: list[Floats] = []
-    kept: list[int] = []
+    times, _ = read_beats(sound.with_suffix(".beats"))
+    stream = ActivationStream(rate, BeatNetwork(*weights))
     for start in range(0, samples.size, BLOCK):
         for frame in range(stream.feed(samples[start : start + BLOCK])):
             moment = float(stream.position[frame])
             index = int(np.searchsorted(times, moment, side="right")) - 1
-            if not 0 <= index < times.size - 1:
-                continue
-            interval = float(times[index + 1] - times[index]) / HOP
-            found = collect.step(
-                stream.features[frame], float(stream.beat[frame]), float(stream.downbeat[frame]),
-                (moment - float(times[index])) / HOP, interval,
-            )  # fmt: skip
-            if found is not None:
-                rows.append(found)
-                kept.append(int(places[index]) - 1)
+            if 0 <= index < times.size - 1:
+                interval = float(times[index + 1] - times[index]) / HOP
+                yield stream, frame, index, (moment - float(times[index])) / HOP, interval
+
+
+def beat_features(sound: Path, weights: Network) -> tuple[Floats, npt.NDArray[np.int64]]:
+    """(features (n, FEATURES), places (n,), 0 first) of the beats of a recording that are heard to their end."""
+    _, places = read_beats(sound.with_suffix(".beats"))
+    collect = BeatFeatures()
+    rows: list[Floats] = []
+    kept: list[int] = []
+    for stream, frame, index, since, interval in frames_of_beats(sound, weights):
+        beat, downbeat = float(stream.beat[frame]), float(stream.downbeat[frame])
+        found = collect.step(stream.features[frame], beat, downbeat, since, interval)
+        if found is not None:
+            rows.append(found)
+            kept.append(int(places[index]) - 1)
     return np.array(rows).reshape(-1, FEATURES), np.array(kept, np.int64)
 
 
-def read_piece(sound: Path, weights: NetworkWeights) -> Piece | None:
+def read_piece(sound: Path, weights: Network) -> Piece | None:
     """The piece of a recording with known, uninterrupted measures; None for others."""
     facts = json.loads(sound.with_suffix(".json").read_text(encoding="utf-8"))
     whole = not facts.get("ignore") and not any(str(word).startswith("then") for word in facts.get("done", []))
@@ -96,13 +104,22 @@ def right_lines(pieces: list[Piece], columns: list[int], weights: Floats) -> flo
 
 
 def read_options(description: str | None) -> argparse.Namespace:
-    """Read the command line of a fit: weights, data, --validation, --jobs."""
+    """Read the command line of a fit: data, --weights, --validation, --jobs."""
     parser = argparse.ArgumentParser(description=description)
-    parser.add_argument("weights", type=Path)
     parser.add_argument("data", type=Path, nargs="+")
+    parser.add_argument("--weights", type=Path, nargs="+", default=[], help="networks that answer together")
     parser.add_argument("--validation", type=Path, nargs="*", default=[])
     parser.add_argument("--jobs", type=int, default=2)
     return parser.parse_args()
+
+
+def read_all(
+    read: Callable[[Path, Network], Read | None], folders: list[Path], network: Network, jobs: int
+) -> list[Read]:
+    """What `read` makes of each recording of some folders, except None."""
+    sounds = [(sound, network) for folder in folders for sound in sorted(folder.glob("*.wav"))]
+    with multiprocessing.get_context("fork").Pool(jobs) as pool:
+        return [piece for piece in pool.starmap(read, sounds, chunksize=2) if piece is not None]
 
 
 def main() -> None:
@@ -110,12 +127,9 @@ def main() -> None:
     options = read_options(__doc__)
     network = read_weights(options.weights)
 
-    def pieces(folders: list[Path]) -> list[Piece]:
-        sounds = [(sound, network) for folder in folders for sound in sorted(folder.glob("*.wav"))]
-        with multiprocessing.get_context("fork").Pool(options.jobs) as pool:
-            return [piece for piece in pool.starmap(read_piece, sounds, chunksize=2) if piece is not None]
-
-    learned, held_out = pieces(options.data), pieces(options.validation)
+    learned, held_out = (
+        read_all(read_piece, part, network, options.jobs) for part in (options.data, options.validation)
+    )
     rows = np.concatenate([piece[0] for piece in learned])
     truth = np.concatenate([(piece[1] == 0).astype(np.float64) for piece in learned])
     middle = FEATURES * (CONTEXT // 2) + FEATURES - 1

@@ -20,7 +20,7 @@ import optax
 
 from training import network, validation
 from training.examples import Batch, batches
-from training.features import Item, read_items
+from training.features import Item, read_items, reverse
 
 LANES: Final = 32
 FRAMES: Final = 1000
@@ -173,9 +173,14 @@ def main() -> None:
     parser.add_argument(
         "--start", type=Path, nargs="+", help="go on from these weights, or from their mean, with the second stage only"
     )
+    parser.add_argument(
+        "--backwards", action="store_true", help="hear all recordings backwards: `weights_backwards.npz`"
+    )
     parser.add_argument("--report-every", type=int, default=250)
     options = parser.parse_args()
     items = [item for folder in options.data for item in read_items(folder)]
+    if options.backwards:
+        items = [reverse(item) for item in items]
     learned, held_out = validation.split(items)
     print(len(learned), "items to learn from,", len(held_out), "held out", flush=True)
     plain, varied = STAGES

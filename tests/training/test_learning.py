@@ -7,7 +7,7 @@ from live.clock.tracking.beat_network import DELAY, BeatNetwork, NetworkWeights
 from live.clock.tracking.features import BAND_COUNT, HOP, Spectrum
 from tests.clock.clicks import groove
 from training.examples import Stream
-from training.features import LOG_FLOOR, Item, bands_of
+from training.features import LOG_FLOOR, Item, bands_of, reverse
 from training.labels import label, measures
 
 RATE = 44_100
@@ -33,6 +33,22 @@ def engine_bands(sound: np.ndarray) -> np.ndarray:
 def test_features_equal_the_bands_of_the_engine() -> None:
     sound = groove(120, RATE, 2.0)
     np.testing.assert_allclose(bands_of(sound), engine_bands(sound), atol=1e-6)
+
+
+def test_a_reversed_recording_has_the_bands_and_beats_of_its_sound_backwards() -> None:
+    frames = 300
+    sound = groove(120, RATE, 5.0)[: frames * 512]
+    beats, places = np.array([0.5, 1.0, 3.0]), np.array([4, 1, 1], np.int32)
+    bands = np.log(bands_of(sound) + LOG_FLOOR).astype(np.float16)
+    found = reverse(Item("a", "groove", bands, beats, places, {"ignore": [[2.0, 2.5]]}))
+    expected = np.log(bands_of(sound[::-1].copy()) + LOG_FLOOR)
+    inner = slice(8, -8)  # windows within the sound
+    off = np.abs(found.log_bands[inner].astype(float) - expected[inner])[expected[inner] > -9.0]
+    assert np.percentile(off, 99) < 0.05
+    seconds = frames * HOP
+    np.testing.assert_allclose(found.beats, [seconds - 3.0, seconds - 1.0, seconds - 0.5])
+    assert found.places.tolist() == [1, 1, 4]
+    np.testing.assert_allclose(found.facts["ignore"], [[seconds - 2.5, seconds - 2.0]])
 
 
 def test_label_lies_on_the_frame_of_its_beat() -> None:

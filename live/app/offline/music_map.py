@@ -14,11 +14,13 @@ from typing import Annotated, Any, Final, Literal
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from live.base.arrays import Float64
 from live.base.errors import PersonError
+from live.clock.beat_estimate import Samples
 from live.clock.measure_map import MeasureLine, MeasureMap, Phrase
 from live.clock.tracking.beat_network import ActivationStream, BeatNetwork
 from live.clock.tracking.offline_beats import HIGH_BPM, LOW_BPM, Activations, Beats, find_beats
-from live.control.audio.analysis import beat_weights
+from live.control.audio.analysis import WEIGHTS, WEIGHTS_BACKWARDS, beat_weights
 from live.control.audio.music_file import Music, MusicFileError, read_music
 from live.library.music_map_file import read_map
 from live.show.patch.patch_search_path import find_resource
@@ -30,6 +32,9 @@ PROPOSAL_TIMEOUT: Final = 600.0
 OCTAVE: Final = (0.8, 1.25)
 """Range of the tempo around half or double the former one."""
 MAX_MUSIC_S: Final = 3600.0
+LEAST_SHARE: Final = 1e-6
+BACKWARDS: Final = 0.65
+"""Weight of what is heard backwards: measures are surer so (on made music that was not learned from)."""
 Do = Literal["move", "insert", "delete", "half", "double", "metre", "ramp", "step", "phrase"]
 
 
@@ -80,19 +85,47 @@ def read_fixes(path: Path) -> list[Fix]:
 
 
 def hear(music: Music) -> Activations:
-    """Return the network's probabilities for a whole piece; PersonError if it is too long."""
+    """Return the networks' probabilities for a whole piece, heard forwards and backwards; PersonError if it is too
+    long.
+
+    Forwards, the first measures are heard without knowing what comes; backwards, the last ones (Schuster and Paliwal,
+    Bidirectional recurrent neural networks, 1997). Where both know the music, what they say together is surer.
+    """
     if music.samples.shape[0] > MAX_MUSIC_S * music.sample_rate:
         raise PersonError(f"the music is longer than {MAX_MUSIC_S / 60:g} minutes", "cut it into pieces")
     mono = music.samples.mean(axis=1, dtype=np.float32)
-    stream = ActivationStream(music.sample_rate, BeatNetwork(beat_weights()))
-    rest = np.zeros(int(music.sample_rate), np.float32)  # the network is some frames late
-    rows: list[Any] = []
+    time, *forwards = _probabilities(mono, music.sample_rate, WEIGHTS)
+    before_end, *backwards = _probabilities(mono[::-1].copy(), music.sample_rate, WEIGHTS_BACKWARDS)
+    seconds = mono.size / music.sample_rate
+    kept = (time >= 0.0) & (time <= seconds)
+    if not kept.any():
+        return Activations(np.zeros(0), np.zeros(0), np.zeros(0))
+    time = time[kept]
+    mirrored = [np.interp(seconds - time, before_end, column) for column in backwards]
+    beat, downbeat = _mean_probabilities([column[kept] for column in forwards], mirrored)
+    return Activations(time, beat, downbeat)
+
+
+def _probabilities(mono: Samples, sample_rate: float, weights: tuple[str, ...]) -> list[Float64]:
+    """Return times [s] and probabilities of a beat and of a downbeat of all frames, (T,) each."""
+    stream = ActivationStream(sample_rate, BeatNetwork(*beat_weights(weights)))
+    rest = np.zeros(int(sample_rate), np.float32)  # the network is some frames late
+    rows: list[list[Float64]] = []
     for block in (*(mono[at : at + BLOCK] for at in range(0, mono.size, BLOCK)), rest):
         count = stream.feed(block)
         rows.append([column[:count].astype(np.float64) for column in (stream.position, stream.beat, stream.downbeat)])
-    time, beat, downbeat = (np.concatenate([row[k] for row in rows]) for k in range(3))
-    kept = (time >= 0.0) & (time <= mono.size / music.sample_rate)
-    return Activations(time[kept], beat[kept], downbeat[kept])
+    return [np.concatenate([row[k] for row in rows]) for k in range(3)]
+
+
+def _mean_probabilities(forwards: Sequence[Float64], backwards: Sequence[Float64]) -> tuple[Float64, Float64]:
+    """Return the probabilities of a beat and a downbeat whose log-odds are the mean of two (beat, downbeat) pairs."""
+    total = np.zeros((3, forwards[0].size))
+    for weight, (beat, downbeat) in ((1.0 - BACKWARDS, forwards), (BACKWARDS, backwards)):
+        shares = np.stack([1.0 - beat, beat - downbeat, downbeat])
+        total += weight * np.log(np.maximum(shares, LEAST_SHARE))
+    shares = np.exp(total - total.max(axis=0))
+    shares /= shares.sum(axis=0)
+    return shares[1] + shares[2], shares[2]
 
 
 @dataclass

@@ -21,6 +21,7 @@ from live.clock.bar_pointer.beat_regression import BeatRegression, MeasurePositi
 from live.clock.bar_pointer.line_evidence import LineEvidence
 from live.clock.bar_pointer.metre import FIRST_SLOT, PREVIOUS, USED, counted_metre
 from live.clock.bar_pointer.observation_model import ActivationPhase, likelihoods
+from live.clock.bar_pointer.phase_choice import PhaseChoice
 from live.clock.bar_pointer.state_space import BarPointerModel, StateSpace
 from live.clock.bar_pointer.transition_model import ManualConstraints, tempo_to_interval
 
@@ -54,8 +55,7 @@ class BarPointer:
     """Filters activations forward; `step` processes a frame, the attributes hold the result.
 
     It follows one grid (interval, phase) through the posterior and leaves it only for another grid with a clearly
-    larger
-    share of the states.
+    larger share of the states. Its beats may be those of the grid or, as `PhaseChoice` says, some quarters later.
     """
 
     def __init__(self, model: BarPointerModel | None = None) -> None:
@@ -79,6 +79,7 @@ class BarPointer:
         self._regression = BeatRegression()
         self._activation_phase = ActivationPhase()
         self._position = MeasurePosition()
+        self._choice = PhaseChoice()
         self.line_evidence = LineEvidence()
         """What the music says about the measure line."""
         self.interval = 0.0
@@ -90,7 +91,7 @@ class BarPointer:
         self.slot_share = 0.0
         """Share of the grid's states that agree on metre and beat."""
         self.jumps = 0
-        """Number of changes to another grid."""
+        """Number of changes to other beats."""
 
     @property
     def period(self) -> float:
@@ -105,7 +106,7 @@ class BarPointer:
     @property
     def since_beat(self) -> float:
         """Frames from the last beat to the last frame."""
-        since = self._position.since(self.interval, self.model.centre)
+        since = self._since_beat()
         return since if since >= 0.0 else since + self.interval
 
     @property
@@ -121,7 +122,24 @@ class BarPointer:
     @property
     def beat(self) -> int:
         """Position of the last beat in its measure, from 0."""
-        return self._position.beat(past=self._position.since(self.interval, self.model.centre) >= 0.0)
+        return self._position.beat(past=self._since_beat() >= 0.0)
+
+    @property
+    def phase_odds(self) -> float:
+        """Log-odds of these beats against others some quarters later, by phase cues; 0 without any."""
+        return self._choice.odds
+
+    def _grid_phase(self) -> float:
+        """Return the beats from the grid's last beat to the last frame, 0 to 1; 0 before the first frame."""
+        if self.interval <= 0.0:
+            return 0.0
+        return self._position.since(self.interval, self.model.centre) / self.interval % 1.0
+
+    def _since_beat(self) -> float:
+        """Return the frames from the beat of the present slot to the last frame, negative before it; at most one
+        interval."""
+        since = self._position.since(self.interval, self.model.centre)
+        return since - self._choice.offset * self.interval
 
     def step(self, beat: float, downbeat: float, listening: bool = True) -> None:
         """Process one frame: the probability of a beat, and of a downbeat (never more), 0 to 1.
@@ -152,7 +170,7 @@ class BarPointer:
             self._position.move(1.0 / self.interval)
         if not listening:
             return
-        self._activation_phase.step(self.since_beat / self.interval if self.interval > 0.0 else 0.0, beat)
+        self._activation_phase.step(self._grid_phase(), beat)
         self._until_survey -= 1
         by_hand = self._restarted
         switch = self._until_survey < 0 and self._search_grid()
@@ -161,12 +179,13 @@ class BarPointer:
             self.line_evidence.clear()
             self._settling = 0.0
             if not by_hand:  # other music
+                self._choice.clear()
                 self._manual.release_line()
         place = self._position
         in_window = 0.0 <= place.phase * self.interval < len(self._window)
         self.line_evidence.step(in_window, place.metre, place.window_beat, beat, downbeat)
 
-    def add_cue(self, log_odds: float) -> None:
+    def add_measure_cue(self, log_odds: float) -> None:
         """Weigh the measure lines of the grid; one that was set by hand stays.
 
         log_odds: natural logarithm of the odds that the beat before the present one began a measure. Call it in the
@@ -174,15 +193,28 @@ class BarPointer:
         """
         if self.interval <= 0.0 or self._manual.keeps_line:
             return
+        place, states = self._position, self._states
         strength = CUE_SHARPNESS * (1.0 - (1.0 - SETTLING_SHARPNESS) * self._settling)
         gain = math.exp(min(max(strength * log_odds, -MAX_CUE), MAX_CUE)) - 1.0
-        factors = 1.0 + self._accents[PREVIOUS] * gain
-        place, states = self._position, self._states
+        before = PREVIOUS if self._since_beat() >= 0.0 else PREVIOUS[PREVIOUS]
+        factors = 1.0 + self._accents[before] * gain
         usual = float(place.shares @ factors) / max(float(place.shares.sum()), 1e-30)
         weigh_slots(
             states.share, states.head, states.offset, states.length, self.interval, place.phase,
             self.model.near_tempo, (factors / max(usual, 1e-6)).astype(np.float32),
         )  # fmt: skip
+
+    def add_phase_cue(self, scores: Float64) -> int:
+        """Judge the beats against those some quarters of a beat later; after a beat by hand they stay.
+
+        scores: natural logarithms of the probabilities of the present beats and of those one, two and three quarters
+        later. Returns by how many quarters the beats are later from now on.
+        """
+        if self.interval <= 0.0 or self._manual.keeps_phase:
+            return 0
+        shift = self._choice.judge(scores)
+        self.jumps += shift > 0
+        return shift
 
     def set_tempo(self, bpm: float) -> None:
         """Set a tapped tempo and keep its metrical level. ValueError for a tempo outside the model's range."""
@@ -195,10 +227,7 @@ class BarPointer:
         Near a sure beat it is that beat: hands are late by as much. Farther from it the hand is right and the beats are
         wrong, for example on the off-beat. The present metre is kept, too, if it is sure.
         """
-        if self.interval > 0.0 and self.confidence > SURE_BEATS:
-            beats = (age - self.since_beat) / self.interval
-            if abs(beats - round(beats)) < HAND_ERROR:
-                age = self.since_beat + round(beats) * self.interval
+        age = self._age_of_grid(age, snapped=self.interval > 0.0 and self.confidence > SURE_BEATS)
         sure = self.interval > 0.0 and self._position.metre_share > SURE_METRE
         self._manual.set_downbeat(age, self._position.metre if sure else 0)
         self.line_evidence.clear()
@@ -206,7 +235,7 @@ class BarPointer:
 
     def set_beat(self, age: float) -> None:
         """Set a beat, of any position in its measure, `age` frames before the last frame."""
-        self._manual.set_beat(age)
+        self._manual.set_beat(self._age_of_grid(age))
         self._restart_search()
 
     def scale(self, factor: float) -> None:
@@ -218,7 +247,24 @@ class BarPointer:
             raise ValueError(f"the tempo times {factor}: 2 or 0.5 expected")
         place = self._position
         if self.interval > 0.0 and self._manual.scale(factor, self.interval, place.phase * self.interval, place.slot):
+            self._choice.scale(factor)
             self._restart_search()
+
+    def _age_of_grid(self, age: float, snapped: bool = False) -> float:
+        """Return the age [frames] of the grid's beat that belongs to a beat of this age by hand, or to the beat next to
+        it (`snapped`).
+
+        Where the hand finds other beats than those that were chosen, the choice is gone.
+        """
+        if self.interval <= 0.0:
+            return age
+        beats = (age - self.since_beat) / self.interval
+        if abs(beats - round(beats)) >= HAND_ERROR:
+            self._choice.clear()
+            return age
+        if snapped:
+            age = self.since_beat + round(beats) * self.interval
+        return age + self._choice.offset * self.interval
 
     def restore_before(self, age: float) -> None:
         """Restore the grid of `age` frames ago, when the music ended, and extrapolate it from there.
@@ -249,7 +295,7 @@ class BarPointer:
     def confidence(self) -> float:
         """Probability that the next beat is right, 0 to 1 (calibrated: of beats with confidence c about a share c are
         right)."""
-        return self._activation_phase.confidence(self.share, self._manual.keeps_level)
+        return self._activation_phase.confidence(self.share, self._manual.keeps_level, self.phase_odds)
 
     def tempo_shares(self) -> tuple[Float64, Float64]:
         """Return the tempi [bpm] and the share of the states at each, at the last search, both (K,)."""

@@ -48,11 +48,11 @@ CONTRAST_LOSS: Final = 0.45
 enters that usual value with the weight `LONG_MEMORY` (the first beats equally).
 """
 
-CONFIDENCE_WEIGHTS: Final = (-1.02, 0.22, 3.5, -3.0, -1.0)
+CONFIDENCE_WEIGHTS: Final = (-3.08, 0.34, 3.75, 0.87, 1.06, 0.23)
 MANUAL_LEVEL_WEIGHT: Final = 0.84
-"""Log-odds that the next beat is right: constant; factors of the share's log-odds and of the strengths on the beat, off
-it and in between; and a bonus if the level was set by hand. A logistic regression over 10,000 beats reported in 60
-held-out synthetic pieces, seeded and not; `training/` makes another.
+"""Log-odds that the next beat is right: constant; factors of the share's log-odds, of the strengths on the beat, off
+it and in between, and of the odds by phase cues; and a bonus if the level was set by hand. A logistic regression over
+the beats reported in made pieces that no network has learned; `training/` makes another.
 """
 
 SHARE_LEAST: Final = 0.01
@@ -95,11 +95,14 @@ class ActivationPhase:
         on, first, off, last = self.strength
         return max(first, last) > BETWEEN_RATIO * max(on, off) or on - off < self._usual - CONTRAST_LOSS
 
-    def confidence(self, share: float, level_is_set: bool = False) -> float:
-        """Return the probability that the next beat is right, 0 to 1; share: of all states, those near the grid."""
+    def confidence(self, share: float, level_is_set: bool = False, phase_odds: float = 0.0) -> float:
+        """Return the probability that the next beat is right, 0 to 1.
+
+        share: of all states, those near the grid; phase_odds: log-odds of its phase by cues, 0 if there are none.
+        """
         on, first, off, last = self.strength
         share = min(max(share, SHARE_LEAST), SHARE_MOST)
-        constant, of_share, of_on, of_off, of_between = CONFIDENCE_WEIGHTS
+        constant, of_share, of_on, of_off, of_between, of_phase = CONFIDENCE_WEIGHTS
         odds = MANUAL_LEVEL_WEIGHT * level_is_set
-        odds += constant + of_share * math.log(share / (1.0 - share))
+        odds += constant + of_share * math.log(share / (1.0 - share)) + of_phase * phase_odds
         return 1.0 / (1.0 + math.exp(-(odds + of_on * on + of_off * off + of_between * max(first, last))))

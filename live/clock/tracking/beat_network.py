@@ -2,8 +2,10 @@
 
 Filters along frequency, one dense layer, two gated recurrent layers (Cho et al., Learning phrase representations
 using RNN encoder-decoder, 2014; the form with the reset after the product), one head of three classes: nothing, beat,
-downbeat. The recurrent layers run at every second frame and give results for both. A frame is 11.6 ms. `training/`
-makes the weights; they are passed in as arrays.
+downbeat. The recurrent layers run at every second frame and give results for both. A frame is 11.6 ms. Networks of
+several trainings answer together: what one of them learned by chance, the others do not (Hansen and Salamon, Neural
+network ensembles, PAMI 1990; for beats Böck, Krebs and Widmer, ISMIR 2014). `training/` makes the weights; they are
+passed in as arrays.
 """
 
 import math
@@ -35,6 +37,9 @@ LAYERS: Final = 2
 FRAMES_PER_STEP: Final = 2
 """Number of frames that the recurrent layers process at a time."""
 
+CLASSES: Final = 3
+"""Nothing, beat, downbeat."""
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class NetworkWeights:
@@ -52,7 +57,7 @@ class NetworkWeights:
     """Per recurrent layer, the recurrent weights (units, 3 units)."""
     candidate_bias: tuple[Floats, ...]
     head: Floats
-    """(units of all layers, PAIR * 3): the older frame first."""
+    """(units of all layers, FRAMES_PER_STEP * CLASSES): the older frame first."""
     head_bias: Floats
 
     @classmethod
@@ -100,18 +105,64 @@ class NetworkWeights:
                 (self.recurrent_weights[index], (units, 3 * units)),
                 (self.candidate_bias[index], (units,)),
             ]
-        wanted += [(self.head, (sum(sizes[1:]), 3 * FRAMES_PER_STEP)), (self.head_bias, (3 * FRAMES_PER_STEP,))]
+        wanted += [
+            (self.head, (sum(sizes[1:]), CLASSES * FRAMES_PER_STEP)),
+            (self.head_bias, (CLASSES * FRAMES_PER_STEP,)),
+        ]
         for array, shape in wanted:
             if array.shape != shape:
                 raise ValueError(f"weights of shape {array.shape} where {shape} is expected")
 
 
 class BeatNetwork:
-    """The trained activation; allocates nothing after its creation."""
+    """The trained activation, of one network or several: the mean of their log-odds. Allocates nothing after its
+    creation."""
 
-    def __init__(self, weights: NetworkWeights) -> None:
+    def __init__(self, *weights: NetworkWeights) -> None:
+        """Raises ValueError if there are none."""
+        if not weights:
+            raise ValueError("a beat network without weights")
         self.beat = np.zeros(FRAMES_PER_STEP)
         self.downbeat = np.zeros(FRAMES_PER_STEP)
+        self._members = [_Member(one) for one in weights]
+        self._logits = np.zeros(CLASSES * FRAMES_PER_STEP, np.float32)
+
+    def reset(self) -> None:
+        """Reset the recurrent state."""
+        for member in self._members:
+            member.reset()
+
+    def step(self, features: Floats) -> int:
+        """Process one frame's compressed bands and rises, shape (2 * BAND_COUNT,); return 0 and
+        FRAMES_PER_STEP in turn."""
+        if features.shape != (2 * BAND_COUNT,):
+            raise ValueError(f"a frame of shape {features.shape}: {(2 * BAND_COUNT,)} expected")
+        count = 0
+        self._logits[:] = 0.0
+        for member in self._members:
+            count = member.step(features)
+            self._logits += member.logits
+        if count:
+            self._tell()
+        return count
+
+    def _tell(self) -> None:
+        self._logits *= np.float32(1.0 / len(self._members))
+        for frame in range(FRAMES_PER_STEP):
+            nothing, beat, downbeat = self._logits[CLASSES * frame : CLASSES * (frame + 1)].tolist()
+            top = max(nothing, beat, downbeat)
+            shares = math.exp(nothing - top), math.exp(beat - top), math.exp(downbeat - top)
+            total = sum(shares)
+            self.downbeat[frame] = shares[2] / total
+            self.beat[frame] = (shares[1] + shares[2]) / total
+
+
+class _Member:
+    """One trained network."""
+
+    def __init__(self, weights: NetworkWeights) -> None:
+        self.logits = np.zeros(CLASSES * FRAMES_PER_STEP, np.float32)
+        """Log-odds of nothing, beat and downbeat of the last frames, the older first."""
         self._waiting = 0
         self._weights = weights
         channels = [weight.shape[1] for weight in weights.filters]
@@ -128,7 +179,6 @@ class BeatNetwork:
         self._all = np.zeros(sum(units), np.float32)
         edges = [0, *np.cumsum(units).tolist()]
         self._memory = [self._all[edges[index] : edges[index + 1]] for index in range(LAYERS)]
-        self._logits = np.zeros(3 * FRAMES_PER_STEP, np.float32)
 
     def reset(self) -> None:
         """Reset the recurrent state."""
@@ -136,9 +186,7 @@ class BeatNetwork:
         self._waiting = 0
 
     def step(self, features: Floats) -> int:
-        """Process one frame's compressed bands and rises, shape (2 * BAND_COUNT,); return 0 and PAIR in turn."""
-        if features.shape != (2 * BAND_COUNT,):
-            raise ValueError(f"a frame of shape {features.shape}: {(2 * BAND_COUNT,)} expected")
+        """Process one frame; return 0 and FRAMES_PER_STEP in turn: then there are new log-odds."""
         kept = self._weights
         for ear, bands in enumerate(BANDS_PER_WINDOW):
             filter_bands(
@@ -151,25 +199,14 @@ class BeatNetwork:
         self._waiting = (self._waiting + 1) % FRAMES_PER_STEP
         if self._waiting:
             return 0
-        self._step_recurrent()
-        return FRAMES_PER_STEP
-
-    def _step_recurrent(self) -> None:
-        kept = self._weights
         below = self._pair
         for index, memory in enumerate(self._memory):
             dense_layer(below, kept.input_weights[index], kept.input_bias[index], self._input_terms[index])
             dense_layer(memory, kept.recurrent_weights[index], self._none[index], self._recurrent_terms[index])
             gru_step(self._input_terms[index], self._recurrent_terms[index], kept.candidate_bias[index], memory)
             below = memory
-        dense_layer(self._all, kept.head, kept.head_bias, self._logits)
-        for frame in range(FRAMES_PER_STEP):
-            nothing, beat, downbeat = (float(value) for value in self._logits[3 * frame : 3 * frame + 3])
-            top = max(nothing, beat, downbeat)
-            shares = math.exp(nothing - top), math.exp(beat - top), math.exp(downbeat - top)
-            total = sum(shares)
-            self.downbeat[frame] = shares[2] / total
-            self.beat[frame] = (shares[1] + shares[2]) / total
+        dense_layer(self._all, kept.head, kept.head_bias, self.logits)
+        return FRAMES_PER_STEP
 
 
 DELAY_FRAMES: Final = 3

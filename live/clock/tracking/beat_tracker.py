@@ -14,6 +14,7 @@ from live.clock.silence import SilenceDetector
 from live.clock.tracking.beat_network import Activation, ActivationStream
 from live.clock.tracking.features import HOP
 from live.clock.tracking.measure_cues import CUE_WEIGHTS, MeasureCues
+from live.clock.tracking.phase_cues import PHASE_WEIGHTS, PhaseCues
 
 TAP_MAX_AGE: Final = 6.0
 """A tap refers to the present beats if it is no further away than this [s]."""
@@ -37,7 +38,8 @@ class BeatTracker:
         self._activations = ActivationStream(sample_rate, activation)
         self._silence = SilenceDetector(HOP)
         self._announcer = BeatAnnouncer()
-        self._cues = MeasureCues(CUE_WEIGHTS)
+        self._measure_cues = MeasureCues(CUE_WEIGHTS)
+        self._phase_cues = PhaseCues(PHASE_WEIGHTS)
         self._grids = 0
         self._moment = 0.0
         self._downbeat_at = math.inf
@@ -137,12 +139,20 @@ class BeatTracker:
         return self._announcer.beat(pointer, self._moment, hearing.fed_seconds, HOP, confidence)
 
     def _hear_cues(self, features: npt.NDArray[np.float32], beat: float, downbeat: float) -> None:
-        """Pass what harmony and bass say of the last beats on to the pointer."""
+        """Pass what harmony, bass and pickups say of the last beats on to the pointer."""
         pointer = self.pointer
         if pointer.jumps != self._grids or not self._silence.expects_beats:
             self._grids = pointer.jumps
-            self._cues.clear()
+            self._measure_cues.clear()
+            self._phase_cues.clear()
         elif pointer.interval > 0.0:
-            found = self._cues.step(features, beat, downbeat, pointer.since_beat, pointer.interval)
-            if found is not None:
-                pointer.add_cue(found)
+            since, interval = pointer.since_beat, pointer.interval
+            scores = self._phase_cues.step(features, beat, since, interval)
+            if scores is not None and (shift := pointer.add_phase_cue(scores)):
+                self._grids = pointer.jumps
+                self._phase_cues.shift(shift)
+                self._measure_cues.clear()
+                return
+            of_measure = self._measure_cues.step(features, beat, downbeat, since, interval)
+            if of_measure is not None:
+                pointer.add_measure_cue(of_measure)

@@ -43,13 +43,16 @@ LEAST_NORM: Final = 1e-6
 """Added so that nothing is divided by 0."""
 
 _SHORT, _LONG = BANDS_PER_WINDOW
-_BASS, _MIDDLE, _HIGH = slice(_SHORT, _SHORT + 14), slice(20, 45), slice(52, _SHORT)
+BASS: Final = slice(_SHORT, _SHORT + 14)
+MIDDLE: Final = slice(20, 45)
+HIGH: Final = slice(52, _SHORT)
+"""Bands whose onsets are summed."""
 _BASS_LINE: Final = 18
 """Lowest bands of the long window that the bass's pitch is taken from: up to 300 Hz."""
 
 CUE_WEIGHTS: Final = np.array(
-    (-0.297, 0.006, 0.028, 0.054, -0.041, -0.063, 0.056, 0.774, -0.011, 0.034, 0.077, 0.280, 0.073, 0.703, -0.483,
-     0.040, -0.265, -0.191, -0.111, 0.314, -0.291, -1.168, 0.880, -0.727)
+    (-0.317, -0.015, 0.019, 0.039, -0.043, -0.060, 0.083, 0.749, -0.019, -0.062, 0.017, 0.240,
+     0.099, 0.910, -0.480, 0.061, -0.222, -0.165, -0.090, 0.271, -0.329, -1.054, 1.086, -0.626)
 )  # fmt: skip
 """Made in `training/`: of the beat before, the beat, the one after, and a constant; then of the network's word alone,
 and a constant."""
@@ -84,7 +87,7 @@ class BeatFeatures:
             return None
         if abs(off) < LEAD:
             rises = features[BAND_COUNT:]
-            for row, part in enumerate((_BASS, _MIDDLE, _HIGH)):
+            for row, part in enumerate((BASS, MIDDLE, HIGH)):
                 self._onset[row] = max(self._onset[row], float(rises[part].sum()))
             self._onset[3] = max(self._onset[3], float(rises.sum()))
             self._beat, self._downbeat = max(self._beat, beat), max(self._downbeat, downbeat)
@@ -102,12 +105,11 @@ class BeatFeatures:
     def _end(self) -> Float64:
         self._open = False
         level = self._harmony / max(self._frames, 1)
-        padded = np.pad(level, SMOOTH // 2, mode="edge")
-        tones = np.maximum(level - np.convolve(padded, np.full(SMOOTH, 1.0 / SMOOTH), "valid"), 0.0)
+        tones = tonal_part(level)
         found = np.zeros(FEATURES)
         if self._previous is not None:
-            found[0] = _distance(tones, self._previous)
-            found[1] = _distance(tones[:_BASS_LINE], self._previous[:_BASS_LINE])
+            found[0] = spectral_distance(tones, self._previous)
+            found[1] = spectral_distance(tones[:_BASS_LINE], self._previous[:_BASS_LINE])
         self._previous = tones
         found[2:6] = self._onset
         said = min(max(self._downbeat / max(self._beat, LEAST_BEAT), LEAST_SAID), MOST_SAID)
@@ -120,7 +122,13 @@ class BeatFeatures:
         return found
 
 
-def _distance(one: Float64, other: Float64) -> float:
+def tonal_part(level: Float64) -> Float64:
+    """Return by how much the bands of a spectrum (n,) are above its trend, at least 0."""
+    padded = np.pad(level, SMOOTH // 2, mode="edge")
+    return np.maximum(level - np.convolve(padded, np.full(SMOOTH, 1.0 / SMOOTH), "valid"), 0.0)
+
+
+def spectral_distance(one: Float64, other: Float64) -> float:
     """Return 1 less the cosine of two spectra."""
     return 1.0 - float(one @ other) / (math.sqrt(float(one @ one) * float(other @ other)) + LEAST_NORM)
 

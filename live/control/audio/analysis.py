@@ -25,11 +25,19 @@ from live.clock.tracking.beat_network import BeatNetwork, NetworkWeights
 from live.clock.tracking.beat_tracker import BeatTracker
 from live.control.events.events import BeatHeard, ControlEvent, MusicHeard, SourceChanged
 
+WEIGHTS: Final = ("weights.npz", "weights_2.npz")
+"""Files of the networks that answer together, of two trainings."""
+WEIGHTS_BACKWARDS: Final = ("weights_backwards.npz",)
+"""File of the network that hears music backwards, for whole pieces."""
+
 
 @cache
-def beat_weights() -> NetworkWeights:
+def beat_weights(names: tuple[str, ...] = WEIGHTS) -> tuple[NetworkWeights, ...]:
     """Return the weights shipped with the engine (made by `training/`). Raises ValueError if they are damaged."""
-    data = files("live.clock.tracking").joinpath("weights.npz").read_bytes()
+    return tuple(_read_weights(files("live.clock.tracking").joinpath(name).read_bytes()) for name in names)
+
+
+def _read_weights(data: bytes) -> NetworkWeights:
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
             return NetworkWeights.from_arrays({name: arrays[name] for name in arrays.files if name != "recipe"})
@@ -52,7 +60,7 @@ def make_tracker(
     if name == "aubio":
         return AubioTracker(sample_rate), ""
     try:
-        return BeatTracker(sample_rate, BeatNetwork(beat_weights()), model), ""
+        return BeatTracker(sample_rate, BeatNetwork(*beat_weights()), model), ""
     except (OSError, ValueError) as error:
         return AubioTracker(sample_rate), f"aubio is used instead of the beat network: {error}"
 

@@ -12,9 +12,10 @@ from live.app.offline.music_map import Fix, MapProposal, hear, map_values, read_
 from live.base.errors import PersonError
 from live.clock.measure_map import MeasureLine, MeasureMap, Phrase
 from live.clock.tracking.offline_beats import Activations
-from live.control.audio.music_file import read_music
+from live.control.audio.music_file import Music, read_music
 from live.library.music_map_file import read_map, write_map
 from tests.cli.command import run_live
+from tests.clock.clicks import groove
 from tests.clock.tracking.test_offline_beats import activations
 from tests.places import SHARED
 
@@ -24,7 +25,7 @@ FIXES: dict[str, list[dict[str, Any]]] = {
     "o07_band_186": [], "o13_loops_dj_140": [], "o16_pop_keys_116": [], "o17_pop_34": [], "o25_crowd_room_098": [],
     "o05_band_141": [{"do": "move", "line": 1, "at": 0}],
     "o09_drums_rock_060": [{"do": "half"}],
-    "o15_piano_pop_slow": [{"do": "metre", "beats": 4}],
+    "o15_piano_pop_slow": [{"do": "metre", "beats": 4}, {"do": "move", "line": 1, "at": 0}],
 }  # fmt: skip
 """Corrections of steady and slow songs; `at`: the number of the true line that a line is moved to."""
 
@@ -48,6 +49,19 @@ def test_steady_and_slow_songs_need_three_corrections_at_most(song: str) -> None
     assert np.abs(found[:, np.newaxis] - wanted).min(axis=0).max() < 0.07
     inside = found[(found > wanted[0] - 0.1) & (found < wanted[-1] + 0.1)]
     assert len(inside) == len(wanted)
+
+
+def test_a_piece_is_heard_both_ways() -> None:
+    """The first beats are known from what comes, the last ones from what came; time runs as in the piece."""
+    bpm, seconds = 110.0, 16.0
+    found = hear(Music(groove(bpm, 44_100, seconds)[:, np.newaxis], 44_100))
+    assert (np.diff(found.time) > 0.0).all()
+    assert (found.downbeat <= found.beat + 1e-12).all()
+    phase = found.time * bpm / 60.0
+    on = np.abs(phase - np.round(phase)) < 0.05
+    for first, last in ((0.3, 3.0), (seconds - 3.0, seconds - 0.3)):
+        part = (found.time > first) & (found.time < last)
+        assert found.beat[part & on].mean() > 4.0 * found.beat[part & ~on].mean()
 
 
 def proposal() -> MapProposal:

@@ -42,12 +42,13 @@ def test_measure_of_silence_keeps_the_grid() -> None:
     assert not quiet.grid_is_lost
 
 
-def test_confidence_grows_with_share_and_falls_with_offbeat_activity() -> None:
+def test_confidence_grows_with_share_strength_and_phase_cues() -> None:
     clear = feed_activations((0.75, 0.02, 0.05, 0.02))
-    assert 0.9 < clear.confidence(0.99) < 0.98
+    assert 0.7 < clear.confidence(0.99) < clear.confidence(0.99, phase_odds=4.0) < 0.98
+    assert clear.confidence(0.99, phase_odds=-4.0) < clear.confidence(0.99) - 0.1
     assert np.all(np.diff([clear.confidence(share) for share in np.linspace(0.0, 1.0, 9)]) >= 0.0)
     assert clear.confidence(0.3) < clear.confidence(0.9) - 0.05
-    for elsewhere in ((0.35, 0.02, 0.05, 0.02), (0.75, 0.02, 0.7, 0.02), (0.75, 0.7, 0.05, 0.02)):
-        assert feed_activations(elsewhere).confidence(0.99) < clear.confidence(0.99) - 0.02
+    for weaker in (0.2, 0.4, 0.6):
+        assert feed_activations((weaker, 0.02, 0.05, 0.02)).confidence(0.99) < clear.confidence(0.99) - 0.05
     assert clear.confidence(0.9) < clear.confidence(0.9, level_is_set=True) < 1.0
     assert feed_activations((0.1, 0.1, 0.1, 0.1)).confidence(0.02) < 0.3

@@ -88,7 +88,7 @@ def test_cues_find_the_line_where_the_network_is_silent_about_it() -> None:
             found.append((number, pointer.beat))
         if number != given and number > 4 and frame - activations.truth[number] > 0.7 * 60.0 * 86.13 / 116.0:
             given = number
-            pointer.add_cue(1.0 if (number - 1) % 4 == 1 else -0.4)  # measures begin with beat 1, 5, 9 ...
+            pointer.add_measure_cue(1.0 if (number - 1) % 4 == 1 else -0.4)  # measures begin with beat 1, 5, 9 ...
     late = [(number, beat) for number, beat in found if number > 70]
     assert np.mean([(number - 1) % 4 == beat for number, beat in late]) > 0.9
     assert pointer.tempo == pytest.approx(116.0, rel=0.01)
@@ -101,7 +101,7 @@ def test_cues_do_not_move_a_line_set_by_hand() -> None:
     pointer.set_downbeat(float(1000 - activations.truth[21]))  # the second beat of a measure
     before = pointer._states.share.copy()
     for _ in range(50):
-        pointer.add_cue(1.5)
+        pointer.add_measure_cue(1.5)
     np.testing.assert_array_equal(pointer._states.share, before)
     followed = follow(pointer, activations, 1000)
     assert beat_number_accuracy(followed, activations, 4, 13.0) == 0.0  # all are one off, as they were set

@@ -32,8 +32,20 @@ def test_kernels_match_numpy_reference() -> None:
     assert (got[:, 1] <= got[:, 0]).all()
 
 
+def test_networks_that_answer_together_give_the_mean_of_their_log_odds() -> None:
+    members, seen = [random_weights(seed) for seed in (0, 1, 2)], random_frames(40)
+    got = run(BeatNetwork(*(NetworkWeights.from_arrays(arrays) for arrays in members)), seen)
+    shares = np.exp(np.mean([np.log(reference(arrays, seen)) for arrays in members], axis=0))
+    shares /= shares.sum(axis=1, keepdims=True)
+    np.testing.assert_allclose(got[:, 0], shares[:, 1] + shares[:, 2], atol=2e-5)
+    np.testing.assert_allclose(got[:, 1], shares[:, 2], atol=2e-5)
+    with pytest.raises(ValueError, match="without weights"):
+        BeatNetwork()
+
+
 def test_reset_clears_the_recurrent_state() -> None:
-    network, seen = BeatNetwork(NetworkWeights.from_arrays(random_weights())), random_frames(21)
+    members = [NetworkWeights.from_arrays(random_weights(seed)) for seed in (0, 1)]
+    network, seen = BeatNetwork(*members), random_frames(21)
     first = run(network, seen)
     network.reset()
     np.testing.assert_array_equal(run(network, seen), first)

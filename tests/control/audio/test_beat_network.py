@@ -8,14 +8,15 @@ import pytest
 from live.clock.tracking.aubio_tracker import AubioTracker
 from live.clock.tracking.beat_network import ActivationStream, BeatNetwork
 from live.control.audio import analysis
-from live.control.audio.analysis import beat_weights, make_tracker
+from live.control.audio.analysis import WEIGHTS, WEIGHTS_BACKWARDS, beat_weights, make_tracker
 from tests.clock.clicks import groove
 
 RATE = 44_100
 
 
-def test_the_weights_are_small() -> None:
-    assert len(files("live.clock.tracking").joinpath("weights.npz").read_bytes()) <= 1_000_000
+@pytest.mark.parametrize("name", [*WEIGHTS, *WEIGHTS_BACKWARDS])
+def test_the_weights_are_small(name: str) -> None:
+    assert len(files("live.clock.tracking").joinpath(name).read_bytes()) <= 300_000
 
 
 @pytest.mark.parametrize("cut", [0, 3, 1000, -30, "middle"])
@@ -46,7 +47,7 @@ def test_damaged_weights_fall_back_to_aubio_with_note(monkeypatch: pytest.Monkey
 def test_network_detects_beats_of_a_groove() -> None:
     bpm = 110.0
     sound = groove(bpm, RATE, 14.0)
-    hearing = ActivationStream(RATE, BeatNetwork(beat_weights()))
+    hearing = ActivationStream(RATE, BeatNetwork(*beat_weights()))
     count = hearing.feed(sound)
     late = hearing.position[:count] > 6.0
     phase = hearing.position[:count][late] * bpm / 60.0

@@ -77,7 +77,7 @@ def test_failed_analysis_is_restarted_during_playback() -> None:
     try:
         assert wait_for(
             lambda: (
-                bool(beats.extend(e.beat_time for e in inbox.drain() if isinstance(e, BeatHeard))) or len(beats) > 8
+                bool(beats.extend(e.beat_time for e in inbox.drain() if isinstance(e, BeatHeard))) or len(beats) > 16
             ),
             15.0,
         )
@@ -85,7 +85,7 @@ def test_failed_analysis_is_restarted_during_playback() -> None:
         player.stop()
     assert (player.crashes, len(made)) == (1, 2)
     assert player.status()["failure"] == "the analysis failed: ArithmeticError: a bug in the tracker"
-    off = (np.array(beats[3:]) - player._begin) * 2.0
+    off = (np.array(beats[8:]) - player._begin) * 2.0  # the first beats of both analyses are guesses
     assert np.median(np.abs(off - np.round(off))) < 0.05
 
 
