@@ -57,6 +57,7 @@ def test_a_range_is_what_the_engine_says(loaded: LoadedShow, positions: str) -> 
     assert texts["done"] == {"kind": "done", "id": 7, "document": 0}
 
 
+@pytest.mark.long
 def test_a_range_has_the_joints_of_each_sample(loaded: LoadedShow) -> None:
     engine = PreviewEngine(loaded)
     _, frames = asked(
@@ -72,6 +73,7 @@ def test_a_range_has_the_joints_of_each_sample(loaded: LoadedShow) -> None:
     assert "at once" in refused["refused"]["refused"][0]["what"]
 
 
+@pytest.mark.long
 def test_planned_ways_of_an_edit_need_no_run(loaded: LoadedShow) -> None:
     answers = open_answers(loaded)
     asked(answers, id=1, from_=8, to=8)
@@ -142,6 +144,7 @@ def test_an_accepted_edit_of_another_process_is_taken_in_and_earlier_measures_st
     assert asked(answers, from_=8, to=9)[1] == frames
 
 
+@pytest.mark.long
 def test_documents_that_differ_in_the_music_alone_have_previews_of_their_own(loaded: LoadedShow) -> None:
     answers = open_answers(loaded)
     other = {"do": "insert", "at": ["music", "phrase"], "value": {"measure": 1, "name": "a"}}

@@ -302,6 +302,7 @@ print("found")
 """
 
 
+@pytest.mark.long
 @pytest.mark.skipif(os.name != "posix" or os.geteuid() != 0 or not shutil.which("unshare"), reason="needs a namespace")
 def test_zeroconf_announces_only_on_the_served_network():
     pytest.importorskip("aiohttp")

@@ -191,6 +191,7 @@ def test_an_editor_of_files_and_the_commands_work_side_by_side(night: EditedShow
     assert night.path.read_text() == "name = "
 
 
+@pytest.mark.long
 def test_answers_stay_short_enough_for_a_packet(night: EditedShow) -> None:
     for number in range(70):
         night.send({"id": f"{number}", "do": "set", "at": ["name"], "value": "x" * 60 + str(number)})
@@ -213,7 +214,7 @@ def test_a_stroke_of_512_points_becomes_a_path_by_one_packet(night: EditedShow) 
     assert read_patch(night.path) == night.show.patch
 
 
-@pytest.mark.parametrize("seed", range(2))
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
 def test_random_edits_of_three_people_leave_engine_and_file_alike_and_replay(night: EditedShow, seed: int) -> None:
     rng = random.Random(seed)
     store = DocumentStore(night.path)

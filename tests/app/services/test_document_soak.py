@@ -189,6 +189,7 @@ def gone(rng: random.Random, store: DocumentStore, first: dict[tuple[str, ...], 
     return Edit("insert", names, values)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(("seed", "edits"), [(1, 60), pytest.param(2, 10_000, marks=pytest.mark.soak)])
 def test_three_people_edit_everything_while_the_show_runs(tmp_path: Path, seed: int, edits: int) -> None:
     rng = random.Random(seed)

@@ -91,6 +91,7 @@ def test_it_answers_as_the_engine_here_and_at_low_priority(loaded: LoadedShow) -
     with_client(loaded, act)
 
 
+@pytest.mark.long
 def test_a_killed_process_is_replaced_and_the_question_told(loaded: LoadedShow) -> None:
     async def act(client: PreviewClient) -> None:
         far = Answer()

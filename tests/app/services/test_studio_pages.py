@@ -360,6 +360,7 @@ async def next_refusal(page: Page) -> bool:
                     return "refused" in told
 
 
+@pytest.mark.long
 def test_a_page_that_does_not_read_gets_fewer_frames_and_the_latest_ones(studio: Studio) -> None:
     async def run() -> None:
         async with aiohttp.ClientSession() as session:

@@ -126,6 +126,7 @@ def test_refusing_output_leaves_music_inaudible(monkeypatch: pytest.MonkeyPatch)
     assert "organ does not play: device is busy" in player.output_problem
 
 
+@pytest.mark.long
 @pytest.mark.pulse
 def test_played_beats_match_recorded_beats(pulse_sink: PulseSink) -> None:
     """The player's play times against a microphone at the sink it plays to."""

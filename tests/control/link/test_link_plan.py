@@ -193,6 +193,7 @@ def test_two_shows_share_the_first_beat(network: Network) -> None:
     assert first.ask()["step"] < 0.01
 
 
+@pytest.mark.long
 def test_timeline_stays_in_sync_and_follows_tempo_changes(network: Network) -> None:
     network.new(hut=120.0, app=116.0)
     hut, app = network.hut, network.app

@@ -190,6 +190,7 @@ def test_orphaned_engine_ends_on_request(start_show, tmp_path):
     assert not list(tmp_path.glob("*/*.sock"))  # whoever found that nobody listens has removed it
 
 
+@pytest.mark.long
 def test_show_without_processes_resumes_from_journal(start_show, tmp_path):
     show = start_show(origin=time.perf_counter())
     show.until(100)
