@@ -47,6 +47,7 @@ class HypothesesRecord:
         self._next = 0.0
         self._columns: dict[str, list[Float64]] = {name: [] for name, _, _ in _LANES}
         self._tempo: list[float] = []
+        self._places: list[float] = []
 
     def update(self) -> None:
         """Add a column, if it is time."""
@@ -65,6 +66,7 @@ class HypothesesRecord:
         self._columns["metre"].append(pointer.metre_shares())
         self._columns["sure"].append(np.array([pointer.confidence]))
         self._tempo.append(pointer.tempo)
+        self._places.append(pointer.beat_offset)
 
     def lane(self, name: str) -> Float64:
         """Return a lane's values, (rows, columns), 0 to 1."""
@@ -74,6 +76,11 @@ class HypothesesRecord:
     def tempo(self) -> Float64:
         """The tempo that was taken [bpm], 0 for none, (columns,)."""
         return np.array(self._tempo)
+
+    @property
+    def places(self) -> Float64:
+        """How much later than the grid of the tempo lane the beats were taken to be [beats], (columns,)."""
+        return np.array(self._places)
 
 
 def write_picture(path: Path, record: HypothesesRecord, beats: Sequence[BeatEstimate]) -> None:
@@ -101,6 +108,8 @@ def draw_picture(record: HypothesesRecord, beats: Sequence[BeatEstimate]) -> "Im
                 draw.text((8, top + (row + 0.5) * size), word, fill=_INK, anchor="lm")
         if name == "tempo":
             _draw_tempo(draw, record.tempo, width, top, size)
+        if name == "beat":
+            _draw_places(draw, record.places * rows, width, top, size)
         top += rows * size + GAP
     for beat in beats:
         x = LEFT + beat.position / max(seconds, 1e-9) * width
@@ -130,6 +139,14 @@ def _heat(values: Float64, width: int, height: int) -> "Image.Image":
     low, high = np.array((28.0, 32.0, 46.0)), np.array((120.0, 215.0, 255.0))
     colour = (low + shade * (high - low)).astype(np.uint8)
     return Image.fromarray(colour).resize((width, height), Image.Resampling.NEAREST)
+
+
+def _draw_places(draw: "ImageDraw.ImageDraw", row: Float64, width: int, top: int, size: int) -> None:
+    """Underline the place that was taken for the beat."""
+    x = LEFT + np.arange(row.size + 1) / max(row.size, 1) * width
+    for k, place in enumerate(row.tolist()):
+        low = top + (place + 1.0) * size - 2
+        draw.line((x[k], low, x[k + 1], low), fill=_TAKEN, width=2)
 
 
 def _draw_tempo(draw: "ImageDraw.ImageDraw", tempo: Float64, width: int, top: int, size: int) -> None:

@@ -125,6 +125,11 @@ class BarPointer:
         return self._position.beat(past=self._since_beat() >= 0.0)
 
     @property
+    def beat_offset(self) -> float:
+        """How much later than the grid's the beats are, by phase cues [beats], 0 to 3/4."""
+        return self._choice.offset
+
+    @property
     def phase_odds(self) -> float:
         """Log-odds of these beats against others some quarters later, by phase cues; 0 without any."""
         return self._choice.odds
@@ -218,7 +223,10 @@ class BarPointer:
 
     def set_tempo(self, bpm: float) -> None:
         """Set a tapped tempo and keep its metrical level. ValueError for a tempo outside the model's range."""
-        self._manual.set_tempo(tempo_to_interval(bpm, self.model))
+        interval = tempo_to_interval(bpm, self.model)
+        if self.interval <= 0.0 or abs(interval / self.interval - 1.0) > self.model.near_tempo:
+            self._choice.clear()
+        self._manual.set_tempo(interval)
         self._restart_search()
 
     def set_downbeat(self, age: float) -> None:

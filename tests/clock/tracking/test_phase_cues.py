@@ -199,6 +199,24 @@ def test_another_grid_begins_without_a_choice() -> None:
     assert np.abs(activations.truth - last).min() < 0.05 * pointer.interval
 
 
+@pytest.mark.parametrize(("bpm", "kept"), [(120.0, 0.5), (123.0, 0.5), (60.0, 0.0), (90.0, 0.0)])
+def test_a_tempo_by_hand_keeps_the_choice_if_it_is_the_same(bpm: float, kept: float) -> None:
+    pointer = pointer_on_beats()
+    for _ in range(4):
+        pointer.add_phase_cue(np.array([-3.0, -3.0, 0.0, -3.0]))
+    pointer.set_tempo(bpm)
+    assert pointer.beat_offset == kept
+
+
+def test_half_the_tempo_keeps_the_beats_that_were_chosen() -> None:
+    pointer = pointer_on_beats()
+    for _ in range(4):
+        pointer.add_phase_cue(np.array([-3.0, -3.0, 0.0, -3.0]))
+    pointer.scale(0.5)
+    assert pointer.beat_offset == 0.25
+    assert abs(abs(follow_with_cues(pointer, [0.0, -1.0, -1.0, -1.0])) - 0.25) < 0.03  # of beats twice as long
+
+
 def test_a_beat_by_hand_is_left_alone_and_keeps_or_clears_the_choice() -> None:
     pointer = pointer_on_beats()
     pointer.set_beat(pointer.since_beat)
