@@ -47,7 +47,7 @@ class HypothesesRecord:
         self._next = 0.0
         self._columns: dict[str, list[Float64]] = {name: [] for name, _, _ in _LANES}
         self._tempo: list[float] = []
-        self._places: list[float] = []
+        self._offsets: list[float] = []
 
     def update(self) -> None:
         """Add a column, if it is time."""
@@ -66,7 +66,7 @@ class HypothesesRecord:
         self._columns["metre"].append(pointer.metre_shares())
         self._columns["sure"].append(np.array([pointer.confidence]))
         self._tempo.append(pointer.tempo)
-        self._places.append(pointer.beat_offset)
+        self._offsets.append(pointer.beat_offset)
 
     def lane(self, name: str) -> Float64:
         """Return a lane's values, (rows, columns), 0 to 1."""
@@ -78,9 +78,9 @@ class HypothesesRecord:
         return np.array(self._tempo)
 
     @property
-    def places(self) -> Float64:
+    def offsets(self) -> Float64:
         """How much later than the grid of the tempo lane the beats were taken to be [beats], (columns,)."""
-        return np.array(self._places)
+        return np.array(self._offsets)
 
 
 def write_picture(path: Path, record: HypothesesRecord, beats: Sequence[BeatEstimate]) -> None:
@@ -109,7 +109,7 @@ def draw_picture(record: HypothesesRecord, beats: Sequence[BeatEstimate]) -> "Im
         if name == "tempo":
             _draw_tempo(draw, record.tempo, width, top, size)
         if name == "beat":
-            _draw_places(draw, record.places * rows, width, top, size)
+            _draw_offsets(draw, record.offsets * rows, width, top, size)
         top += rows * size + GAP
     for beat in beats:
         x = LEFT + beat.position / max(seconds, 1e-9) * width
@@ -141,11 +141,11 @@ def _heat(values: Float64, width: int, height: int) -> "Image.Image":
     return Image.fromarray(colour).resize((width, height), Image.Resampling.NEAREST)
 
 
-def _draw_places(draw: "ImageDraw.ImageDraw", row: Float64, width: int, top: int, size: int) -> None:
-    """Underline the place that was taken for the beat."""
-    x = LEFT + np.arange(row.size + 1) / max(row.size, 1) * width
-    for k, place in enumerate(row.tolist()):
-        low = top + (place + 1.0) * size - 2
+def _draw_offsets(draw: "ImageDraw.ImageDraw", rows: Float64, width: int, top: int, size: int) -> None:
+    """Underline the rows, (columns,), of the places that were taken for the beat."""
+    x = LEFT + np.arange(rows.size + 1) / max(rows.size, 1) * width
+    for k, row in enumerate(rows.tolist()):
+        low = top + (row + 1.0) * size - 2
         draw.line((x[k], low, x[k + 1], low), fill=_TAKEN, width=2)
 
 

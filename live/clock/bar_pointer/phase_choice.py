@@ -36,8 +36,8 @@ class PhaseChoice:
     def judge(self, scores: Float64) -> int:
         """Return by how many quarters of a beat the beats are later from now on.
 
-        scores: natural logarithms of the probabilities of the present beats and of those one, two and three quarters
-        later.
+        scores (PLACES,): natural logarithms of the probabilities of the present beats and of those one, two and three
+        quarters later.
         """
         best = int(scores.argmax())
         self.odds = min(max(float(scores[0] - scores[1:].max()), -MAX_PHASE_ODDS), MAX_PHASE_ODDS)

@@ -33,7 +33,10 @@ WEIGHTS_BACKWARDS: Final = ("weights_backwards.npz",)
 
 @cache
 def beat_weights(names: tuple[str, ...] = WEIGHTS) -> tuple[NetworkWeights, ...]:
-    """Return the weights shipped with the engine (made by `training/`). Raises ValueError if they are damaged."""
+    """Return the weights of networks shipped with the engine (made by `training/`), by the names of their files.
+
+    Raises ValueError if they are damaged.
+    """
     return tuple(_read_weights(files("live.clock.tracking").joinpath(name).read_bytes()) for name in names)
 
 
