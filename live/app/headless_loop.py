@@ -13,7 +13,7 @@ from rich.console import Console
 from live.app.bridges import installed_bridges
 from live.app.headless_picture import HeadlessPicture
 from live.app.launch_options import LaunchOptions
-from live.app.machine.kernel_warmup import warm_kernels
+from live.app.machine.kernel_warmup import is_warm, warm_kernels
 from live.app.session import Session
 from live.app.session_audio import AudioChoice, choose_audio
 from live.base.errors import PersonError
@@ -123,8 +123,13 @@ def play_show(options: LaunchOptions, *, lifeline: SupervisorLink | None = None)
     `lifeline`: the link to the supervisor, if there is one.
     """
     console = Console(stderr=True, highlight=False)
+    cold = not is_warm()
     warm_kernels(console)
     loaded = options.load()
+    if cold:
+        from live.app.machine.kernel_loader import rehearse_show
+
+        rehearse_show(loaded, options.seed)
     venue = options.read_venue()
     for note in (*loaded.graph.missing, *loaded.notes, *installed_bridges().notes(loaded, venue)):
         console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)

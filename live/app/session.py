@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Final
 from rich.console import Console
 
 from live.app.launch_options import LaunchOptions
+from live.app.machine.kernel_loader import KernelLoader
 from live.app.practice import practice_events
 from live.app.processes.resume_state import ResumeState
 from live.app.service_builder import ServiceBuilder
@@ -206,6 +207,10 @@ class Session:
         beside.add_grid()
         beside.add_osc()
         beside.add_bridges()
+        self._kernels = KernelLoader()
+        if self._kernels.compiles:
+            self.engine.holding = lambda: self._kernels.compiles
+            self.status.notices.append(lambda: self._kernels.notice)
         self._watch, library = make_file_watches(loaded, show, post=self.inbox.put, now=self.clock.now)
         self.status.extra_figures["patch"] = self._watch.status
         self.document = beside.add_document(self._watch, loaded)
@@ -291,11 +296,13 @@ class Session:
     def before_frame(self) -> None:
         """Receive input from other processes, before each frame, and start measuring its CPU time."""
         self._frame_cpu_start = self.cpu_clock.now()
+        self._calls.call("loading kernels", self._kernels.frame)
         self._calls.call("the sound", self._audio.frame)
         self._calls.call("the OSC port", self.osc.frame)
         self._services.before_frame()
 
     def _stop(self, *, ended: bool) -> None:
+        run_once("the end of compiling", self._kernels.close)
         for part in (self._audio, self._services, self.osc, self._watch, self.notifier):
             run_once(f"the end of {callback_name(part.stop)}", part.stop)
         self._records.close(self.engine.ticks.index, self.clock.now(), ended=ended)

@@ -1,119 +1,279 @@
-"""Interface to numba: kernels with explicit signatures, cached on disk under a hash of their sources.
+"""Interface to numba: kernels with explicit signatures, loaded or compiled at first need.
 
-A lazy kernel silently recompiles for a read-only, strided or float64 array, which costs about forty frames during a
-show. Here every kernel states its types, so it is compiled when its module is imported, and a wrong array raises
-TypeError. numba's disk cache does not notice an edit in *another* file that a kernel calls; therefore the cache folder
-of each file's kernels carries a hash of that file and of all that it imports from others.
+A lazy function of numba's silently compiles again for a read-only, strided or float64 array, which costs about forty
+frames during a show. Here every kernel states its types: it is compiled for them only, and a wrong array raises
+TypeError. A kernel is compiled once for a machine: `kernel_store` keeps it under a name that follows its sources.
+
+The code is compiled for this machine's processor (*native*), or it was shipped for a level of processors
+(`choreographics-live-kernels`). All processes of a show use one set, `KERNEL_SET`.
 """
 
+import gc
 import hashlib
+import json
 import os
-import re
+import struct
 import sys
-import tempfile
+import sysconfig
 from collections.abc import Callable
-from functools import cache
+from importlib.metadata import version
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
-import platformdirs
+import llvmlite.binding as llvm
+import numpy as np
 
-_PACKAGE = Path(__file__).resolve().parent.parent
+from live.base.kernel_store import KernelStore, content_name, processor_levels, shipped_folder, writable_root
+
 Function = TypeVar("Function", bound=Callable[..., Any])
 
-compile_listeners: list[Callable[[str], None]] = []
-"""Callbacks that receive each kernel's name once it is compiled (for progress bars)."""
+_TARGET: Final = "LIVE_KERNEL_TARGET"
+"""Environment variable: the processor for which kernels are compiled, `native` or a level; inherited in a show."""
 
 
-_IMPORT = re.compile(r"^from (live\.[\w.]+) import", re.MULTILINE)
-
-
-def kernel_files() -> list[Path]:
-    """Return all files with kernels, in a fixed order: every ``*kernels.py`` of the package."""
-    return sorted(_PACKAGE.rglob("*kernels.py"))
-
-
-def kernel_count() -> int:
-    """Return the number of all kernels, for the length of a progress bar."""
-    return sum(path.read_text(encoding="utf-8").count("\n@kernel(") for path in kernel_files())
-
-
-def sources_of(path: Path) -> list[Path]:
-    """Return a file of kernels and all files whose code or constants are compiled into them, in a fixed order.
-
-    Imports of kernel files are followed recursively. Of any other file only the text counts, as kernels take only
-    constants from there.
-    """
-    found: set[Path] = set()
-    waiting = [path]
-    while waiting:
-        file = waiting.pop()
-        if file in found or not file.is_file():
-            continue
-        found.add(file)
-        if file.stem.endswith("kernels"):
-            modules = _IMPORT.findall(file.read_text(encoding="utf-8"))
-            waiting += [_PACKAGE.parent.joinpath(*module.split(".")).with_suffix(".py") for module in modules]
-    return sorted(found)
-
-
-def cache_root() -> Path:
-    """Return the folder for compiled kernels; `LIVE_CACHE_DIR` overrides the user's cache directory."""
-    return Path(os.environ.get("LIVE_CACHE_DIR") or platformdirs.user_cache_dir("choreographics-live")) / "kernels"
-
-
-@cache
-def cache_name(path: Path) -> str:
-    """Return the cache folder of one file's kernels: it depends on its sources, on Python and on bounds checking."""
-    digest = hashlib.sha256(sys.version.encode())
-    if BOUNDS_CHECKED:
-        digest.update(b"bounds")
-    for source in sources_of(path):
-        digest.update(source.read_bytes())
-    inside = path.relative_to(_PACKAGE) if path.is_relative_to(_PACKAGE) else Path(path.name)  # a bench's kernel is not
-    name = ".".join(inside.with_suffix("").parts)
-    return f"{name}-{digest.hexdigest()[:16]}"
-
-
-def _writable_root() -> Path:
-    root = cache_root()
+def _host() -> tuple[str, str, dict[str, bool]]:
+    """Return name, features as text and features of this machine's processor."""
     try:
-        root.mkdir(parents=True, exist_ok=True)
-        if not os.access(root, os.W_OK):
-            raise PermissionError(root)
-    except OSError:  # a read-only home: the show still starts, and compiles again the next time
-        root = Path(tempfile.gettempdir()) / "choreographics-live-kernels"
-        root.mkdir(parents=True, exist_ok=True)
-    return root
+        features = dict(llvm.get_host_cpu_features())
+    except RuntimeError:  # LLVM knows none for this processor
+        features = {}
+    text = ",".join(("+" if on else "-") + name for name, on in sorted(features.items()))
+    return llvm.get_host_cpu_name(), text, features
 
 
-KERNEL_CACHE_DIR = _writable_root()
-"""The folder of this process's compiled kernels."""
+def set_name(target: str) -> str:
+    """Return the name of the kernel set for a processor level, or for `native`, this machine's processor."""
+    if target == "native":
+        name, features, _ = _host()
+        target = f"{name}-{hashlib.sha256(features.encode()).hexdigest()[:8]}"
+    parts = (sys.implementation.cache_tag, f"numba{version('numba')}", f"llvmlite{version('llvmlite')}")
+    name = "-".join((*parts, sysconfig.get_platform().replace("-", "_"), target))
+    return f"{name}-bounds" if os.environ.get("NUMBA_BOUNDSCHECK", "0") not in ("", "0") else name
 
-os.environ["NUMBA_CACHE_DIR"] = str(KERNEL_CACHE_DIR)
-import numba  # noqa: E402 - its cache directory has to be set first
+
+def _choose() -> tuple[str, KernelStore]:
+    """Choose between native kernels, if all are compiled or none is shipped, and shipped ones."""
+    own = writable_root()
+    native = KernelStore((own / set_name("native"),))
+    wished = os.environ.get(_TARGET) or None
+    if wished == "native" or (wished is None and native.is_complete()):
+        return "native", native
+    for level in [wished] if wished else processor_levels(_host()[2]):
+        shipped = shipped_folder(set_name(level))
+        if shipped is not None or wished:
+            return level, KernelStore((*([shipped] if shipped else ()), own / set_name(level)))
+    return "native", native
+
+
+KERNEL_TARGET, KERNEL_STORE = _choose()
+"""The processor for which this process's kernels are compiled, and where they lie."""
+
+KERNEL_SET: Final = KERNEL_STORE.own.name
+"""Name of the kernel set of this process; journals carry it."""
+
+os.environ[_TARGET] = KERNEL_TARGET
+if KERNEL_TARGET != "native":
+    os.environ["NUMBA_CPU_NAME"], os.environ["NUMBA_CPU_FEATURES"] = KERNEL_TARGET, ""
+
+import numba  # noqa: E402 - its processor has to be set first
+from numba.core import sigutils, types, typing  # noqa: E402
+from numba.core.codegen import CPUCodeLibrary  # noqa: E402
+from numba.core.compiler import CompileResult  # noqa: E402
+from numba.core.environment import _rebuild_env  # noqa: E402
+from numba.core.funcdesc import PythonFunctionDescriptor  # noqa: E402
+from numba.core.registry import CPUDispatcher  # noqa: E402
+from numba.core.runtime import rtsys  # noqa: E402
 
 JIT_DISABLED = bool(numba.config.DISABLE_JIT)
 BOUNDS_CHECKED = bool(numba.config.BOUNDSCHECK)
 """Set by `NUMBA_BOUNDSCHECK=1`: a kernel that reads or writes beyond an array raises IndexError."""
 
+_OPTIONS: Final[dict[str, Any]] = {
+    "nopython": True, "nogil": True, "error_model": "numpy",
+    "no_cfunc_wrapper": True,  # nothing calls kernels from C, and it takes a twelfth of the time to compile
+}  # fmt: skip
+
+kernels: "list[Kernel]" = []
+"""Every kernel of the modules imported so far, in order of definition."""
+
+
+class _StoreCache:
+    """What numba asks for compiled code: this kernel's file in `KERNEL_STORE`."""
+
+    def __init__(self, kernel: "Kernel") -> None:
+        self._kernel = kernel
+
+    def load_overload(self, _sig: Any, context: Any) -> None:
+        """Return nothing: `Kernel.load` was called before."""
+        context.refresh()
+
+    def save_overload(self, _sig: Any, result: CompileResult) -> None:
+        """Write a compiled kernel."""
+        data = _to_bytes(result)
+        if data is not None:
+            KERNEL_STORE.write(self._kernel.file_name, data)
+
+
+class Kernel(CPUDispatcher):  # type: ignore[misc]
+    """A function compiled for one signature when it is first called, compiled into another kernel, or prepared."""
+
+    def __init__(self, function: Callable[..., Any], signature: str, options: dict[str, Any]) -> None:
+        super().__init__(py_func=function, targetoptions={**_OPTIONS, **options})
+        self.signature = signature
+        path = Path(function.__code__.co_filename).resolve()
+        self.file_name = f"{content_name(path)}.{function.__qualname__}"
+        self._cache = _StoreCache(self)
+        self._bitcode: bytes | None = None
+        kernels.append(self)
+
+    @property
+    def ready(self) -> bool:
+        """Whether a call runs at once."""
+        return bool(self.overloads)
+
+    def load(self) -> bool:
+        """Take the compiled code from disk, if it is there and whole; return whether the kernel is ready."""
+        if self.overloads:
+            return True
+        data = KERNEL_STORE.read(self.file_name)
+        if data is None:
+            return False
+        try:
+            result, self._bitcode = _from_bytes(self, data)
+        except Exception:  # code of a numba that was built otherwise: compile anew
+            return False
+        self.add_overload(result)
+        self.disable_compile()
+        return True
+
+    def prepare(self) -> None:
+        """Make the kernel ready: load it, or compile it unless another process is just doing so."""
+        if self.load():
+            return
+        with KERNEL_STORE.compiling(self.file_name):
+            if self.load():
+                return
+            collects = gc.isenabled()
+            gc.disable()  # a fifth of numba's time goes into looking for garbage among objects that it still needs
+            try:
+                self.compile(self.signature)
+            finally:
+                if collects:
+                    gc.enable()
+        self.disable_compile()
+
+    def _compile_for_args(self, *args: Any, **kws: Any) -> "Kernel":
+        """Called by numba before the first call; what it returns is called with the same arguments."""
+        self.prepare()
+        return self
+
+    def get_call_template(self, args: Any, kws: Any) -> Any:
+        """Called by numba while it compiles a kernel that calls this one."""
+        self.prepare()
+        self._link()
+        return super().get_call_template(args, kws)
+
+    def _link(self) -> None:
+        """Make a kernel loaded from disk known to the compiler, so that others can be linked against it."""
+        if self._bitcode is None:
+            return
+        self.targetctx.refresh()
+        (result,) = self.overloads.values()
+        result.library._shared_module = llvm.parse_bitcode(self._bitcode)
+        result.library._codegen._engine._load_defined_symbols(result.library._shared_module)
+        self.targetctx.insert_user_function(result.entry_point, result.fndesc, [result.library])
+        self._bitcode = None
+
+
+_HEADER: Final = struct.Struct("<II")
+"""Lengths of the description (JSON) and of the object code; the bitcode follows."""
+
+
+def _to_bytes(result: CompileResult) -> bytes | None:
+    """Return a compiled kernel as bytes; None if it holds what cannot be kept, so that it is compiled at each start."""
+    (_, kind, (code, bitcode)), described, env, _, objectmode, lifted, _, reload_init, envs = result._reduce()
+    try:
+        description = {
+            "module": described.modname, "name": described.qualname, "unique": described.unique_name,
+            "symbol": described.mangled_name, "env": described.env_name, "arguments": described.args,
+            "envs": [[each.globals["__name__"], each.env_name, _constants(each)] for each in (env, *envs)],
+        }  # fmt: skip
+    except TypeError:
+        return None
+    if kind != "object" or reload_init or objectmode or lifted:
+        return None
+    text = json.dumps(description).encode()
+    return _HEADER.pack(len(text), len(code)) + text + bytes(code) + bytes(bitcode)
+
+
+def _constants(env: Any) -> list[str]:
+    """Return the objects that compiled code uses, which are types of array elements, by name; raise TypeError else."""
+    if not all(isinstance(each, np.dtype) for each in env.consts):
+        raise TypeError(f"only a dtype can be kept: {env.consts}")
+    return [each.str for each in env.consts]
+
+
+def _environment(module: str, name: str, constants: list[str]) -> Any:
+    return _rebuild_env(module, [np.dtype(each) for each in constants], name)
+
+
+def _from_bytes(kernel: Kernel, data: bytes) -> tuple[CompileResult, bytes]:
+    """Make a compiled kernel from what `_to_bytes` gave; return it and the bitcode for other kernels.
+
+    numba's own way unpickles, parses the bitcode, lists its symbols and loads all that a compiler needs. That takes
+    most of the time, and only the compilation of other kernels needs it (`Kernel._link`).
+    """
+    length, end = _HEADER.unpack_from(data)
+    begin = _HEADER.size + length
+    known = json.loads(data[_HEADER.size : begin])
+    code, bitcode = data[begin : begin + end], data[begin + end :]
+    arguments, returned = sigutils.normalize_signature(kernel.signature)
+    described = PythonFunctionDescriptor(
+        True, known["module"], known["name"], known["unique"], "", None, returned, None, tuple(known["arguments"]), (),
+        mangler=lambda *_, **__: known["symbol"], argtypes=arguments, env_name=known["env"],
+    )  # fmt: skip
+    env, *envs = (_environment(*each) for each in known["envs"])
+    context = kernel.targetctx
+    rtsys.initialize(context)
+    library: CPUCodeLibrary = context.codegen().create_library(known["name"])
+    library.enable_object_caching()
+    library._set_compiled_object(code)
+    library._finalize_final_module()
+    library._codegen._engine._defined_symbols.add(described.llvm_cpython_wrapper_name)
+    result = CompileResult(
+        target_context=context,
+        typing_context=context.typing_context,
+        library=library,
+        environment=env,
+        entry_point=context.get_executable(library, described, env),
+        fndesc=described,
+        type_annotation="",
+        signature=typing.signature(types.none if returned is None else returned, *arguments),
+        objectmode=False,
+        lifted=(),
+        typing_error=None,
+        call_helper=None,
+        metadata=None,
+        reload_init=(),
+        referenced_envs=envs,
+    )
+    for each in envs:
+        library.codegen.set_env(each.env_name, each)
+    return result, bitcode
+
 
 def kernel(signature: str, **options: Any) -> Callable[[Function], Function]:
-    """Compile a function for one signature, e.g. ``"void(f4[:,::1], f4)"``; nogil, cached, IEEE division.
+    """Compile a function for one signature, e.g. ``"void(f4[:,::1], f4)"``; nogil, kept on disk, IEEE division.
 
     The caller owns every array; a kernel allocates nothing that outlives it and raises nothing.
     With `NUMBA_DISABLE_JIT=1` the plain Python function remains; with `NUMBA_BOUNDSCHECK=1` (`make test-bounds`) the
     compiled one checks its indices.
     """
 
-    def compile_(function: Function) -> Function:
-        numba.config.CACHE_DIR = str(KERNEL_CACHE_DIR / cache_name(Path(function.__code__.co_filename).resolve()))
-        compiled: Function = numba.njit(signature, cache=True, nogil=True, error_model="numpy", **options)(function)
-        for listener in compile_listeners:
-            listener(function.__name__)
-        return compiled
+    def define(function: Function) -> Function:
+        return function if JIT_DISABLED else Kernel(function, signature, options)
 
-    return compile_
+    return define
 
 
 def inline_kernel(function: Function) -> Function:

@@ -18,7 +18,7 @@ from typing import IO, Any, Final
 
 import numpy as np
 
-from live.base.jit import cache_root
+from live.base.kernel_store import cache_root
 from live.motion.clip import Clip
 from live.motion.step_clip import StepClip
 

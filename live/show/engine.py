@@ -53,6 +53,12 @@ AUTOMATIC_EVENTS = (
 """Events from automatic sources; they do not count as accepted."""
 _MEASURED = (BeatHeard, MusicHeard, NotesHeard, MocapFrame, TrackerMoved)
 """Events with values measured by a device; these may be NaN or infinite."""
+_SUPERSEDED = (MocapFrame, TrackerMoved, AudienceHeard)
+"""Measurements that are old soon: dropped instead of held."""
+_NOT_HELD = ("clock", "output", "system", "audio")
+"""Modules of events that take effect even while others are held: music, tempo, blackout, faders of the picture."""
+HELD_EVENTS = 4096
+"""Most events that are held; one more, and all take effect."""
 
 Result = TypeVar("Result")
 DrawFunction = Callable[[StageView], None]
@@ -132,6 +138,9 @@ class Engine:
         self.raise_when_undrawn = False
         """Whether the error is raised after MAX_UNDRAWN failed frames, so that another engine takes over."""
         self._undrawn = 0
+        self.holding: Callable[[], bool] | None = None
+        """Whether input that acts on dancers still has to wait; None: never (again)."""
+        self._held: list[ControlEvent] = []
 
     def frame(self, draw: DrawFunction, *, at: float | None = None) -> None:
         """Run one frame: events, due ticks, drawing.
@@ -139,12 +148,14 @@ class Engine:
         `at` [s]: start of the frame for the simulation, close to the clock's time, on the regular grid of the display.
         """
         now = self._clock.now()
+        if self.holding is not None and not self.holding():
+            self._release()
         for _ in range(0, EVENTS_PER_FRAME, EVENT_BATCH):
             values = self._allowance.remaining(now, self._inbox.received_count)
             events = self._inbox.drain_keyed(EVENT_BATCH, now, values)
             self._allowance.spend(sum(key is not None for key, _ in events))
             for _, event in events:
-                self.apply(event)
+                self._take(event)
             if len(events) < EVENT_BATCH or self._clock.now() - now > EVENT_TIME_LIMIT:
                 break
         self._status.dropped_events, self._status.outranked = self._inbox.dropped, self._inbox.outranked
@@ -160,6 +171,21 @@ class Engine:
         self.mark("poses")
         self._status.frames += 1
         self._draw(draw)
+
+    def _take(self, event: ControlEvent) -> None:
+        """Apply an event from the inbox, or hold it: nothing is lost and the order stays."""
+        if self.holding is None or type(event).__module__.rpartition(".")[2] in _NOT_HELD:
+            self.apply(event)
+        elif not isinstance(event, _SUPERSEDED):
+            self._held.append(event)
+            if len(self._held) >= HELD_EVENTS:  # a flood: rather a late frame than a lost event
+                self._release()
+
+    def _release(self) -> None:
+        self.holding = None
+        held, self._held = self._held, []
+        for event in held:
+            self.apply(event)
 
     def _fill(self, time: float, now: float) -> None:
         """Fill the view for `time` [s]; on an error it keeps the last picture."""

@@ -1,86 +1,139 @@
-"""`live warm`: compiles once, names every kernel, and does nothing on the second run."""
+"""`live warm`: compiles once, names every kernel, keeps what is ready; a first start compiles what it needs."""
 
 import os
 import re
+import signal
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
-from live.base import jit
+from live.app.machine import kernel_build
+from live.app.machine.kernel_build import FIRST_KERNELS, KernelBuild, all_kernels, kernel_name
+from live.base import jit, kernel_store
 from tests.cli.command import WITHOUT_TERMINAL
+
+compiled_only = pytest.mark.skipif(jit.JIT_DISABLED, reason="NUMBA_DISABLE_JIT=1: nothing is compiled")
 
 FEW = """
 from pathlib import Path
-from live.base import jit
+from live.app.machine import kernel_build
+from live.base import kernel_store
 from live.cli.main import main
 files = ("base/scalar_kernels.py", "motion/yaw_kernels.py")
-jit.kernel_files = lambda: [Path(jit.__file__).parents[1] / name for name in files]
+found = [Path(kernel_store.__file__).parents[1] / name for name in files]
+kernel_store.kernel_files = kernel_build.kernel_files = lambda: found
 main()
 """
 """The command in a project whose only kernels are those of two files, because to compile all takes minutes."""
+FEW_COUNT = 4
 
 
-def warm(cache: Path, *options: str) -> "subprocess.CompletedProcess[str]":
-    done = subprocess.run(
-        [sys.executable, "-c", FEW, "warm", *options],
+def warm(cache: Path, *options: str, code: str = FEW) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(
+        [sys.executable, "-c", code, "warm", *options],
         capture_output=True, text=True, check=False,
         env={**os.environ, **WITHOUT_TERMINAL, "LIVE_CACHE_DIR": str(cache)},
     )  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    return done
 
 
+def kept(cache: Path) -> dict[str, int]:
+    """Return the kernels on disk and when each was written."""
+    files = (path for path in (cache / "kernels").rglob("*_kernels-*.*") if path.parent.name != "locks")
+    return {path.name: path.stat().st_mtime_ns for path in files}
+
+
+@compiled_only
 @pytest.mark.long
-@pytest.mark.skipif(jit.JIT_DISABLED, reason="NUMBA_DISABLE_JIT=1: nothing is compiled")
 def test_warm_compiles_once_and_writes_stamp(tmp_path: Path) -> None:
-    package = Path(jit.__file__).parents[1]
-    count = sum(
-        (package / name).read_text().count("\n@kernel(") for name in ("base/scalar_kernels.py", "motion/yaw_kernels.py")
-    )
     stamp = tmp_path / "stamp"
     first = warm(tmp_path / "cache", "--stamp", str(stamp))
-    assert f"{count}/{count}" in first.stderr  # the bar reached its end
-    assert re.search(rf"^{count} kernels ready in", first.stderr, re.MULTILINE)
-
-    folder = Path(stamp.read_text().strip()).parent
-    assert folder == tmp_path / "cache" / "kernels"
-    compiled = {path: path.stat().st_mtime_ns for path in folder.rglob("*.nbc")}
-    assert len(compiled) == count
+    assert first.returncode == 0, first.stderr
+    assert f"{FEW_COUNT}/{FEW_COUNT}" in first.stderr  # the bar reached its end
+    assert re.search(rf"^{FEW_COUNT} kernels ready in", first.stderr, re.MULTILINE)
+    mark = Path(stamp.read_text().strip())
+    assert mark.exists()
+    assert mark.parent.parent == tmp_path / "cache" / "kernels"
+    compiled = kept(tmp_path / "cache")
+    assert len(compiled) == FEW_COUNT
 
     second = warm(tmp_path / "cache")
     assert "Compiling" not in second.stderr
-    assert {path: path.stat().st_mtime_ns for path in folder.rglob("*.nbc")} == compiled
+    assert kept(tmp_path / "cache") == compiled
 
 
+@compiled_only
 @pytest.mark.long
-@pytest.mark.skipif(jit.JIT_DISABLED, reason="NUMBA_DISABLE_JIT=1: nothing is compiled")
 @pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143)])
 def test_interrupted_warm_prints_one_line(tmp_path: Path, name: str, code: int) -> None:
-    """The signal comes at the worst moment: in the middle of numba's work on the second kernel."""
+    """The signal comes when one kernel is ready."""
     tripped = FEW.replace(
         "main()\n",
         f"""
 import os, signal
-from numba.core import codegen
-finalize, calls = codegen.CPUCodeLibrary.finalize, []
-def trip(self):
-    calls.append(1)
-    if len(calls) == 2:
+take = kernel_build.KernelBuild._take_answer
+def trip(self, worker):
+    take(self, worker)
+    if self.done == 1:
         os.kill(os.getpid(), signal.{name})
-    return finalize(self)
-codegen.CPUCodeLibrary.finalize = trip
+kernel_build.KernelBuild._take_answer = trip
 main()
 """,
     )
-    done = subprocess.run(
-        [sys.executable, "-c", tripped, "warm"],
-        capture_output=True, text=True, check=False,
-        env={**os.environ, **WITHOUT_TERMINAL, "LIVE_CACHE_DIR": str(tmp_path / "cache")},
-    )  # fmt: skip
+    done = warm(tmp_path / "cache", code=tripped)
     assert done.returncode == code, done.stderr
     assert "Traceback" not in done.stderr
     assert done.stderr.splitlines()[-1] == "stopped; the next start compiles the remaining kernels"
-    assert list((tmp_path / "cache").rglob("*.nbc"))  # what was ready is kept
-    assert not list((tmp_path / "cache").rglob("ready-*"))
+    assert kept(tmp_path / "cache")  # what was ready is kept
+    assert not list((tmp_path / "cache").rglob("complete-*"))
+
+
+@compiled_only
+@pytest.mark.long
+def test_a_worker_that_dies_costs_its_kernel_only(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(
+        kernel_build, "KERNEL_STORE", kernel_store.KernelStore((tmp_path / "kernels" / jit.KERNEL_SET,))
+    )
+    wanted = [each for each in all_kernels() if "scalar_kernels" in each.file_name or "yaw_kernels" in each.file_name]
+    with KernelBuild(wanted, workers=2) as build:
+        os.kill(build._workers[0].process.pid, signal.SIGKILL)
+        for _ in range(600):
+            if build.update(0.2):
+                break
+        assert (build.done, len(build.failed)) == (FEW_COUNT - 1, 1)
+
+
+def test_kernels_that_are_called_come_before_those_that_call_them(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The order of a whole build, without workers: every callee is at least as urgent as its callers."""
+    if jit.JIT_DISABLED:
+        pytest.skip("NUMBA_DISABLE_JIT=1: nothing is compiled")
+    monkeypatch.setattr(kernel_build, "KERNEL_STORE", kernel_store.KernelStore((Path("nothing here"),)))
+    monkeypatch.setattr(KernelBuild, "_give_orders", lambda self: None)
+    monkeypatch.setattr(kernel_build, "_Worker", lambda background: pytest.fail("no process is needed"))
+    monkeypatch.setattr(kernel_build, "worker_count", lambda: 0)
+    build = KernelBuild(all_kernels(), workers=0)
+    place = {kernel: number for number, kernel in enumerate(build._left)}
+    assert len(place) == build.total == len(all_kernels())
+    called = [(kernel, each) for kernel, callees in build._calls.items() for each in callees]
+    assert called
+    assert [(a.file_name, b.file_name) for a, b in called if place[b] > place[a]] == []
+
+
+def test_the_first_kernels_exist() -> None:
+    """What they are is written by `tools/write_first_kernels.py`; a name that is gone would be compiled too late."""
+    names = FIRST_KERNELS.read_text(encoding="utf-8").split()
+    assert not jit.JIT_DISABLED or pytest.skip("NUMBA_DISABLE_JIT=1: nothing is compiled")
+    assert set(names) - {kernel_name(each) for each in all_kernels()} == set()
+
+
+@compiled_only
+@pytest.mark.long
+def test_the_first_kernels_are_those_that_the_default_show_uses() -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", "import sys; sys.path.insert(0, 'tools')\nfrom write_first_kernels import used_kernels\n"
+         "print('\\n'.join(used_kernels()))"],
+        capture_output=True, text=True, check=True, cwd=Path(kernel_store.__file__).parents[2],
+    )  # fmt: skip
+    assert done.stdout.split() == FIRST_KERNELS.read_text(encoding="utf-8").split()

@@ -1,4 +1,4 @@
-"""The numba wrapper: cache names, kernel counts, and refusal of wrong arrays without recompilation."""
+"""Kernels: types are checked, nothing is compiled twice, code from disk does the same; all processes use one set."""
 
 import os
 import re
@@ -10,77 +10,136 @@ import numpy as np
 import pytest
 
 from live.base import jit
+from live.base import kernel_store as store
 from live.base import scalar_kernels as kernels
-from live.motion.pose.foot_lock_kernels import update_lock
+from live.motion.pose.foot_lock_kernels import farthest_shift
+
+compiled_only = pytest.mark.skipif(jit.JIT_DISABLED, reason="NUMBA_DISABLE_JIT=1: nothing is compiled")
+
+DAMPER = """
+import sys
+from live.base import jit
+from live.base.scalar_kernels import damper
+print(damper.load(), jit.KERNEL_STORE.has(damper.file_name), damper(0.25, 1.5, 0.3, 0.1), jit.KERNEL_TARGET)
+"""
 
 
-def test_cache_name_depends_on_file_and_its_imports(tmp_path, monkeypatch):
-    """An edit renames the cache folders of its importers only."""
-    package = tmp_path / "live"
-    texts = {
-        "a/kernels.py": "from live.b.kernels import part_of\n",
-        "b/kernels.py": "from live.c import NUMBER\n",
-        "c.py": "from live.d import OTHER\nNUMBER = 1\n",
-        "d.py": "OTHER = 1\n",
-        "e/kernels.py": "import math\n",
-    }
-    for name, text in texts.items():
-        (package / name).parent.mkdir(parents=True, exist_ok=True)
-        (package / name).write_text(text)
-    monkeypatch.setattr(jit, "_PACKAGE", package)
-
-    def names() -> dict[str, str]:
-        jit.cache_name.cache_clear()
-        return {folder: jit.cache_name(package / folder / "kernels.py") for folder in "abe"}
-
-    before = names()
-    (package / "c.py").write_text("from live.d import OTHER\nNUMBER = 2\n")
-    after = names()
-    assert {folder for folder in "abe" if after[folder] != before[folder]} == {"a", "b"}
-    (package / "e/kernels.py").write_text("import numpy\n")
-    again = names()
-    assert {folder for folder in "abe" if again[folder] != after[folder]} == {"e"}
+def run_damper(folder: Path, **environment: str) -> list[str]:
+    """Return whether it was loaded before the call, whether it is on disk, its value, and the processor."""
+    done = subprocess.run(
+        [sys.executable, "-c", DAMPER], capture_output=True, text=True, check=True,
+        env={**os.environ, "LIVE_CACHE_DIR": str(folder), **environment},
+    )  # fmt: skip
+    return done.stdout.split()
 
 
-def test_kernels_are_cached_in_the_folder_of_their_file():
-    folder = jit.KERNEL_CACHE_DIR / jit.cache_name(Path(kernels.__file__).resolve())
-    assert jit.JIT_DISABLED or list(folder.rglob("*.nbi"))
-
-
-def test_a_kernel_outside_of_the_package_is_cached_by_its_own_name(tmp_path):
-    """Those of a bench, for example."""
-    file = tmp_path / "bench.py"
-    file.write_text("")
-    assert re.fullmatch(r"bench-[0-9a-f]{16}", jit.cache_name(file))
-
-
-def test_every_kernel_file_is_counted():
-    assert kernels.__file__ in [str(path) for path in jit.kernel_files()]
-    assert jit.kernel_count() >= 20
-
-
-@pytest.mark.skipif(jit.JIT_DISABLED, reason="plain Python functions take any array")
-def test_wrong_array_raises_type_error_without_compilation():
-    good, contact = np.zeros((1, 2, 8), np.float32), np.ones((1, 2), np.bool_)
+@compiled_only
+@pytest.mark.parametrize(
+    "lock",
+    [np.zeros((1, 2, 16)), np.zeros((1, 2, 32), np.float32)[:, :, ::2], np.zeros((2, 16), np.float32)],
+    ids=["float64", "strided", "flat"],
+)
+@pytest.mark.parametrize("prepared", [False, True])
+def test_wrong_array_raises_type_error_without_compilation(lock: np.ndarray, prepared: bool) -> None:
+    if prepared:
+        farthest_shift.prepare()
     with pytest.raises(TypeError):
-        update_lock(good, np.zeros((1, 9, 3)), contact, 0.1, 0.1, 0.01)
+        farthest_shift(lock)
+    assert len(farthest_shift.overloads) == 1
+    assert farthest_shift(np.zeros((1, 2, 16), np.float32)) == 0.0
 
 
-def test_unwritable_cache_does_not_prevent_start(tmp_path):
-    blocked = tmp_path / "file"
-    blocked.write_text("not a folder")
-    environment = {**os.environ, "LIVE_CACHE_DIR": str(blocked), "TMPDIR": str(tmp_path), "NUMBA_DISABLE_JIT": "1"}
-    code = "import live.base.jit; print(live.base.jit.KERNEL_CACHE_DIR)"
-    result = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
-    assert Path(result.stdout.strip()).parent == tmp_path
+@compiled_only
+def test_a_kernel_is_compiled_at_its_first_call_and_loaded_afterwards(tmp_path: Path) -> None:
+    first = run_damper(tmp_path)
+    assert first[:2] == ["False", "False"]
+    (path,) = (path for path in tmp_path.rglob("*.damper") if path.parent.name != "locks")
+    written = path.stat().st_mtime_ns
+    assert run_damper(tmp_path) == ["True", "True", *first[2:]]
+    assert path.stat().st_mtime_ns == written
+    assert path.stat().st_mode & 0o077 == 0  # machine code: for this user alone
 
 
-def test_kernels_import_their_sources_by_full_name():
+@compiled_only
+@pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "foreign"])
+def test_a_damaged_kernel_is_compiled_again(tmp_path: Path, damage: str) -> None:
+    value = run_damper(tmp_path)[2]
+    (path,) = (path for path in tmp_path.rglob("*.damper") if path.parent.name != "locks")
+    whole = path.read_bytes()
+    flipped = bytearray(whole)
+    flipped[len(whole) // 2] ^= 1
+    path.write_bytes(
+        {"cut": whole[: len(whole) // 2], "flipped": bytes(flipped), "empty": b"", "foreign": b"\x80\x04." * 99}[damage]
+    )
+    assert run_damper(tmp_path)[0] == "False"
+    assert run_damper(tmp_path)[:3] == ["True", "True", value]
+
+
+@compiled_only
+def test_code_from_disk_can_be_called_by_kernels_that_are_compiled(tmp_path: Path) -> None:
+    """A kernel that calls another is compiled in a process that has the other one from disk."""
+    run_damper(tmp_path)
+    (tmp_path / "outer.py").write_text(
+        "from live.base.jit import kernel\nfrom live.base.scalar_kernels import damper\n"
+        '@kernel("f8(f8, f8)")\ndef twice(a, b):\n    return 2.0 * damper(a, b, 0.3, 0.1)\n'
+        "print(damper.load(), twice(0.25, 1.5), 2.0 * damper(0.25, 1.5, 0.3, 0.1))\n"
+    )
+    done = subprocess.run(
+        [sys.executable, str(tmp_path / "outer.py")], capture_output=True, text=True, check=True,
+        env={**os.environ, "LIVE_CACHE_DIR": str(tmp_path), "PYTHONPATH": str(Path(jit.__file__).parents[2])},
+    )  # fmt: skip
+    loaded, outer, inner = done.stdout.split()
+    assert loaded == "True"
+    assert outer == inner
+
+
+@compiled_only
+def test_code_for_a_level_of_processors_gives_the_same_and_is_kept_apart(tmp_path: Path) -> None:
+    native = run_damper(tmp_path)
+    levels = store.processor_levels(jit._host()[2])
+    if not levels:
+        pytest.skip("kernels are shipped for no level of this processor")
+    for level in levels:
+        found = run_damper(tmp_path, LIVE_KERNEL_TARGET=level)
+        assert found == ["False", "False", native[2], level]
+    assert len([path for path in tmp_path.rglob("*.damper") if path.parent.name != "locks"]) == 1 + len(levels)
+
+
+@compiled_only
+def test_shipped_kernels_are_taken_until_native_ones_are_complete(tmp_path: Path) -> None:
+    """A package like the companion wheel's; then all kernels of this machine's own."""
+    levels = store.processor_levels(jit._host()[2])
+    if not levels:
+        pytest.skip("kernels are shipped for no level of this processor")
+    run_damper(tmp_path / "made", LIVE_KERNEL_TARGET=levels[0])
+    package = tmp_path / store.SHIPPED_PACKAGE
+    package.mkdir()
+    (package / "__init__.py").touch()
+    (tmp_path / "made" / "kernels" / jit.set_name(levels[0])).rename(package / jit.set_name(levels[0]))
+    path = f"{tmp_path}{os.pathsep}{Path(jit.__file__).parents[2]}"
+    environment = {"PYTHONPATH": path, "LIVE_KERNEL_TARGET": ""}
+    mark = store.KernelStore((package / jit.set_name(levels[0]),)).complete_mark
+    assert run_damper(tmp_path / "own", **environment)[3] == "native"  # not complete: not taken
+    mark.touch()
+    assert run_damper(tmp_path / "other", **environment)[0::3] == ["True", levels[0]]
+    mark.rename(mark.with_name("complete-0123456789abcdef"))  # of other sources
+    assert run_damper(tmp_path / "third", **environment)[3] == "native"
+    mark.with_name("complete-0123456789abcdef").rename(mark)
+    run_damper(tmp_path / "other", LIVE_KERNEL_TARGET="native")
+    store.KernelStore((tmp_path / "other" / "kernels" / jit.set_name("native"),)).complete_mark.touch()
+    assert run_damper(tmp_path / "other", **environment)[0::3] == ["True", "native"]
+
+
+def test_every_kernel_file_is_found() -> None:
+    assert kernels.__file__ in [str(path) for path in store.kernel_files()]
+
+
+def test_kernels_import_their_sources_by_full_name() -> None:
     """`sources_of` reads ``from live.… import …`` at the beginning of a line: other import forms are not allowed."""
-    for path in jit.kernel_files():
+    for path in store.kernel_files():
         text = path.read_text(encoding="utf-8")
         for line in re.findall(r"^.*\blive[.\w]*.*\bimport\b.*$|^.*\bimport\b.*\blive\b.*$", text, re.MULTILINE):
             assert re.match(r"from live\.[\w.]+ import", line), f"{path}: {line}"
         for module in re.findall(r"^from (live\.[\w.]+) import", text, re.MULTILINE):
             source = Path(jit.__file__).parents[2].joinpath(*module.split(".")).with_suffix(".py")
-            assert source in jit.sources_of(path), f"{path}: {module} is a package or missing"
+            assert source in store.sources_of(path), f"{path}: {module} is a package or missing"

@@ -1,68 +1,40 @@
-"""Compilation of all kernels into numba's cache (`live warm`), so that a show starts without compiling."""
+"""Compiled kernels before a show (`live warm`): those of the first frames, or all of them, with a progress bar."""
 
 import contextlib
-import hashlib
-import importlib
-import os
 import signal
-import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
 if TYPE_CHECKING:
     from rich.console import Console
 
+    from live.base.jit import Kernel
 
-def _marker_path() -> Path:
-    from live.base import jit
+Tell = Callable[[int, int, str], None]
+"""Called with the number of compiled kernels, of all, and the name of the last one."""
 
-    # numba drops a cache entry when its source file's time or size changes: the mark depends on the same values
-    files = jit.kernel_files()
-    state = [(str(path), path.stat().st_mtime_ns, path.stat().st_size, jit.cache_name(path)) for path in files]
-    digest = hashlib.sha256(repr(state).encode()).hexdigest()
-    return jit.KERNEL_CACHE_DIR / f"ready-{digest[:16]}"
+_POLL_S: Final = 0.1
+_WAIT_S: Final = 0.5
+_PATIENCE_S: Final = 300.0
+"""Longest wait of a standby for kernels that others compile [s]."""
 
 
 def is_warm() -> bool:
-    """Whether `warm_kernels` has filled the cache for the present sources."""
-    return _marker_path().exists()
+    """Whether all kernels are compiled for the present sources."""
+    from live.base.jit import JIT_DISABLED, KERNEL_STORE
 
-
-def _kernel_modules(files: list[Path], package: Path) -> list[str]:
-    return [".".join(path.relative_to(package.parent).with_suffix("").parts) for path in files]
-
-
-@contextlib.contextmanager
-def _compile_in_reverse(names: list[str]) -> Iterator[None]:
-    """Compile the same modules in reverse order in a second process meanwhile, if there is a second core.
-
-    Both processes fill one cache, whose files are replaced atomically; the later process finds them there.
-    """
-    if (os.cpu_count() or 1) < 2:
-        yield
-        return
-    work = f"import importlib\nfor name in {names[::-1]!r}: importlib.import_module(name)"
-    quiet = subprocess.DEVNULL
-    helper = subprocess.Popen([sys.executable, "-c", work], stdin=quiet, stdout=quiet, stderr=quiet)
-    try:
-        yield
-    finally:
-        helper.terminate()
-        helper.wait()
+    return JIT_DISABLED or KERNEL_STORE.is_complete()
 
 
 @contextlib.contextmanager
 def _defer_signals() -> Iterator[Callable[[], None]]:
-    """Delay SIGINT, SIGTERM and SIGHUP until a kernel is ready; yield the function to call then.
-
-    An exception raised by a signal handler while numba compiles would end in a long report of numba's own errors.
-    """
+    """Delay SIGINT, SIGTERM and SIGHUP until the workers can be ended; yield the function to call then."""
     asked: list[int] = []
     usual: dict[int, Any] = {}
     if threading.current_thread() is threading.main_thread():
@@ -86,20 +58,11 @@ def _defer_signals() -> Iterator[Callable[[], None]]:
                 signal.signal(number, handler)
 
 
-def warm_kernels(console: "Console") -> int:
-    """Import every kernel module, which compiles kernels missing in the cache; return the number of all kernels.
-
-    Print nothing when the cache is complete for these sources; else show a progress bar that names each kernel.
-    """
+def _compile(wanted: "Iterable[Kernel]", console: "Console", tell: Tell | None = None) -> int:
+    """Compile those of `wanted` that are missing on disk, with a progress bar; return how many there were."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
-    from live.base import jit
-
-    names = _kernel_modules(jit.kernel_files(), Path(jit.__file__).parent.parent)
-    if is_warm():
-        for name in names:
-            importlib.import_module(name)
-        return jit.kernel_count()
+    from live.app.machine.kernel_build import KernelBuild
 
     columns = (
         TextColumn("Compiling kernels (once)"),
@@ -108,43 +71,91 @@ def warm_kernels(console: "Console") -> int:
         TimeElapsedColumn(),
         TextColumn("{task.fields[kernel]}"),
     )
-    total = jit.kernel_count()
     try:
-        with _defer_signals() as end_if_asked, Progress(*columns, console=console) as progress:
-            task = progress.add_task("", total=total, kernel="")
-
-            def advance(kernel: str) -> None:
-                progress.update(task, advance=1, kernel=kernel)
-                end_if_asked()
-
-            jit.compile_listeners.append(advance)
-            try:
-                with _compile_in_reverse(names):
-                    for name in names:
-                        importlib.import_module(name)
-            finally:
-                jit.compile_listeners.remove(advance)
-            progress.update(task, completed=total, kernel="")  # modules imported earlier did not report
+        with _defer_signals() as end_if_asked, KernelBuild(wanted) as build:
+            if not build.total:
+                return 0
+            with Progress(*columns, console=console) as progress:
+                task = progress.add_task("", total=build.total, kernel="")
+                finished = False
+                while not finished:
+                    finished = build.update(_POLL_S)
+                    progress.update(task, completed=build.done, kernel=build.last)
+                    if tell is not None:
+                        tell(build.done, build.total, build.last)
+                    end_if_asked()
+            return build.total
     except (KeyboardInterrupt, SystemExit):
         console.print("stopped; the next start compiles the remaining kernels", highlight=False)
         raise
-    if not jit.JIT_DISABLED:
-        _marker_path().touch()
-    return total
+
+
+def warm_kernels(console: "Console", tell: Tell | None = None) -> None:
+    """Compile the kernels that the first frames of a show need, if they are missing; say which code is used.
+
+    What another show needs besides is compiled when it is first used. `tell`: called while kernels are compiled.
+    """
+    if is_warm():
+        return
+    from live.app.machine.kernel_build import first_kernels
+    from live.base.jit import KERNEL_STORE
+
+    if not _compile(first_kernels(), console, tell):
+        return
+    if not all(KERNEL_STORE.has(each.file_name) for each in first_kernels()):
+        console.print(
+            f"note: compiled kernels cannot be kept in {KERNEL_STORE.own}; every start compiles them again",
+            style="yellow", soft_wrap=True, markup=False,
+        )  # fmt: skip
+
+
+def load_kernels() -> None:
+    """Load every kernel into this process; wait while the engine's helpers compile some of them.
+
+    For processes that take over a show at once. Where nobody compiles, or nothing can be kept, compile here.
+    """
+    from live.base.jit import JIT_DISABLED
+
+    if JIT_DISABLED:
+        return
+    from live.app.machine.kernel_build import all_kernels
+
+    end = time.monotonic() + _PATIENCE_S
+    while not is_warm() and time.monotonic() < end:
+        time.sleep(_WAIT_S)
+    for each in all_kernels():
+        each.prepare()
+
+
+def compile_all(console: "Console") -> int:
+    """Compile all kernels that are missing, and say in the store that it is complete; return the number of all."""
+    from live.app.machine.kernel_build import all_kernels
+    from live.base.jit import JIT_DISABLED, KERNEL_STORE
+
+    kernels = [] if JIT_DISABLED else all_kernels()
+    if kernels and not is_warm():
+        _compile(kernels, console)
+        if all(KERNEL_STORE.has(each.file_name) for each in kernels):
+            KERNEL_STORE.mark_complete()
+    return len(kernels)
 
 
 def warm(
     stamp: Annotated[
         Path | None,
-        typer.Option(help="Write into this file the path of the mark of a complete cache.", dir_okay=False),
+        typer.Option(help="Write into this file the path of the mark of complete kernels.", dir_okay=False),
     ] = None,
 ) -> None:
-    """Compile and cache the kernels, so that the first show starts at once."""
+    """Compile and keep all kernels, so that no show compiles."""
     from rich.console import Console
+
+    from live.base.jit import KERNEL_SET, KERNEL_STORE
 
     console = Console(stderr=True)
     start = time.perf_counter()
-    count = warm_kernels(console)
-    console.print(f"{count} kernels ready in {time.perf_counter() - start:.1f} s", highlight=False)
+    count = compile_all(console)
+    console.print(f"{count} kernels ready in {time.perf_counter() - start:.1f} s ({KERNEL_SET})", highlight=False)
     if stamp is not None:
-        stamp.write_text(f"{_marker_path()}\n", encoding="utf-8")
+        stamp.write_text(f"{KERNEL_STORE.complete_mark}\n", encoding="utf-8")
+    if count and not is_warm():
+        sys.exit(1)

@@ -210,19 +210,21 @@ def check_midi() -> Iterator[Check]:
 def check_kernels() -> Check:
     """Check whether compiled kernels are cached in a writable folder."""
     from live.app.machine.kernel_warmup import is_warm
-    from live.base import jit
+    from live.base.jit import KERNEL_STORE, KERNEL_TARGET
+    from live.base.kernel_store import cache_root
 
-    wished, used = jit.cache_root(), jit.KERNEL_CACHE_DIR
-    if used != wished:
-        remedy = "make it writable, or set LIVE_CACHE_DIR to another folder"
-        return Check("kernel cache", "limited", f"{wished} is not writable; {used} is used until reboot", remedy)
+    wished, used = cache_root(), KERNEL_STORE.own
+    if used.parent != wished:
+        remedy = "make it writable by you alone, or set LIVE_CACHE_DIR to another folder"
+        return Check("kernel cache", "limited", f"{wished} cannot be used; {used} is used until reboot", remedy)
     try:
+        used.mkdir(mode=0o700, parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=used):
             pass
     except OSError as error:
         return Check("kernel cache", "limited", f"{used}: {one_line(error)}; every start compiles", "free some space")
     if is_warm():
-        return Check("kernel cache", "ok", f"{jit.kernel_count()} kernels compiled in {used}")
+        return Check("kernel cache", "ok", f"all kernels are compiled ({KERNEL_TARGET})")
     return Check("kernel cache", "limited", f"{used} is cold: the first start takes longer", "live warm")
 
 

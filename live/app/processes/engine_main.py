@@ -49,7 +49,7 @@ def run_role(lifeline: SupervisorLink, loaded: "LoadedShow | None" = None, show:
     if brief.role == "nursery":
         from live.app.processes.warm_standby import prefork_engine
 
-        here, loaded, show = prefork_engine(options, lifeline, console)
+        here, loaded, show = prefork_engine(options, lifeline)
         if here is not None:
             install_signal_handlers()
             run_role(here, loaded, show)

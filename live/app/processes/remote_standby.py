@@ -8,7 +8,7 @@ from typing import Any
 from rich.console import Console
 
 from live.app.launch_options import LaunchOptions
-from live.app.machine.kernel_warmup import warm_kernels
+from live.app.machine.kernel_warmup import compile_all, load_kernels
 from live.app.processes.standby_output import StandbyOutput, check_status_writable
 from live.app.processes.warm_standby import available_audio, promote
 from live.base.errors import PersonError
@@ -30,7 +30,8 @@ STANDBY_FPS = 30.0
 
 def run_remote_standby(options: LaunchOptions, lifeline: SupervisorLink, console: Console) -> None:
     """Follow the leader until the order to take over, then resume the show here."""
-    warm_kernels(console)
+    compile_all(console)
+    load_kernels()
     loaded = options.load()
     venue = options.read_venue()
     sound = available_audio(options, loaded, venue)

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 from rich.console import Console
 
 from live.app.launch_options import LaunchOptions
-from live.app.machine.kernel_warmup import warm_kernels
+from live.app.machine.kernel_warmup import load_kernels
 from live.app.processes.resume_state import ResumeState
 from live.app.session import Session
 from live.app.session_audio import AudioChoice, choose_audio
@@ -50,7 +50,7 @@ def run_warm_standby(
     """
     processors = lower_priority() if background else frozenset()
     if loaded is None:
-        warm_kernels(console)
+        load_kernels()
         loaded = options.load(whole=False)
     venue = options.read_venue()
     sound = available_audio(options, loaded, venue)
@@ -164,7 +164,7 @@ def open_windows(
 
 
 def prefork_engine(
-    options: LaunchOptions, prefork_lifeline: SupervisorLink, console: Console
+    options: LaunchOptions, prefork_lifeline: SupervisorLink
 ) -> tuple[SupervisorLink | None, LoadedShow, Show]:
     """Load everything while a show runs, then fork engines on request.
 
@@ -172,7 +172,7 @@ def prefork_engine(
     returns None as lifeline.
     """
     processors = lower_priority()
-    warm_kernels(console)
+    load_kernels()
     for name in ("headless_loop", *(() if options.headless else ("window_loop",))):
         importlib.import_module(f"live.app.{name}")  # imports all that a standby needs
     if not options.headless:

@@ -51,8 +51,7 @@ def test_unwritable_cache_is_limited_without_traceback(tmp_path: Path) -> None:
 
 
 def test_cold_cache_is_reported_with_warm_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    (tmp_path / "kernels").mkdir()
-    monkeypatch.setattr(jit, "KERNEL_CACHE_DIR", tmp_path / "kernels")
+    monkeypatch.setattr(jit, "KERNEL_STORE", jit.KernelStore((tmp_path / "kernels" / jit.KERNEL_SET,)))
     report = json.loads(run_live("doctor", "--json", LIVE_CACHE_DIR=str(tmp_path)).stdout)
     found = next(check for check in report["checks"] if check["name"] == "kernel cache")
     assert (found["state"], found["remedy"]) == ("limited", "live warm")
