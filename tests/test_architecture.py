@@ -1,8 +1,8 @@
 """The rules of ARCHITECTURE.md that code can check: layers, names, docstrings, one import of numba."""
 
 import ast
-import re
 import graphlib
+import re
 import shutil
 import subprocess
 import sys

@@ -1,5 +1,5 @@
 #!/bin/sh
-# Make this checkout ready to run: system packages, .venv, locked Python packages, compiled kernels.
+# Make this checkout ready to run: system packages, .venv, locked Python packages; for the tests compiled kernels, too.
 #
 #   tools/setup.sh play     what a show needs
 #   tools/setup.sh test     that, and what the tests need (a virtual screen and sound card, linters, pytest)
@@ -288,13 +288,15 @@ if [ ! -e .venv/.compiled ] || [ -n "$(find live -name '*.py' -newer .venv/.comp
   .venv/bin/python -m compileall -q live && : >.venv/.compiled
 fi
 
-# The compiled kernels lie in the user's cache, under names that follow their sources; the stamp names the file there
-# that says they are complete.
-kernels=".venv/.warm-$({
-  find live -name "*kernels.py" -exec cat {} +
-  echo "${LIVE_CACHE_DIR:-} ${XDG_CACHE_HOME:-} ${HOME:-}"
-} | cksum | tr ' ' '-')"
-if ! { [ -s "$kernels" ] && [ -e "$(cat "$kernels")" ] && [ -z "$(find live -name "*kernels.py" -newer "$kernels")" ]; }; then
-  rm -f .venv/.warm-*
-  .venv/bin/live warm --stamp "$kernels"
+# A show compiles what it needs when it starts; tests would wait for it one by one. The compiled kernels lie in the
+# user's cache, under names that follow their sources; the stamp names the file there that says they are complete.
+if [ "$mode" = test ]; then
+  kernels=".venv/.warm-$({
+    find live -name "*kernels.py" -exec cat {} +
+    echo "${LIVE_CACHE_DIR:-} ${XDG_CACHE_HOME:-} ${HOME:-}"
+  } | cksum | tr ' ' '-')"
+  if ! { [ -s "$kernels" ] && [ -e "$(cat "$kernels")" ] && [ -z "$(find live -name "*kernels.py" -newer "$kernels")" ]; }; then
+    rm -f .venv/.warm-*
+    .venv/bin/live warm --stamp "$kernels"
+  fi
 fi

@@ -124,7 +124,11 @@ def play_show(options: LaunchOptions, *, lifeline: SupervisorLink | None = None)
     """
     console = Console(stderr=True, highlight=False)
     cold = not is_warm()
-    warm_kernels(console)
+    if cold:
+        try:
+            _warm_up(options, console)
+        except StartCancelled:
+            return
     loaded = options.load()
     if cold:
         from live.app.machine.kernel_loader import rehearse_show
@@ -155,6 +159,35 @@ def play_show(options: LaunchOptions, *, lifeline: SupervisorLink | None = None)
         _headless(Session(options, loaded, sound, venue, lifeline=lifeline), console)
     else:
         _film(options, loaded, sound, console)
+
+
+class StartCancelled(Exception):
+    """The window of a first start was closed."""
+
+
+def _warm_up(options: LaunchOptions, console: Console) -> None:
+    """Compile what the first frames need; show it in a window where the show will have one."""
+    from live.render.window.start_window import StartWindow
+    from live.render.window.window import NoWindow
+    from live.show.patch.patch_search_path import find_patch
+
+    path = find_patch(options.patch)
+    title = (path.parent.name if path.stem in ("show", "patch") else path.stem).replace("_", " ")
+    with contextlib.ExitStack() as stack:
+        window: StartWindow | None = None
+        if not options.headless and list_monitors():
+            with contextlib.suppress(NoWindow, UnknownMonitor):
+                monitor = find_screen(options.monitor)
+                window = StartWindow(title, monitor=monitor, fullscreen=options.fullscreen, size=options.size)
+                stack.callback(window.close)
+
+        def tell(done: int, total: int, name: str) -> None:
+            if window is not None and not window.show(
+                f"compiling for this machine, once: {done} of {total}", done / total
+            ):
+                raise StartCancelled
+
+        warm_kernels(console, tell)
 
 
 def find_screen(name: str | None) -> Monitor | None:

@@ -31,7 +31,7 @@ _TARGET: Final = "LIVE_KERNEL_TARGET"
 """Environment variable: the processor for which kernels are compiled, `native` or a level; inherited in a show."""
 
 
-def _host() -> tuple[str, str, dict[str, bool]]:
+def host_processor() -> tuple[str, str, dict[str, bool]]:
     """Return name, features as text and features of this machine's processor."""
     try:
         features = dict(llvm.get_host_cpu_features())
@@ -44,7 +44,7 @@ def _host() -> tuple[str, str, dict[str, bool]]:
 def set_name(target: str) -> str:
     """Return the name of the kernel set for a processor level, or for `native`, this machine's processor."""
     if target == "native":
-        name, features, _ = _host()
+        name, features, _ = host_processor()
         target = f"{name}-{hashlib.sha256(features.encode()).hexdigest()[:8]}"
     parts = (sys.implementation.cache_tag, f"numba{version('numba')}", f"llvmlite{version('llvmlite')}")
     name = "-".join((*parts, sysconfig.get_platform().replace("-", "_"), target))
@@ -58,7 +58,7 @@ def _choose() -> tuple[str, KernelStore]:
     wished = os.environ.get(_TARGET) or None
     if wished == "native" or (wished is None and native.is_complete()):
         return "native", native
-    for level in [wished] if wished else processor_levels(_host()[2]):
+    for level in [wished] if wished else processor_levels(host_processor()[2]):
         shipped = shipped_folder(set_name(level))
         if shipped is not None or wished:
             return level, KernelStore((*([shipped] if shipped else ()), own / set_name(level)))

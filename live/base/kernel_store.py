@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Final
+from typing import BinaryIO, Final
 
 import platformdirs
 
@@ -144,6 +144,32 @@ def shipped_folder(set_name: str) -> Path | None:
         if KernelStore((folder,)).is_complete():
             return folder
     return None
+
+
+class ShowLock:
+    """Says to other processes of this user that a show runs, so that nobody compiles beside it."""
+
+    def __init__(self) -> None:
+        self._file: BinaryIO | None = None
+
+    def take(self) -> None:
+        """Say so until this process ends; several shows may."""
+        if fcntl is not None:
+            with contextlib.suppress(OSError):
+                self._file = (writable_root() / "show").open("wb")
+                fcntl.flock(self._file, fcntl.LOCK_SH)
+
+    @staticmethod
+    def is_taken() -> bool:
+        """Whether a show runs."""
+        taken = False
+        if fcntl is not None:
+            with contextlib.suppress(OSError), (writable_root() / "show").open("wb") as file:
+                try:
+                    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                except BlockingIOError:
+                    taken = True
+        return taken
 
 
 class KernelStore:

@@ -105,7 +105,7 @@ def play(*, new_web_key: NewWebKey = False, **written: Any) -> None:
 
     from rich.console import Console
 
-    from live.app.machine.kernel_warmup import warm_kernels
+    from live.app.machine.kernel_warmup import start_native_build, warm_kernels
     from live.app.option_values import check_film_path
     from live.app.processes.engine_main import is_supervised, supervise
     from live.app.services.http_services import parse_web
@@ -122,7 +122,10 @@ def play(*, new_web_key: NewWebKey = False, **written: Any) -> None:
     values |= {"web_key": page.key, "audience_secret": b"" if values["audience"] is None else secrets.token_bytes(32)}
     options = LaunchOptions(**values)
     if is_supervised(options):
-        supervise(options if options.osc_process is not None else replace(options, osc_process=True))
+        try:
+            supervise(options if options.osc_process is not None else replace(options, osc_process=True))
+        finally:
+            start_native_build()
         return
     warm_kernels(console)  # before anything is imported that has kernels
     from live.app.headless_loop import play_show

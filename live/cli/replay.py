@@ -51,6 +51,7 @@ def replay(
     if last is not None and last < first:
         raise PersonError(f"--from {first} --to {last}: the first measure is after the last")
     warm_kernels(Console(stderr=True))  # before modules with kernels are imported
+    from live.base.jit import KERNEL_SET
     from live.clock.ticks import TICK
     from live.show.journal.journal_reader import JournalError, read_journal
     from live.show.journal.replay import ReplayError, load_journal, run_from, start_before
@@ -73,6 +74,9 @@ def replay(
         console.print(f"the film is here: {render.resolve()}", soft_wrap=True, markup=False)
     else:
         result = run_from(start, recorded, loaded=loaded, to=last)
+    made_with = recorded.header.get("kernels", KERNEL_SET)
+    if result.different and made_with != KERNEL_SET:
+        problems.append(f"recorded with other kernels: {made_with}; here: {KERNEL_SET}")
     result.problems[:0] = problems
     seconds = time.perf_counter() - begin
     if as_json:

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from live.base.errors import PersonError, error_context
+from live.base.jit import KERNEL_SET
 from live.base.stage_snapshot import Scene
 from live.graph.build.metric import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
@@ -214,6 +215,7 @@ class LoadedShow:
             "recordings": None if self.recordings is None else str(self.recordings.resolve()),
             "seed": show.seed,
             "tempo": tempo,
+            "kernels": KERNEL_SET,
             "music": None if music is None else str(music.resolve()),
             "steps_hash": library_hash(self.graph.library),
             "steps": [clip_key(clip) for clip in self.graph.library.clips],

@@ -96,7 +96,7 @@ def test_code_from_disk_can_be_called_by_kernels_that_are_compiled(tmp_path: Pat
 @compiled_only
 def test_code_for_a_level_of_processors_gives_the_same_and_is_kept_apart(tmp_path: Path) -> None:
     native = run_damper(tmp_path)
-    levels = store.processor_levels(jit._host()[2])
+    levels = store.processor_levels(jit.host_processor()[2])
     if not levels:
         pytest.skip("kernels are shipped for no level of this processor")
     for level in levels:
@@ -108,7 +108,7 @@ def test_code_for_a_level_of_processors_gives_the_same_and_is_kept_apart(tmp_pat
 @compiled_only
 def test_shipped_kernels_are_taken_until_native_ones_are_complete(tmp_path: Path) -> None:
     """A package like the companion wheel's; then all kernels of this machine's own."""
-    levels = store.processor_levels(jit._host()[2])
+    levels = store.processor_levels(jit.host_processor()[2])
     if not levels:
         pytest.skip("kernels are shipped for no level of this processor")
     run_damper(tmp_path / "made", LIVE_KERNEL_TARGET=levels[0])

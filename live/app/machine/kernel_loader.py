@@ -14,6 +14,7 @@ from live.app.machine.kernel_build import KernelBuild, all_kernels, kernel_modul
 from live.app.machine.kernel_warmup import is_warm
 from live.base.event_queue import EventQueue
 from live.base.jit import JIT_DISABLED, KERNEL_STORE, Kernel, kernels
+from live.base.kernel_store import ShowLock
 from live.clock.time_source import ManualClock
 from live.control.events.events import ControlEvent
 from live.show.engine import Engine
@@ -51,6 +52,8 @@ class KernelLoader:
 
     def __init__(self) -> None:
         """Begin to compile what is missing on disk."""
+        self._lock = ShowLock()
+        self._lock.take()
         self._build: KernelBuild | None = None
         if not is_warm():
             self._build = KernelBuild(all_kernels(), workers=max(1, worker_count() - 1), background=True)

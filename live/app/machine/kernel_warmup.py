@@ -1,15 +1,20 @@
 """Compiled kernels before a show (`live warm`): those of the first frames, or all of them, with a progress bar."""
 
 import contextlib
+import os
 import signal
+import subprocess
 import sys
 import threading
 import time
 from collections.abc import Callable, Iterable, Iterator
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
+
+from live.base.kernel_store import SHIPPED_PACKAGE
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -140,17 +145,57 @@ def compile_all(console: "Console") -> int:
     return len(kernels)
 
 
+def compile_between_shows() -> None:
+    """Compile this machine's own kernels beside everything else, where shipped ones have been used.
+
+    Ends as soon as a show begins; a later call goes on from there.
+    """
+    from live.app.machine.kernel_build import KernelBuild, all_kernels
+    from live.base.jit import KERNEL_STORE
+    from live.base.kernel_store import ShowLock
+
+    kernels = all_kernels()
+    with _defer_signals() as end_if_asked, KernelBuild(kernels, workers=1, background=True) as build:
+        finished = False
+        while not finished:
+            if ShowLock.is_taken():
+                return
+            finished = build.update(_WAIT_S)
+            end_if_asked()
+    if all(KERNEL_STORE.has(each.file_name) for each in kernels):
+        KERNEL_STORE.mark_complete()
+
+
+def start_native_build() -> None:
+    """After a show with shipped kernels: leave a process behind that compiles this machine's own, see `live warm`."""
+    if find_spec(SHIPPED_PACKAGE) is None:
+        return
+    quiet, environment = subprocess.DEVNULL, {**os.environ, "LIVE_KERNEL_TARGET": "native"}
+    subprocess.Popen(
+        [sys.executable, "-m", "live", "warm", "--background"],
+        stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True, env=environment,
+    )  # fmt: skip
+
+
 def warm(
     stamp: Annotated[
         Path | None,
         typer.Option(help="Write into this file the path of the mark of complete kernels.", dir_okay=False),
     ] = None,
+    background: Annotated[
+        bool,
+        typer.Option("--background", help="Compile on one core at the lowest priority, silently, until a show begins."),
+    ] = False,
 ) -> None:
     """Compile and keep all kernels, so that no show compiles."""
     from rich.console import Console
 
     from live.base.jit import KERNEL_SET, KERNEL_STORE
 
+    if background:
+        if not is_warm():
+            compile_between_shows()
+        return
     console = Console(stderr=True)
     start = time.perf_counter()
     count = compile_all(console)

@@ -8,7 +8,7 @@ from typing import Any
 from live.control.events.event_json import event_to_json
 from live.show.journal.journal_reader import Journal, JournalLine
 
-IGNORED_KEYS = ("patch_path", "recordings", "version", "journal", "columns", "origin")
+IGNORED_KEYS = ("patch_path", "recordings", "version", "journal", "columns", "origin", "kernels")
 """Header keys that are not compared, because they do not affect the show."""
 
 
