@@ -29,6 +29,7 @@ from live.supervisor.supervisor_link import SupervisorLink
 if TYPE_CHECKING:
     from live.app.adaptive_quality import QualityController
     from live.app.live_recording import LiveSharing
+    from live.render.window.start_window import StartWindow
     from live.show.patch.patch import Patch
 
 
@@ -123,17 +124,19 @@ def play_show(options: LaunchOptions, *, lifeline: SupervisorLink | None = None)
     `lifeline`: the link to the supervisor, if there is one.
     """
     console = Console(stderr=True, highlight=False)
-    cold = not is_warm()
-    if cold:
+    with contextlib.ExitStack() as start:
         try:
-            _warm_up(options, console)
+            loaded = _load(options, console, start)
         except StartCancelled:
             return
-    loaded = options.load()
-    if cold:
-        from live.app.machine.kernel_loader import rehearse_show
+        _play(options, loaded, console, lifeline, opened=start.close)
 
-        rehearse_show(loaded, options.seed)
+
+def _play(
+    options: LaunchOptions, loaded: LoadedShow, console: Console, lifeline: SupervisorLink | None,
+    opened: Callable[[], None],
+) -> None:  # fmt: skip
+    """Play a loaded show; `opened` is called when its windows are open."""
     venue = options.read_venue()
     for note in (*loaded.graph.missing, *loaded.notes, *installed_bridges().notes(loaded, venue)):
         console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
@@ -151,7 +154,9 @@ def play_show(options: LaunchOptions, *, lifeline: SupervisorLink | None = None)
         session = Session(options, loaded, sound, venue, lifeline=lifeline)
         keys = help_lines(formation_names(loaded.patch.formation))
         console.print("\n".join([_welcome(session), *keys]), style="dim", soft_wrap=True, markup=False)
-        play_in_window(session, loaded.scene(), monitor=chosen, fullscreen=options.fullscreen, console=console)
+        play_in_window(
+            session, loaded.scene(), monitor=chosen, fullscreen=options.fullscreen, console=console, opened=opened
+        )
     elif options.fullscreen:
         raise PersonError(f"--fullscreen: {screen_problem()}", "leave it out to make a film")
     elif sound.device is not None:
@@ -165,29 +170,47 @@ class StartCancelled(Exception):
     """The window of a first start was closed."""
 
 
-def _warm_up(options: LaunchOptions, console: Console) -> None:
-    """Compile what the first frames need; show it in a window where the show will have one."""
+def _load(options: LaunchOptions, console: Console, start: contextlib.ExitStack) -> LoadedShow:
+    """Load the show. On a first start compile what its first frames need, and say so in a window while there is no
+    other one; `start` closes it. Raise StartCancelled if somebody else does.
+    """
+    if is_warm():
+        return options.load()
+    from live.app.machine.kernel_loader import rehearse_show
+
+    window = None if options.headless else _open_start_window(options)
+    if window is not None:
+        start.callback(window.close)
+
+    def show(line: str, share: float) -> None:
+        if window is not None and not window.show(line, share):
+            raise StartCancelled
+
+    warm_kernels(
+        console, lambda done, total, share: show(f"compiling for this machine, once: {done} of {total}", share)
+    )
+    show("loading the show", 1.0)
+    loaded = options.load()
+    rehearse_show(loaded, options.seed)
+    show("opening the windows", 1.0)
+    return loaded
+
+
+def _open_start_window(options: LaunchOptions) -> "StartWindow | None":
     from live.render.window.start_window import StartWindow
     from live.render.window.window import NoWindow
     from live.show.patch.patch_search_path import find_patch
 
     path = find_patch(options.patch)
     title = (path.parent.name if path.stem in ("show", "patch") else path.stem).replace("_", " ")
-    with contextlib.ExitStack() as stack:
-        window: StartWindow | None = None
-        if not options.headless and list_monitors():
-            with contextlib.suppress(NoWindow, UnknownMonitor):
-                monitor = find_screen(options.monitor)
-                window = StartWindow(title, monitor=monitor, fullscreen=options.fullscreen, size=options.size)
-                stack.callback(window.close)
-
-        def tell(done: int, total: int, name: str) -> None:
-            if window is not None and not window.show(
-                f"compiling for this machine, once: {done} of {total}", done / total
-            ):
-                raise StartCancelled
-
-        warm_kernels(console, tell)
+    if not list_monitors():
+        return None
+    try:
+        return StartWindow(
+            title, monitor=find_screen(options.monitor), fullscreen=options.fullscreen, size=options.size
+        )
+    except (NoWindow, UnknownMonitor):  # the show's own windows will say why
+        return None
 
 
 def find_screen(name: str | None) -> Monitor | None:

@@ -1,6 +1,7 @@
 """Frame loop of a show in windows, with recording and sharing of its picture."""
 
 import time
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import moderngl
@@ -97,13 +98,16 @@ DISPLAY_RATE_FACTOR = 1.05
 
 
 def play_in_window(
-    session: Session, scene: Scene, *, monitor: Monitor | None, fullscreen: bool, console: Console
-) -> None:
-    """Run the show in its windows until one is closed or the time limit is reached."""
+    session: Session, scene: Scene, *, monitor: Monitor | None, fullscreen: bool, console: Console,
+    opened: Callable[[], None] = lambda: None,
+) -> None:  # fmt: skip
+    """Run the show in its windows until one is closed or the time limit is reached; `opened`: called before."""
     picture = ShowWindows.from_options(
         session.options, scene, monitor=monitor, fullscreen=fullscreen, venue=session.venue
     )
     try:
+        opened()
+        picture.window.make_current()
         run_in_windows(session, scene, picture, console=console)
     finally:
         picture.close()

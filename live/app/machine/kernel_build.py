@@ -122,8 +122,11 @@ class KernelBuild:
             if kernel not in self._calls and not KERNEL_STORE.has(kernel.file_name):
                 self._calls[kernel] = _callees(kernel.py_func)
                 waiting += self._calls[kernel]
+        self._sizes = {kernel: _size(kernel.py_func) for kernel in self._calls}
         self.total = len(self._calls)
         self.done = 0
+        self.share = 0.0
+        """How much of the work is done, 0 to 1, as far as the lengths of the kernels tell."""
         self.last = ""
         """Name of the kernel compiled last."""
         self.failed: list[str] = []
@@ -139,12 +142,12 @@ class KernelBuild:
 
     def _in_order(self) -> list[Kernel]:
         """Return the kernels, those first that with all that waits for them take longest."""
-        urgency = {kernel: _size(kernel.py_func) for kernel in self._calls}
+        urgency = dict(self._sizes)
         for _ in range(len(urgency)):  # at most so deep; two or three rounds in effect
             before = dict(urgency)
             for kernel, called in self._calls.items():
                 for each in called & urgency.keys():
-                    urgency[each] = max(urgency[each], _size(each.py_func) + urgency[kernel])
+                    urgency[each] = max(urgency[each], self._sizes[each] + urgency[kernel])
             if urgency == before:
                 break
         return sorted(urgency, key=lambda kernel: (-urgency[kernel], kernel.file_name))
@@ -181,6 +184,7 @@ class KernelBuild:
             if worker.kernel is not None:
                 self.failed.append(kernel_name(worker.kernel))
             return
+        self.share += self._sizes[worker.kernel] / sum(self._sizes.values())
         self.last, worker.kernel = worker.kernel.py_func.__name__, None
         self.done += 1
 

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
     from live.base.jit import Kernel
 
-Tell = Callable[[int, int, str], None]
-"""Called with the number of compiled kernels, of all, and the name of the last one."""
+Tell = Callable[[int, int, float], None]
+"""Called with the number of compiled kernels, of all, and the share of the work that is done, 0 to 1."""
 
 _POLL_S: Final = 0.1
 _WAIT_S: Final = 0.5
@@ -87,7 +87,7 @@ def _compile(wanted: "Iterable[Kernel]", console: "Console", tell: Tell | None =
                     finished = build.update(_POLL_S)
                     progress.update(task, completed=build.done, kernel=build.last)
                     if tell is not None:
-                        tell(build.done, build.total, build.last)
+                        tell(build.done, build.total, build.share)
                     end_if_asked()
             return build.total
     except (KeyboardInterrupt, SystemExit):
