@@ -1,7 +1,7 @@
 # The house's front door. `make help` lists what there is; ARGS goes to the command behind a target:
 #   make play ARGS="--audio song.wav --monitor 1 --fullscreen"
 .DEFAULT_GOAL := help
-.PHONY: help play test test-long test-bounds check check-fast format references studio soak clean
+.PHONY: help play test test-long test-bounds check check-fast format references kernels studio soak clean
 BIN := .venv/bin
 ARGS ?=
 
@@ -49,6 +49,10 @@ references: ## write docs/osc.md, docs/patch.md and the studio's forms anew
 	@$(BIN)/python tools/write_osc_reference.py
 	@$(BIN)/python tools/write_patch_reference.py
 	@$(BIN)/python tools/write_studio_schema.py
+
+kernels: ## build the wheel of compiled kernels for this Python and platform into dist/
+	@tools/setup.sh test
+	@$(BIN)/python tools/build_kernel_wheel.py
 
 studio: ## build the studio's page anew from studio/ (needs Node; users need none)
 	@cd studio && npm ci --ignore-scripts --no-audit --no-fund --silent && npx tsc --noEmit && node build.mjs

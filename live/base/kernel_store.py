@@ -153,11 +153,17 @@ class ShowLock:
         self._file: BinaryIO | None = None
 
     def take(self) -> None:
-        """Say so until this process ends; several shows may."""
+        """Say so until `release`, or until this process ends; several shows may."""
         if fcntl is not None:
             with contextlib.suppress(OSError):
                 self._file = (writable_root() / "show").open("wb")
                 fcntl.flock(self._file, fcntl.LOCK_SH)
+
+    def release(self) -> None:
+        """Say so no more."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
 
     @staticmethod
     def is_taken() -> bool:
@@ -226,6 +232,7 @@ class KernelStore:
     def mark_complete(self) -> None:
         """Say that all kernels of the present sources are there, and drop old ones of other sources."""
         with contextlib.suppress(OSError):
+            make_private(self.own)
             self.complete_mark.touch()
         self._drop_old()
 

@@ -169,7 +169,7 @@ def studio(
 
     from live.app.machine.kernel_warmup import warm_kernels
 
-    warm_kernels(Console(stderr=True, highlight=False))  # the first time it takes minutes, and says so
+    warm_kernels(Console(stderr=True, highlight=False))  # the first time it takes up to a minute, and says so
     if song is not None or from_ is not None or dancers is not None:
         from live.app.services.new_show import make_show
 

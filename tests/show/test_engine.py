@@ -10,7 +10,7 @@ from live.base.processing_budget import FLOODED_PER_SECOND
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events.events import Blackout, CallStep, PlaceElement, SetParameter
-from live.show.engine import EVENTS_PER_FRAME, Engine
+from live.show.engine import EVENTS_PER_FRAME, HELD_EVENTS, Engine
 from live.show.view.status import Status
 from tests.show.made_show import made_show
 
@@ -205,3 +205,44 @@ def test_event_source_error_is_raised_without_bulkhead():
     clock.set(0.1)
     with pytest.raises(IndexError):
         engine.frame(skip_render)
+
+
+def test_held_input_acts_in_order_once_it_is_released_and_clock_and_blackout_at_once():
+    """After a first start kernels are still being compiled: a frame must not wait for them, and nothing is lost."""
+    engine, clock, inbox, _ = made_engine()
+    busy = [True]
+    engine.holding = lambda: busy[0]
+    acted = []
+    engine.event_listeners.append(lambda event: acted.append(type(event).__name__))
+    inbox.put(PlaceElement(time=0.0, source="osc", kind="attract", points=((1.0, 1.0),)))
+    inbox.put(Blackout(time=0.0, source="keys", on=True))
+    inbox.put(CallStep(time=0.0, source="osc", name="no such step"))
+    for frame in range(5):
+        clock.set(frame / 60)
+        engine.frame(skip_render)
+    assert acted == ["Blackout"]
+    busy[0] = False
+    inbox.put(PlaceElement(time=0.1, source="osc", kind="spread"))
+    clock.set(0.1)
+    engine.frame(skip_render)
+    assert acted == ["Blackout", "PlaceElement", "CallStep", "PlaceElement"]
+    assert engine.holding is None
+
+
+def test_a_flood_of_held_input_is_released_and_not_lost():
+    engine, clock, inbox, _ = made_engine()
+    engine.holding = lambda: True
+    acted = []
+    engine.event_listeners.append(acted.append)
+    count = 0
+    while engine.holding is not None and count < 3 * HELD_EVENTS:
+        for _ in range(256):
+            inbox.put(CallStep(time=clock.now(), source="osc", name="no such step"))
+            count += 1
+        clock.set(clock.now() + 1 / 60)
+        engine.frame(skip_render)
+    while inbox:
+        clock.set(clock.now() + 1 / 60)
+        engine.frame(skip_render)
+    assert len(acted) == count
+    assert inbox.dropped == 0

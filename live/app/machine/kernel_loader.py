@@ -77,13 +77,17 @@ class KernelLoader:
         if self._build is not None:
             if not self._build.update(0.0):
                 return
-            self.close()
+            self._end_build()
             if not self._missing():
                 KERNEL_STORE.mark_complete()
         next(self._loading, None)
 
     def close(self) -> None:
         """End the processes that compile; the next start goes on from there."""
+        self._end_build()
+        self._lock.release()
+
+    def _end_build(self) -> None:
         if self._build is not None:
             self._build.close()
             self._build = None

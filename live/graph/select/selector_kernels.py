@@ -26,7 +26,7 @@ UNEXAMINED_DISTANCE = 1e9
 """Distance assumed for candidates that were not examined [m]."""
 
 
-@inline_kernel
+@kernel("UniTuple(f8,5)(f8[:,::1], i8, f8[:,::1], i8)")
 def clip_placement(at: Float64, n: int, edge: Float64, e: int) -> tuple[float, float, float, float, float]:
     """Return x, z, yaw, its cosine and sine of a clip that joins the axes at[n] (5,) along edge[e] (6,) (K001)."""
     c, s = at[n, 3], at[n, 4]
@@ -34,7 +34,7 @@ def clip_placement(at: Float64, n: int, edge: Float64, e: int) -> tuple[float, f
     return x, z, at[n, 2] + edge[e, 2], c * edge[e, 3] - s * edge[e, 4], s * edge[e, 3] + c * edge[e, 4]
 
 
-@inline_kernel
+@kernel("UniTuple(f8,4)(UniTuple(f8,5), i8, i8, i8, f8[:,::1], f8[:,::1], f8[:,::1], f8[:,:,::1], f8[:,::1])")
 def candidate_end(
     placement: tuple[float, float, float, float, float],
     n: int,
@@ -73,7 +73,7 @@ def candidate_end(
     return x + ax + clip[k, 0] * tc + clip[k, 1] * ts, z + az + clip[k, 1] * tc - clip[k, 0] * ts, turn, want - turn
 
 
-@inline_kernel
+@kernel("f8(f8, f8, f8[::1])")
 def place_cost(distance: float, reach_margin: float, weights: Float64) -> float:
     """Return the cost of ending `distance` [m] off, of which `reach_margin` [m] can be corrected at a lower cost."""
     within = min(distance, reach_margin)
@@ -81,14 +81,14 @@ def place_cost(distance: float, reach_margin: float, weights: Float64) -> float:
     return cost
 
 
-@inline_kernel
+@kernel("f8(UniTuple(f8,4), f8[:,::1], i8)")
 def place_error(end: tuple[float, float, float, float], target: Float64, n: int) -> float:
     """Return the distance of that end from dancer n's target [m]."""
     x, z = end[0] - target[n, 0], end[1] - target[n, 1]
     return math.sqrt(x * x + z * z)
 
 
-@inline_kernel
+@kernel("f8(UniTuple(f8,4), f8, f8[:,::1], i8, f8[:,::1], i8, f8)")
 def correctable(
     end: tuple[float, float, float, float], yaw: float, target: Float64, n: int, margins: Float64, v: int, most: float
 ) -> float:
@@ -102,7 +102,7 @@ def correctable(
     return min(most, far)
 
 
-@inline_kernel
+@kernel("f8(UniTuple(f8,4), f8[::1])")
 def turn_cost(end: tuple[float, float, float, float], weights: Float64) -> float:
     """Return the cost of the remaining heading error and of the turn."""
     cost: float = weights[HEADING] * end[3] * end[3] + weights[TURN] * end[2] * end[2]
