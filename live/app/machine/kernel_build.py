@@ -43,7 +43,7 @@ def all_kernels() -> list[Kernel]:
 
 
 def kernel_name(kernel: Kernel) -> str:
-    """Return the module and the function of a kernel: `live.base.scalar_kernels.clamp`."""
+    """Return the module and the function of a kernel: `live.base.scalar_kernels.damper`."""
     return f"{kernel.py_func.__module__}.{kernel.py_func.__qualname__}"
 
 

@@ -103,8 +103,14 @@ def warm_kernels(console: "Console", tell: Tell | None = None) -> None:
     if is_warm():
         return
     from live.app.machine.kernel_build import first_kernels
-    from live.base.jit import KERNEL_STORE
+    from live.base.jit import KERNEL_SET, KERNEL_STORE
 
+    if find_spec(SHIPPED_PACKAGE) is not None:
+        console.print(
+            f"note: the kernels of {SHIPPED_PACKAGE} are for other processors, versions or sources than {KERNEL_SET}; "
+            "this machine compiles its own",
+            style="yellow", soft_wrap=True, markup=False,
+        )  # fmt: skip
     if not _compile(first_kernels(), console, tell):
         return
     if not all(KERNEL_STORE.has(each.file_name) for each in first_kernels()):

@@ -16,7 +16,7 @@ class DmxSection(Section):
     sends: Annotated[str, Field(min_length=1, max_length=200)]
     """beat, measure, steps, feet (flashes), tempo [bpm], dancer (x, then z, each coarse and fine), or the address of a
     value, such as /dance/light/key/colour: a channel for each of its numbers, over its whole range."""
-    dancer: Annotated[int, Field(ge=1, le=4000)] = 1
+    dancer: Annotated[int, Field(ge=1, le=10_000)] = 1
     """For `dancer`: the dancer's number, from 1."""
     beats: Annotated[float, Field(gt=0, le=64)] = 1.0
     """Length of a flash in beats."""

@@ -50,7 +50,7 @@ def formation(
     from live.app.option_values import check_range
     from live.base.errors import PersonError
 
-    check_range(dancers, "--dancers", 0, 4000)
+    check_range(dancers, "--dancers", 0, 10_000)
     if not 0 <= seed < 2**31:
         raise PersonError(f"--seed {seed}: 0 to {2**31 - 1} expected")
     floor = _parse_stage(stage)

@@ -173,7 +173,7 @@ class GroupSection(Section):
 
     name: Name
     """Its name, unique among groups."""
-    dancers: Annotated[int, Field(ge=1, le=4000)]
+    dancers: Annotated[int, Field(ge=1, le=10_000)]
     """How many dancers it has."""
     colour: Colour | None = None
     """Colour of their clothes."""
@@ -185,7 +185,7 @@ class GroupSection(Section):
     (see [osc.md](osc.md))."""
     attributes: Annotated[tuple[Name, ...], Field(max_length=64)] = ()
     """Attributes of its dancers ("tall", "red"), by which they can be selected later."""
-    soloists: Annotated[int, Field(ge=0, le=4000)] = 0
+    soloists: Annotated[int, Field(ge=0, le=10_000)] = 0
     """Number of its first dancers who are soloists: the others give way to them."""
     radius: Annotated[float, Field(ge=0.1, le=1)] = 0.25
     """Radius of its dancers' bodies, for collisions [m]."""

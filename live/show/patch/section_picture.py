@@ -87,7 +87,7 @@ class CharacterSection(Section):
     """A .glb, .gltf or .vrm file, in the patch's folder or below it: `characters/anna.vrm`."""
     groups: Annotated[tuple[Name, ...], Field(max_length=16)] = ()
     """The groups whose dancers are drawn with it; if several characters have a group, one is drawn at random."""
-    dancers: Annotated[tuple[Annotated[int, Field(ge=1, le=4000)], ...], Field(max_length=4000)] = ()
+    dancers: Annotated[tuple[Annotated[int, Field(ge=1, le=10_000)], ...], Field(max_length=10_000)] = ()
     """Single dancers by number. With neither groups nor dancers it applies to all."""
     joints: Annotated[dict[Name, Annotated[str, Field(min_length=1, max_length=200)]], Field(max_length=22)] = Field(
         default={}

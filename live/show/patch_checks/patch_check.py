@@ -12,9 +12,13 @@ from live.show.patch_checks.entry_checks import ENTRY_CHECKS
 from live.show.patch_checks.name_checks import check_call_names, check_cues, check_trackers
 from live.show.patch_checks.score_checks import check_score
 
+MAX_DANCERS: Final = 20_000
+"""Most dancers of all groups together; two cores keep up with about half as many at 60 frames a second."""
+
 
 def table_faults(patch: Patch) -> Iterator[InvalidEntry]:
     """Yield all errors between the tables of a patch whose tables are valid each."""
+    yield from _check_size(patch)
     yield from _check_unique_names(patch)
     yield from check_trackers(patch.psn, patch.mocap)
     yield from _check_projector(patch)
@@ -38,6 +42,13 @@ def check_patch(patch: Patch) -> None:
 
 PATCH_CHECKS: Final[Checks] = {**ENTRY_CHECKS, "patch": check_patch}
 """The context with which a patch from outside is validated: a file, an edit, a journal."""
+
+
+def _check_size(patch: Patch) -> Iterator[InvalidEntry]:
+    if patch.dancer_count > MAX_DANCERS:
+        largest = max(range(len(patch.group)), key=lambda index: patch.group[index].dancers)
+        words = f"{patch.dancer_count} dancers in all groups; {MAX_DANCERS} at most, and `live bench frame` tells how "
+        yield InvalidEntry(f"{words}many this machine keeps up with", "group", largest, "dancers")
 
 
 def _check_unique_names(patch: Patch) -> Iterator[InvalidEntry]:

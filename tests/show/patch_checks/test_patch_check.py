@@ -87,3 +87,12 @@ def test_model_imports_neither_controls_nor_checks():
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("live."):
                 found |= {node.module} if not node.module.startswith(MODEL_IMPORTS) else set()
     assert found == set()
+
+
+def test_more_dancers_than_any_machine_keeps_up_with_are_refused():
+    many = [{**GROUP, "name": f"g{number}", "dancers": 10_000} for number in range(10)]
+    with pytest.raises(ValidationError, match=r"100000 dancers in all groups; 20000 at most.*live bench frame"):
+        Patch.model_validate({"name": "p", "group": many}, context=PATCH_CHECKS)
+    Patch.model_validate({"name": "p", "group": many[:2]}, context=PATCH_CHECKS)
+    with pytest.raises(ValidationError, match="less than or equal to 10000"):
+        Patch.model_validate({"name": "p", "group": [{**GROUP, "dancers": 100_000}]}, context=PATCH_CHECKS)
