@@ -14,6 +14,7 @@ from live.app.bridges import installed_bridges
 from live.app.headless_picture import HeadlessPicture
 from live.app.launch_options import LaunchOptions
 from live.app.machine.kernel_warmup import is_warm, warm_kernels
+from live.app.processes.audio_client import prepare_music
 from live.app.session import Session
 from live.app.session_audio import AudioChoice, choose_audio
 from live.base.errors import PersonError
@@ -144,7 +145,10 @@ def _play(
         from live.app.adaptive_quality import use_shader_folder
 
         use_shader_folder(options.shaders, console)
-    sound = choose_audio(options, loaded, venue)
+    there = None if lifeline is None else lifeline.sound
+    sound = choose_audio(options, loaded, venue, elsewhere=there is not None)
+    if there is not None and sound.path is not None:
+        prepare_music(there, sound.path)
     chosen = find_screen(options.monitor)
     if options.headless:
         _headless(Session(options, loaded, sound, venue, lifeline=lifeline), console)
@@ -249,6 +253,6 @@ def _film(options: LaunchOptions, loaded: LoadedShow, sound: AudioChoice, consol
 def _welcome(session: Session) -> str:
     host, port = session.options.osc
     song = session.options.midi_file
-    heard = "music file" if session.sound.music else session.sound.device or "internal clock"
+    heard = "music file" if session.sound.file else session.sound.device or "internal clock"
     heard = heard if song is None else song.name
     return f"{session.loaded.patch.name}: {session.loaded.patch.dancer_count} dancers, {heard}, OSC at {host}:{port}"
