@@ -79,7 +79,7 @@ import numba  # noqa: E402 - its processor has to be set first
 from numba.core import sigutils, types, typing  # noqa: E402
 from numba.core.codegen import CPUCodeLibrary  # noqa: E402
 from numba.core.compiler import CompileResult  # noqa: E402
-from numba.core.environment import _rebuild_env  # noqa: E402
+from numba.core.environment import Environment, lookup_environment  # noqa: E402
 from numba.core.funcdesc import PythonFunctionDescriptor  # noqa: E402
 from numba.core.registry import CPUDispatcher  # noqa: E402
 from numba.core.runtime import rtsys  # noqa: E402
@@ -214,7 +214,18 @@ def _constants(env: Any) -> list[str]:
 
 
 def _environment(module: str, name: str, constants: list[str]) -> Any:
-    return _rebuild_env(module, [np.dtype(each) for each in constants], name)
+    """Return numba's environment of a compiled function, without importing the module of one that was compiled into it.
+
+    Code of kernels looks at no global of its module.
+    """
+    known = lookup_environment(name)
+    if known is not None:
+        return known
+    made = Environment(vars(sys.modules[module]) if module in sys.modules else {"__name__": module})
+    made.consts[:] = [np.dtype(each) for each in constants]
+    made.env_name = name
+    Environment._memo[name] = made
+    return made
 
 
 def _from_bytes(kernel: Kernel, data: bytes) -> tuple[CompileResult, bytes]:
