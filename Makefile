@@ -1,7 +1,7 @@
 # The house's front door. `make help` lists what there is; ARGS goes to the command behind a target:
 #   make play ARGS="--audio song.wav --monitor 1 --fullscreen"
 .DEFAULT_GOAL := help
-.PHONY: help play test test-long test-bounds check check-fast format references kernels studio soak clean
+.PHONY: help play test test-long test-bounds bench check check-fast format references kernels studio soak clean
 BIN := .venv/bin
 ARGS ?=
 
@@ -23,6 +23,10 @@ test-long: ## the tests that `make test` leaves out: long ones, about what chang
 test-bounds: ## the tests with kernels that refuse to read or write beyond an array (compiled anew the first time)
 	@tools/setup.sh test
 	@NUMBA_BOUNDSCHECK=1 $(BIN)/python -m pytest $(ARGS)
+
+bench: ## install what benches compare with and run them (ARGS="steering --json": one; ARGS=--list: their names)
+	@tools/setup.sh bench
+	@$(BIN)/live bench $(ARGS)
 
 check: ## format, lint, types, layers, all tests: what a change has to pass
 	@tools/setup.sh test

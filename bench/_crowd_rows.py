@@ -4,6 +4,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
+from bench._peers import absence
 from live.agents.scenarios.metrics import Metrics
 from live.cli.bench import Row
 
@@ -104,5 +105,5 @@ def _ratio(name: str, figure: str, runs: Sequence[Metrics], peers: Sequence[Peer
     theirs = None if peer is None else mean(peer.runs, figure)
     label = f"{name}: {_words(figure)} / RVO2's best"
     if peer is None or theirs is None or ours is None:
-        return Row(label, None, "", bar)
+        return Row(label, None, "", bar, note=absence("pyrvo"))
     return Row(label, ours / theirs, "", bar, peers={peer.name: theirs, "ours": ours})

@@ -1,7 +1,5 @@
 """RVO2 (ORCA, van den Berg et al. 2011) on the crowd scenarios, through pyrvo: the peer of the crowd bench."""
 
-import importlib.util
-
 import numpy as np
 
 from live.agents.scenarios.scenario import Scenario
@@ -12,11 +10,6 @@ HORIZONS = (0.5, 2.0, 5.0)
 """Time horizons [s]; RVO2 does best with a different one in each scenario, so all are tried."""
 PERTURBATION = 1e-4
 """Speed [m/s] of the perturbation that RVO2's own examples add against perfect symmetry."""
-
-
-def present() -> bool:
-    """Whether pyrvo is installed (it has no wheels for every machine)."""
-    return importlib.util.find_spec("pyrvo") is not None
 
 
 def simulate(scenario: Scenario, horizon: float, seed: int) -> tuple[Float64, Float64]:

@@ -78,7 +78,7 @@ def rows(full: bool) -> list[Row]:
         try:
             there, server = two_monitor_x.start(Path(name))
         except two_monitor_x.NoX:
-            return [Row(each, None, "s", 3.0) for each in NAMES]
+            return [Row(each, None, "s", 3.0, note="needs an X server: make test installs it") for each in NAMES]
         stack.callback(two_monitor_x.stop, server)
         found = [_pause(there.display, Path(name) / f"status{kills}", kills) for kills in ((1, 3) if full else (1,))]
         return [Row(named, value, "s", 3.0) for named, value in zip(NAMES, found, strict=False)]

@@ -4,8 +4,9 @@ from dataclasses import replace
 from pathlib import Path
 
 from bench._crowd_rows import GAP_SECONDS, Peer, quality_rows, thesis_rows
-from bench._crowd_rvo2 import HORIZONS, present
+from bench._crowd_rvo2 import HORIZONS
 from bench._crowd_rvo2 import simulate as simulate_rvo2
+from bench._peers import installed
 from live.agents.crowd.agent_state import Avoidance
 from live.agents.scenarios.generate import SCENARIOS
 from live.agents.scenarios.metrics import Metrics, measure
@@ -29,7 +30,7 @@ def run(full: bool, shared: Path | None) -> list[Row]:
         starts = seeds[:1] if name in SYMMETRIC else seeds
         ours = [_ours(name, seed, "predictive") for seed in starts]
         peers = []
-        if present() and compared:  # RVO2's perturbation has a seed even where the start has none
+        if installed("pyrvo") and compared:  # RVO2's perturbation has a seed even where the start has none
             peers = [Peer(horizon, [_rvo2(name, horizon, seed) for seed in seeds]) for horizon in HORIZONS]
         rows += quality_rows(name, ours, peers)
         if compared:

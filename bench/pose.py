@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from bench._peers import absence, installed
 from live.cli.bench import Row
 from live.motion import quaternion
 from live.motion.editing.time_warp import MeasureWarps, draw_measure_warps
@@ -42,9 +43,10 @@ def run(full: bool, shared: Path | None) -> list[Row]:
         with_feet = _speed(edited.frame, dancers, repeats)
         bar = WITH_FEET if dancers == 1000 else None
         rows.append(Row(f"{dancers} dancers, and head and feet", with_feet, "dancers/ms", bar, "at least", peers))
-        if peer is not None:
-            bar = REALISTIC if dancers == 1000 else None
-            rows.append(Row(f"{dancers} dancers, times upc-pymotion", speed / peer, "×", bar, "at least"))
+        bar, ratio = REALISTIC if dancers == 1000 else None, None if peer is None else speed / peer
+        rows.append(
+            Row(f"{dancers} dancers, times upc-pymotion", ratio, "×", bar, "at least", note=absence("upc-pymotion"))
+        )
         two = _Crowd(store, skeleton, dancers, threads=2)
         rows.append(
             Row(
@@ -134,11 +136,11 @@ def _speed(frame: Callable[[], None], dancers: int, repeats: int, *, wall: bool 
 
 def _pymotion(crowd: _Crowd, repeats: int) -> float | None:
     """The same crowd in upc-pymotion's numpy, both clips at whole samples; None where it is not installed."""
-    try:
-        from pymotion.ops.skeleton import fk
-        from pymotion.rotations.quat import slerp
-    except ImportError:
+    if not installed("upc-pymotion"):
         return None
+    from pymotion.ops.skeleton import fk
+    from pymotion.rotations.quat import slerp
+
     skeleton, store = crowd.pipeline.skeleton, crowd.store
     offsets, parents = skeleton.offsets.astype(np.float32), np.maximum(skeleton.parents, 0)
     one, other = (crowd.measure + MEASURE * crowd.phase).astype(np.int64)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from bench._peers import absence, installed
 from live.cli.bench import Row
 from live.library.motion_file import read_motion
 from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
@@ -16,7 +17,7 @@ BAR_MS = 25.0
 
 
 def run(full: bool, shared: Path | None) -> list[Row]:
-    """One core, the file in the system's cache; pybvh (if it is installed) reads the same file in the same run."""
+    """One core, the file in the system's cache; pybvh reads the same file in the same run."""
     repeats = 25 if full else 9
     with tempfile.TemporaryDirectory() as folder:
         made = Path(folder) / "made.bvh"
@@ -25,7 +26,7 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     name = "salsa 60_01, 2,243 frames of 43 joints"
     salsa = shared / "mocap" / "salsa" / "60_01.bvh" if shared is not None else None
     if salsa is None or not salsa.is_file():
-        return [*rows, Row(name, None, "ms")]
+        return [*rows, Row(name, None, "ms", note="no recordings here: --shared DIR")]
     return rows + _rows(name, salsa, repeats, BAR_MS * 2243 / FRAMES)
 
 
@@ -38,16 +39,17 @@ def _rows(name: str, path: Path, repeats: int, bar: float) -> list[Row]:
         Row(f"{name}: and turned into quaternions", turned, "ms"),
         Row(f"{name}: read_motion", whole, "ms", bar),
     ]
-    try:
-        import pybvh
-    except ImportError:
-        return rows
+    names = f"{name}: pybvh's time / ours, parsed", f"{name}: the same, quaternions"
+    if not installed("pybvh"):
+        return [*rows, *(Row(each, None, "", 1.0, "at least", note=absence("pybvh")) for each in names)]
+    import pybvh
+
     theirs = _best(lambda: pybvh.read_bvh_file(str(path)), repeats)
     their_turned = _best(lambda: pybvh.read_bvh_file(str(path)).to_quat(), repeats)
     return [
         *rows,
-        Row(f"{name}: pybvh's time / ours, parsed", theirs / ours, "", 1.0, "at least", {"pybvh, ms": theirs}),
-        Row(f"{name}: the same, quaternions", their_turned / turned, "", 1.0, "at least", {"pybvh, ms": their_turned}),
+        Row(names[0], theirs / ours, "", 1.0, "at least", {"pybvh, ms": theirs}),
+        Row(names[1], their_turned / turned, "", 1.0, "at least", {"pybvh, ms": their_turned}),
     ]
 
 

@@ -1,4 +1,4 @@
-"""Drawing: frames at 1280x720 in the step of quality that a live show settles in, styles, and what asking costs.
+"""Drawing: frames at 1280x720 in the step of quality that a live show settles in, and styles.
 
 Whole frames, finished before the clock is read, with what the graphics side needs by its own clock. Bars hold in the
 step that the ladder of a live show chooses: `FrameBudget` and `Pacer` as in a window, at a live show's rate, dancers
@@ -7,15 +7,14 @@ the same: `processor` is what all threads of this process computed for a frame, 
 """
 
 import time
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from functools import partial
+from collections.abc import Callable
 from pathlib import Path
 
 import moderngl
 import numpy as np
 
 from bench._show import crowd
+from bench.render_crowd import drawn, timed
 from live.app.live_recording import SOFTWARE_FPS
 from live.base.arrays import Float64
 from live.base.picture_parameters import BY_ADDRESS, STYLE_ADDRESS_PREFIX, STYLE_NAMES, group_parameter, picture_row
@@ -37,15 +36,11 @@ from live.show.show import Show
 from live.show.view.render_scene import make_scene
 
 SIZE = (1280, 720)
-LARGE = (1920, 1080)
-SMALL = (16, 16)
-"""A picture of next to no pixels."""
 SETTLED, LONGEST = 6.0, 40.0
 """Seconds without a change of step, and in all, until a step counts as chosen."""
 CARD_FPS = 60.0
 MOST_TICKS = 30
 """Ticks that are made up for within a frame."""
-RASTERIZER_DISCARD = 0x8C89
 
 
 def run(full: bool, shared: Path | None) -> list[Row]:
@@ -58,9 +53,6 @@ def run(full: bool, shared: Path | None) -> list[Row]:
         rows += _settled(ctx, show, make_scene(show.patch), dancers, full)
     show = crowd(24, loaded)
     rows += _styles(ctx, show, make_scene(show.patch), full)
-    view, scene = show.view(), make_scene(show.patch)
-    show.fill(view, show.time)
-    rows += _many(ctx, scene, view, 30 if full else 12, software=is_software(ctx))
     ctx.release()
     return rows
 
@@ -96,10 +88,6 @@ def _settled(ctx: moderngl.Context, show: Show, scene: Scene, dancers: int, full
     return rows
 
 
-Measured = tuple[float, float, float]
-"""Seconds of a frame: by our clock, by the renderer's own, and of this process on all cores."""
-
-
 def _frames(
     ctx: moderngl.Context,
     show: Show,
@@ -112,7 +100,7 @@ def _frames(
     times = []
     for _ in range(60 if full else 24):
         _dance(show, view, row=row)
-        times.append(_timed(ctx, draw))
+        times.append(timed(ctx, draw))
     return np.array(times)[4:]
 
 
@@ -202,109 +190,3 @@ def _outputs(ctx: moderngl.Context, show: Show, view: StageView, full: bool) -> 
     ]
     release_all(bent, guard, target, pictures)
     return rows
-
-
-def _many(ctx: moderngl.Context, scene: Scene, dancing: StageView, frames: int, *, software: bool) -> list[Row]:
-    """1,000 and 10,000 dancers: those that dance, again and again, side by side."""
-    rows = []
-    for dancers, bar in ((1000, 4.0), (10_000, 12.0)):
-        wide = Scene((60.0, 40.0), scene.camera, dancers, scene.joint_count)
-        view = repeated(dancing, dancers)
-        if not software:
-            with drawn(ctx, wide, LARGE) as (renderer, target):
-                draw = partial(renderer.draw, view, target)
-                gpu = [_timed(ctx, draw)[1] for _ in range(frames)]
-            rows.append(
-                Row(f"{dancers} dancers at 1920x1080: graphics card", float(np.median(gpu[3:])) * 1e3, "ms", bar)
-            )
-        with drawn(ctx, wide, SMALL) as (renderer, target):
-            asked = np.array([_asked(ctx, renderer, view, target) for _ in range(2 * frames)])[3:]
-            with empty_calls(ctx):
-                bare = np.array([_asked(ctx, renderer, view, target) for _ in range(2 * frames)])[3:]
-            with empty_calls(ctx, drawing=False):
-                ours = np.array([_asked(ctx, renderer, view, target) for _ in range(2 * frames)])[3:]
-        upload, drawing = (np.median(asked, axis=0) * 1e3).tolist()
-        calls, without = (float(np.median(some[:, 1])) * 1e3 for some in (bare, ours))
-        best, best_calls = float(asked[:, 0].min()) * 1e3, float(bare[:, 1].min()) * 1e3
-        peers = {
-            "calls": calls,
-            "of them without the driver's draw calls": without,
-            "best": best + best_calls,
-            "with what the driver draws within them": upload + drawing,
-        }
-        bar_here = 0.5 if dancers == 1000 else None
-        rows += [
-            Row(f"{dancers} dancers: upload", upload, "ms", peers={"best": best}),
-            Row(f"{dancers} dancers: upload and calls", upload + calls, "ms", bar_here, peers=peers),
-        ]
-    return rows
-
-
-@contextmanager
-def empty_calls(ctx: moderngl.Context, *, drawing: bool = True) -> Iterator[None]:
-    """Every call of a frame is made as ever, but each draws three vertices of one instance, and the driver throws the
-    triangle away before it becomes pixels (GL_RASTERIZER_DISCARD): a driver that draws on the processor has nothing to
-    do within the calls that a graphics card would do after them. Without `drawing` the draw calls are left out, too."""
-    render = moderngl.VertexArray.render
-
-    def three(self: moderngl.VertexArray, mode: int | None = None, *args: object, **options: object) -> None:
-        if drawing:
-            render(self, mode, 3, instances=1)
-
-    moderngl.VertexArray.render = three  # type: ignore[method-assign]
-    ctx.enable_direct(RASTERIZER_DISCARD)
-    try:
-        yield
-    finally:
-        ctx.disable_direct(RASTERIZER_DISCARD)
-        moderngl.VertexArray.render = render  # type: ignore[method-assign]
-
-
-def repeated(view: StageView, dancers: int) -> StageView:
-    """So many dancers in the poses of `view`, on a grid."""
-    some = len(view.group)
-    of = np.arange(dancers) % some
-    many = StageView.allocate(dancers, view.joint_position.shape[1])
-    side = int(np.ceil(np.sqrt(dancers)))
-    place = np.zeros((dancers, 1, 3), np.float32)
-    place[:, 0, 0], place[:, 0, 2] = np.arange(dancers) % side - side / 2, -(np.arange(dancers) // side)
-    many.joint_position[:] = view.joint_position[of] - view.joint_position[of, :1] * (1.0, 0.0, 1.0) + place
-    many.joint_rotation[:] = view.joint_rotation[of]
-    many.group[:] = view.group[of]
-    return many
-
-
-@contextmanager
-def drawn(
-    ctx: moderngl.Context, scene: Scene, size: tuple[int, int], *, steps: bool = False
-) -> Iterator[tuple[Renderer, moderngl.Framebuffer]]:
-    """A renderer and what it draws into."""
-    renderer, target = Renderer(ctx, scene, size=size, steps=steps), OffscreenTarget(ctx, size)
-    try:
-        yield renderer, target.framebuffer
-    finally:
-        renderer.release()
-        target.release()
-
-
-def _timed(ctx: moderngl.Context, draw: Callable[[], object]) -> Measured:
-    """Seconds of a whole frame: by our clock, by the renderer's own, and of this process on all cores."""
-    query = ctx.query(time=True)
-    begin, worked = time.perf_counter(), time.process_time()
-    with query:
-        draw()
-    ctx.finish()
-    return time.perf_counter() - begin, query.elapsed * 1e-9, time.process_time() - worked
-
-
-def _asked(
-    ctx: moderngl.Context, renderer: Renderer, view: StageView, target: moderngl.Framebuffer
-) -> tuple[float, float]:
-    """Seconds of this thread until everything is handed over, and from then on until everything is asked for."""
-    marks: list[float] = []
-    renderer.mark = lambda part: marks.append(time.thread_time())
-    begin = time.thread_time()
-    renderer.draw(view, target)
-    end = time.thread_time()
-    ctx.finish()
-    return marks[0] - begin, end - marks[0]

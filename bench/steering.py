@@ -1,6 +1,5 @@
 """Steering: agent updates per second of the crowd with everything on, against pyrvo in the same run, one thread."""
 
-import importlib.util
 import math
 import time
 from pathlib import Path
@@ -8,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from bench._peers import absence, installed
 from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentModel, AgentState, Steering
 from live.agents.crowd.crowd_step import CrowdStepper
@@ -134,11 +134,11 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     }
     peers: dict[str, float] = {}
     ratio = None
-    if importlib.util.find_spec("pyrvo") is not None:
+    if installed("pyrvo"):
         peer = _best_of_peer(2000, 10, turns)
         peers, ratio = {"pyrvo: tick [µs]": peer * 1e6}, peer / spent[2000]
     rows = [
-        Row("2000 agents: times as fast as pyrvo", ratio, "1", bar=27.0, sense="at least", peers=peers),
+        Row("2000 agents: times as fast as pyrvo", ratio, "1", 27.0, "at least", peers, absence("pyrvo")),
         Row("50 agents: tick", spent[50] * 1e6, "µs", bar=10.0),
         Row("an agent of 20000 : one of 2000", spent[20000] / spent[2000] / 10.0, "1", bar=1.5),
     ]

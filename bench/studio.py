@@ -41,7 +41,7 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     Medians. The browser has a lower priority than the show (10), as pages are on other machines.
     """
     if CHROMIUM is None or find_spec("playwright") is None:
-        return [Row("studio: needs Chromium and playwright", None, "")]
+        return [Row("studio", None, "", note="needs Chromium and playwright: make test installs them")]
     with tempfile.TemporaryDirectory() as folder:
         return [*_gestures(Path(folder), 5 if full else 2), *_long_timeline(Path(folder))]
 

@@ -2,7 +2,8 @@
 # Make this checkout ready to run: system packages, .venv, locked Python packages; for the tests compiled kernels, too.
 #
 #   tools/setup.sh play     what a show needs
-#   tools/setup.sh test     that, and what the tests need (a virtual screen and sound card, linters, pytest)
+#   tools/setup.sh bench    that, and what the benches compare with
+#   tools/setup.sh test     what a show needs, and what the tests do (a virtual screen and sound card, linters, pytest)
 #
 # Environment:
 #   PYTHON=python3.12       use this interpreter instead of the newest of 3.11 to 3.14
@@ -16,9 +17,9 @@ cd "$(dirname "$0")/.."
 
 mode=${1:-play}
 case $mode in
-  play | test) ;;
+  play | bench | test) ;;
   *)
-    echo "usage: tools/setup.sh play|test" >&2
+    echo "usage: tools/setup.sh play|bench|test" >&2
     exit 2
     ;;
 esac
@@ -226,11 +227,16 @@ install_python_packages() {
       -r tools/uv-requirements.txt >&2 ||
       die "could not install uv from PyPI; is there a network, and a proxy to be set (HTTPS_PROXY, PIP_INDEX_URL)?"
   fi
-  groups=--no-dev
-  [ "$mode" = play ] || groups="--group=dev"
-  sync_packages --extra=link --extra=fast "$groups" && return 0
+  case $mode in
+    play) more=--no-dev ;;
+    bench) more="--no-dev --extra=bench" ;;
+    test) more="--group=dev --extra=bench" ;;
+  esac
+  # shellcheck disable=SC2086 # several options
+  sync_packages --extra=link --extra=fast $more && return 0
   say "setup: once more without Ableton Link, of which not every machine has a wheel"
-  sync_packages --extra=fast "$groups" || die "could not install the locked packages; the message above says why"
+  # shellcheck disable=SC2086
+  sync_packages --extra=fast $more || die "could not install the locked packages; the message above says why"
 }
 
 sync_packages() {

@@ -40,6 +40,8 @@ class Row:
     bar: float | None = None
     sense: Literal["at least", "at most"] = "at most"
     peers: Mapping[str, float] = field(default_factory=dict)
+    note: str = ""
+    """Why there is no value, or no peer, and what to do about it."""
 
     @property
     def ok(self) -> bool | None:
@@ -58,6 +60,7 @@ class Row:
             "sense": self.sense,
             "ok": self.ok,
             "peers": dict(self.peers),
+            "note": self.note,
         }
 
 
@@ -139,7 +142,7 @@ def _table(title: str, rows: list[Row]) -> "Table":
     for row in rows:
         value = "no data" if row.value is None else f"{row.value:,.4g}"
         bar = "" if row.bar is None else f"{row.sense} {row.bar:,.4g}"
-        peers = ", ".join(f"{name} {peer:,.4g}" for name, peer in row.peers.items())
+        peers = ", ".join([*(f"{name} {peer:,.4g}" for name, peer in row.peers.items()), *filter(None, [row.note])])
         table.add_row(row.name, value, row.unit, bar, marks[row.ok], peers)
     return table
 

@@ -93,12 +93,12 @@ def project_points(camera: Camera, size: tuple[int, int], points: npt.ArrayLike)
     return np.stack([(device[:, 0] + 1.0) * 0.5 * size[0], (1.0 - device[:, 1]) * 0.5 * size[1]], axis=1)
 
 
+_CORNERS: Final = np.indices((2, 2, 2)).reshape(3, 8).T.astype(np.bool_)
+
+
 def screen_bounds(matrix: Float64, size: tuple[int, int], low: Float64, high: Float64) -> tuple[int, int, int, int]:
     """Return the pixels (x, y, width, height; y up) that a box from `low` to `high` [m] may cover; all if too near."""
-    corners = np.array(
-        [(x, y, z, 1.0) for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])]
-    )
-    clip = corners @ matrix.T
+    clip = np.where(_CORNERS, high, low) @ matrix[:, :3].T + matrix[:, 3]
     if clip[:, 3].min() < NEAR:
         return 0, 0, size[0], size[1]
     device = clip[:, :2] / clip[:, 3:4]

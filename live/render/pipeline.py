@@ -234,6 +234,7 @@ class Pipeline:
         here = [one for one in self._scene_passes if faults.begin(pass_name(one)) and one.active(moment)]
         faults.begin_essential()
         active = self.chain.active(moment, (*self._quality.left_out, *faults.disabled))
+        crowd.skin()
         self._backdrop.draw(moving=frame.light_changed)
         self.floor.draw(crowd, moment.view, shadows=self._has("shadow") and frame.shadows)
         seen = faults.begin("mirror") and self._has("mirror") and frame.mirrors

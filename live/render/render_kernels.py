@@ -1,4 +1,4 @@
-"""Kernels of the renderer: pose texels, limb tips, culling and level-of-detail lists."""
+"""Kernels of the renderer: pose texels, limb tips, culling, level-of-detail lists and their skins."""
 
 import numpy as np
 import numpy.typing as npt
@@ -23,21 +23,19 @@ Int32 = npt.NDArray[np.int32]
 Uint8 = npt.NDArray[np.uint8]
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,::1], b1[::1], f4[:,:,::1])", fastmath={"contract"})
-def pose_texels(position: Float32, rotation: Float32, rest: Float32, drawn: Bool, out: Float32) -> None:
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,::1], f4[:,:,::1])", fastmath={"contract"})
+def pose_texels(position: Float32, rotation: Float32, rest: Float32, out: Float32) -> None:
     """Compute dual quaternions that transform the rest pose to each dancer's pose (Kavan et al. 2007).
 
     position (A, J, 3), rotation (A, J, 4) wxyz, rest (J, 3); out (H, B*2J, 4): dancer a is in row a mod H from texel
-    (a // H)*2J on; a joint takes two texels, the rotation (x, y, z, w) and the dual part (x, y, z, w). Dancers that are
-    not `drawn` (A,) keep their texels. All is single precision: a plain 2.0 would make it double.
+    (a // H)*2J on; a joint takes two texels, the rotation (x, y, z, w) and the dual part (x, y, z, w). All is single
+    precision: a plain 2.0 would make it double.
     """
     height = out.shape[0]
     joints = rest.shape[0]
     two = np.float32(2.0)
     half = np.float32(0.5)
     for a in range(position.shape[0]):
-        if not drawn[a]:
-            continue
         first = (a // height) * 2 * joints
         to = out[a % height, first : first + 2 * joints].reshape(joints, 8)
         turn = rotation[a]
@@ -178,43 +176,101 @@ def choose_detail(
         visibility[a] |= NEAR if way < limit else FAR
 
 
-@kernel("void(u1[::1], i4[::1], i4[::1], i4[::1], u1[::1], f4[:,:,::1], i4[:,::1], b1[::1])")
+@kernel(
+    "i8(u1[::1], i4[::1], i4[::1], i4[::1], i4[::1], i4[::1], i4[::1], i4[:,::1], i4[:,::1], i8, i4[:,:,:,::1],"
+    " i4[:,::1], i4[::1], i4[:,:,::1], i4[::1], i4[:,::1])"
+)
 def fill_lists(
     visibility: Uint8,
     group: Int32,
     body: Int32,
     list_bits: Int32,
-    needs: Uint8,
-    out: Float32,
+    allowed: Int32,
+    skin_of: Int32,
+    skin_bits: Int32,
+    first_vertex: Int32,
+    vertices: Int32,
+    width: int,
+    out: Int32,
     counts: Int32,
-    drawn: Bool,
-) -> None:
-    """Fill the lists of dancers to draw, by body.
+    lists: Int32,
+    places: Int32,
+    skinned: Int32,
+    rows: Int32,
+) -> int:
+    """Fill the lists of dancers to draw, by body, and lay out the texture of their skinned vertices; return its rows.
 
-    sight (A,): visibility bits; group and body (A or more,); ways (G,): bit l is set if a group's dancers are on list
-    l; needs (L,): the visibility bits that list l requires. out (L, K, A or more): dancer numbers, counts (L, K);
-    drawn (A or more,): whether a dancer is on any list.
+    A dancer has a *skin* for each level of detail in which any list draws them, once for all of those lists.
+
+    visibility (A,): bits; group and body (A or more,); list_bits (G,): bit l is set if a group's dancers are on list l;
+    allowed (64,): for each visibility the bits of the lists that it allows; skin_of (L,): skin that list l draws, -1:
+    none; skin_bits (S,): bits of the lists that draw skin s; first_vertex, vertices (S, K): place of the first vertex
+    of that skin's mesh of a body, and their number; width of the texture.
+
+    out (L, K, A or more, 2): numbers of dancers, and the texel of the first vertex of their skin; counts (L, K); lists
+    (A or more,) and places (S, K, 2) are scratch; skinned (S A or more,): the dancers of all skins; rows (R, 4): for
+    each row of the texture the first vertex in the mesh, the number of vertices, the number of vertices of the same
+    skin and body in earlier rows, and the place of their first dancer in `skinned`.
     """
+    skins, bodies = vertices.shape
+    places[:] = 0
     counts[:] = 0
     for a in range(visibility.shape[0]):
-        lists = list_bits[group[a] % list_bits.shape[0]]
-        drawn[a] = False
-        for k in range(needs.shape[0]):
-            if (lists >> k) & 1 and visibility[a] & needs[k] == needs[k]:
-                out[k, body[a], counts[k, body[a]]] = a
-                counts[k, body[a]] += 1
-                drawn[a] = True
+        lists[a] = list_bits[group[a] % list_bits.shape[0]] & allowed[visibility[a]]
+        for s in range(skins):
+            places[s, body[a], 0] += (lists[a] & skin_bits[s]) != 0
+    row = 0
+    listed = 0
+    for s in range(skins):
+        for k in range(bodies):
+            number = places[s, k, 0]
+            places[s, k, 0] = row * width
+            places[s, k, 1] = listed
+            used = -(-number * vertices[s, k] // width)
+            for r in range(used):
+                rows[row + r, 0] = first_vertex[s, k]
+                rows[row + r, 1] = vertices[s, k]
+                rows[row + r, 2] = r * width
+                rows[row + r, 3] = listed
+            row += used
+            listed += number
+    for a in range(visibility.shape[0]):
+        left = lists[a]
+        k = body[a]
+        at = 0
+        while left:
+            if left & 1:
+                number = counts[at, k]
+                counts[at, k] += 1
+                out[at, k, number, 0] = a
+                out[at, k, number, 1] = places[skin_of[at], k, 0] if skin_of[at] >= 0 else 0
+            left >>= 1
+            at += 1
+        for s in range(skins):
+            if lists[a] & skin_bits[s]:
+                places[s, k, 0] += vertices[s, k]
+                skinned[places[s, k, 1]] = a
+                places[s, k, 1] += 1
+    return row
 
 
 @kernel("void(f4[:,:,::1], u1[::1], f4[:,::1])")
 def bounding_box(position: Float32, visibility: Uint8, out: Float32) -> None:
     """Compute the box around all joints of dancers that are SEEN: out (2, 3), lowest and highest x, y, z; lowest above
     highest if there are none. position (A, J, 3), sight (A,)."""
-    out[0, :] = np.inf
-    out[1, :] = -np.inf
-    for a in range(position.shape[0]):
+    x0 = y0 = z0 = np.float32(np.inf)
+    x1 = y1 = z1 = np.float32(-np.inf)
+    for a in range(visibility.shape[0]):
         if visibility[a] & VISIBLE:
             for j in range(position.shape[1]):
-                for k in range(3):
-                    out[0, k] = min(out[0, k], position[a, j, k])
-                    out[1, k] = max(out[1, k], position[a, j, k])
+                x = position[a, j, 0]
+                y = position[a, j, 1]
+                z = position[a, j, 2]
+                x0 = x if x < x0 else x0
+                y0 = y if y < y0 else y0
+                z0 = z if z < z0 else z0
+                x1 = x if x > x1 else x1
+                y1 = y if y > y1 else y1
+                z1 = z if z > z1 else z1
+    out[0, 0], out[0, 1], out[0, 2] = x0, y0, z0
+    out[1, 0], out[1, 1], out[1, 2] = x1, y1, z1

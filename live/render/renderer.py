@@ -233,7 +233,7 @@ class Renderer:
         if step == self.step and self.quality is self.steps[step].quality:
             return
         self.step, self.quality = step, self.steps[step].quality
-        self._batch.quality = self.quality
+        self._batch.set_quality(self.quality)
         self._pipeline.set_quality(self.quality)
         self._moment.floor = self._pipeline.floor.texture
         self._resize_targets()

@@ -200,6 +200,7 @@ def compile_program(
         log = str(error)
         raise PersonError(_first_error(log, above_places if "vertex_shader" in log else below_places)) from None
     bind_blocks(linked)
+    linked.extra = {}
     return linked
 
 
@@ -225,7 +226,15 @@ def _first_error(log: str, places: list[str]) -> str:
 
 
 def set_uniform(linked: moderngl.Program, name: str, value: object) -> None:
-    """Set a uniform if the program has it: compilers drop unused ones."""
+    """Set a uniform if the program has it (compilers drop unused ones) and it does not have this value already.
+
+    `compile_program` gives a program the memory for that; `value` must be comparable, so no array.
+    """
+    known = linked.extra
+    if known is not None:
+        if known.get(name) == value:
+            return
+        known[name] = value
     uniform = linked.get(name, None)  # `in` would look through all members
     if uniform is not None:
         assert isinstance(uniform, moderngl.Uniform)

@@ -85,6 +85,7 @@ class FrameUniforms:
         """What has changed in the last written frame: the camera, anything that the cached backdrop shows, the groups'
         colours, their colours or styles."""
         self._row = self._initial_row.copy()
+        self._spots_changed = True
         self.vignette_at_end = True
         """Whether the film curve includes the vignette; otherwise a pass draws it."""
         self.camera = scene.camera
@@ -165,6 +166,9 @@ class FrameUniforms:
     def _write_spots(self, view: StageView) -> None:
         """Write the follow spots; w of the first one's light is 1 if any is lit."""
         data, lit = self._data, False
+        if not (self._spots_changed or self.spots_lit):
+            return
+        self._spots_changed = False
         for number, (level, colour, radius) in enumerate(_SPOT_ROWS):
             strength = float(self._row[level])
             data["spot_light"][number, :3] = self._row[colour] * strength
@@ -187,6 +191,7 @@ class FrameUniforms:
         if self.camera_changed and math.dist(camera.eye, camera.target) > MIN_TARGET_DISTANCE:
             self._set_camera(camera)
         self._set_light(row)
+        self._spots_changed = True
 
     @property
     def row(self) -> Float64:

@@ -291,11 +291,17 @@ def test_sudo_may_request_password_with_terminal(debian: Machine) -> None:
     assert any(line.startswith("sudo env DEBIAN_FRONTEND=noninteractive apt-get install") for line in debian.log())
 
 
+def test_setup_of_benches_installs_their_peers(debian: Machine) -> None:
+    _make_root(debian)
+    debian.run("bench")
+    assert [line for line in debian.log() if line.endswith("--extra=link --extra=fast --no-dev --extra=bench")]
+
+
 def test_missing_test_packages_are_skipped_and_requested_again(debian: Machine) -> None:
     _make_root(debian)
     assert "skipped" in debian.run("test", FAKE_UNINSTALLABLE="pulseaudio")
     log = debian.log()
-    assert any("uv sync" in line and line.endswith("--group=dev") for line in log)
+    assert any("uv sync" in line and line.endswith("--group=dev --extra=bench") for line in log)
     installed = {path.name for path in (debian.home / "installed").iterdir()}
     assert "liblo-tools" in installed  # what could be had was taken
     assert "pulseaudio" not in installed

@@ -1,7 +1,12 @@
 """`live bench`: format of rows and reports, and unknown benchmarks."""
 
+import ast
+import importlib
 import json
 import os
+import re
+import sys
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -13,6 +18,7 @@ from live.cli.bench import Row, bench_names, bench_title, load_bench
 from live.cli.main import app
 from tests.cli.command import run_live
 
+ROOT = Path(__file__).resolve().parents[2]
 SOURCE = '''"""Claps: hands per second.
 
 More about it.
@@ -28,7 +34,7 @@ class Clap:
 def run(full, shared):
     return [
         Row("claps", Clap(2.0).hands, "hands/s", bar=1.5, sense="at least", peers={"a seal": 1.0}),
-        Row("snaps", None, "1/s", bar=3.0),
+        Row("snaps", None, "1/s", bar=3.0, note="no fingers: make hands"),
         Row("full" if full else "quick", 4.0, "ms", bar=3.0),
         Row(str(shared), 1e6, "rows"),
     ]
@@ -78,6 +84,7 @@ def test_report_has_specified_format(bench_folder: Path, tmp_path: Path) -> None
         "sense": "at least",
         "ok": True,
         "peers": {"a seal": 1.0},
+        "note": "",
     }
     assert (snaps["value"], snaps["ok"]) == (None, None)
     assert (full["name"], full["ok"]) == ("full", False)
@@ -138,3 +145,35 @@ def test_project_benches_are_documented() -> None:
         name, _, title = line.partition("  ")
         assert name in bench_names()
         assert title, f"bench/{name}.py has no docstring"
+
+
+def test_absent_peer_says_so_in_its_row_with_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The reading bench, its clock stopped, with and without its peer: in the same rows."""
+    run = load_bench("reading")
+    monkeypatch.setitem(run.__globals__, "_best", lambda work, repeats: 1.0)
+    there = run(False, None)
+    monkeypatch.setitem(importlib.import_module("bench._peers").PACKAGES, "pybvh", "a package that nobody has")
+    absent = run(False, None)
+    assert [row.name for row in absent] == [row.name for row in there]
+    compared = [row for row in absent if "pybvh" in row.note]
+    assert len(compared) == 2
+    for row in compared:
+        assert row.value is None
+        assert row.as_json()["note"] == "pybvh is not installed: make bench"
+
+
+def test_bench_extra_has_all_that_benches_import() -> None:
+    """Whatever benches import is a package of the project, of its extra `bench`, or of the tests."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    extras = project["project"]["optional-dependencies"]
+    peers = importlib.import_module("bench._peers").PACKAGES
+    assert {re.split("[>=;]", one)[0] for one in extras["bench"]} == set(peers)
+    declared = [*project["project"]["dependencies"], *extras["fast"], *project["dependency-groups"]["dev"]]
+    known = {re.split("[>=;]", one)[0].replace("-", "") for one in declared} | set(peers.values())
+    imported = set()
+    for file in (ROOT / "bench").glob("*.py"):
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            names = [one.name for one in node.names] if isinstance(node, ast.Import) else []
+            names += [node.module] if isinstance(node, ast.ImportFrom) and node.module else []
+            imported |= {name.partition(".")[0] for name in names}
+    assert imported - set(sys.stdlib_module_names) - {"live", "bench", "tests"} <= known

@@ -39,7 +39,7 @@ def test_pose_texels_match_joint_matrices() -> None:
     rotation = np.array([one[1] for one in poses])
     rows = 2  # three dancers in two rows: the third starts the second block
     out = np.zeros((rows, 2 * 2 * JOINT_COUNT, 4), np.float32)
-    pose_texels(position, rotation, rest, np.ones(3, np.bool_), out)
+    pose_texels(position, rotation, rest, out)
     offset = np.array([0.05, -0.10, 0.20])
     for dancer in range(3):
         for joint in range(JOINT_COUNT):
@@ -91,14 +91,28 @@ def test_near_body_goes_to_nearest_and_all_within_distance() -> None:
         assert ((here & (NEAR | FAR) == NEAR) ^ (here & (NEAR | FAR) == FAR)).all()
 
 
-def test_draw_lists_contain_matching_dancers_by_body() -> None:
+def test_draw_lists_contain_matching_dancers_by_body_with_their_skins() -> None:
     sight = np.array([VISIBLE, VISIBLE | NEAR, 0, VISIBLE | NEAR, NEAR], np.uint8)
     group, body = np.array([0, 1, 0, 17, 1], np.int32), np.array([0, 1, 0, 1, 0], np.int32)
     ways = np.zeros(16, np.int32)
-    ways[0], ways[1] = 0b01, 0b11
-    out, counts, drawn = np.zeros((2, 2, 5), np.float32), np.zeros((2, 2), np.int32), np.ones(5, np.bool_)
-    fill_lists(sight, group, body, ways, np.array([VISIBLE, NEAR], np.uint8), out, counts, drawn)
-    assert counts.tolist() == [[1, 2], [1, 2]]
-    assert [out[0, 0, :1].tolist(), out[0, 1, :2].tolist()] == [[0.0], [1.0, 3.0]]
-    assert [out[1, 0, :1].tolist(), out[1, 1, :2].tolist()] == [[4.0], [1.0, 3.0]]
-    assert drawn.tolist() == [True, True, False, True, True]
+    ways[0], ways[1] = 0b001, 0b111
+    needs = np.array([VISIBLE, NEAR, NEAR])
+    allowed = (((np.arange(64)[:, None] & needs) == needs) @ (1, 2, 4)).astype(np.int32)
+    # the lists 0 and 1 share a skin, list 2 has none; a body of 3 or 5 vertices, in rows of 8
+    skin_of, skin_bits = np.array([0, 0, -1], np.int32), np.array([0b011], np.int32)
+    first, vertices = np.array([[100, 200]], np.int32), np.array([[3, 5]], np.int32)
+    out, counts = np.zeros((3, 2, 5, 2), np.int32), np.zeros((3, 2), np.int32)
+    skinned, rows = np.full(8, -1, np.int32), np.full((4, 4), -1, np.int32)
+    used = fill_lists(
+        sight, group, body, ways, allowed, skin_of, skin_bits, first, vertices, 8,
+        out, counts, np.zeros(5, np.int32), np.zeros((1, 2, 2), np.int32), skinned, rows,
+    )  # fmt: skip
+    assert counts.tolist() == [[1, 2], [1, 2], [1, 2]]
+    # dancers 0 and 4 have the first body, one row of 6 vertices; 1 and 3 the second, from the second row on
+    assert out[0, 0, :1].tolist() == [[0, 0]]
+    assert out[1, 0, :1].tolist() == [[4, 3]]
+    assert out[0, 1, :2].tolist() == out[1, 1, :2].tolist() == [[1, 8], [3, 13]]
+    assert out[2, 1, :2].tolist() == [[1, 0], [3, 0]]
+    assert skinned.tolist() == [0, 4, 1, 3, -1, -1, -1, -1]
+    assert used == 3
+    assert rows.tolist() == [[100, 3, 0, 0], [200, 5, 0, 2], [200, 5, 8, 2], [-1] * 4]

@@ -1,4 +1,4 @@
-"""Instanced drawing of all dancers: pose texture, body meshes, colours and instance lists."""
+"""Instanced drawing of all dancers: poses, skins, body meshes, colours and instance lists."""
 
 from typing import Any, Final, Protocol
 
@@ -8,14 +8,14 @@ import numpy.typing as npt
 
 from live.base.arrays import Float32
 from live.base.stage_snapshot import Camera, Scene, StageView
-from live.motion.skeleton import JOINT_COUNT, SKELETON
+from live.motion.skeleton import JOINT_COUNT
 from live.render.adaptive_quality import Quality
 from live.render.body.body_lookup import bodies_of, characters_of, mesh_of
 from live.render.body.body_mesh import BodyMesh
 from live.render.characters.character_buffers import CharacterBuffers
 from live.render.dancers.group_styles import WARDROBE_TEXELS, GroupStyles, dancer_colours
 from live.render.dancers.instance_lists import InstanceLists, ViewVolume
-from live.render.render_kernels import pose_texels
+from live.render.dancers.skinning import SKIN_UNIT, MeshTexture, PoseTexture, SkinTexture, skin_levels
 from live.render.shader import release_all, set_uniform
 
 POSE_UNIT: Final = 0
@@ -64,27 +64,13 @@ def attribute_layout(program: moderngl.Program) -> tuple[str, list[str]]:
     return " ".join(form), names
 
 
-def pose_texture(ctx: moderngl.Context, capacity: int) -> moderngl.Texture:
-    """Create a texture for the poses of `capacity` dancers (see `pose_texels`); ValueError if it is too large."""
-    limit = int(ctx.info["GL_MAX_TEXTURE_SIZE"])
-    rows = min(capacity, limit)
-    width = -(-capacity // rows) * 2 * JOINT_COUNT
-    if width > limit:
-        raise ValueError(f"{capacity} dancers: this graphics driver can hold {limit // (2 * JOINT_COUNT) * limit}")
-    texture = ctx.texture((width, rows), 4, dtype="f4")
-    texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-    return texture
-
-
 class DancerBatch:
-    """Pose texture, instance lists, bodies and the groups' styles; call `update` once a frame."""
+    """Poses, skins, instance lists, bodies and the groups' styles; call `update`, then `skin` once a frame."""
 
     def __init__(self, ctx: moderngl.Context, scene: Scene, quality: Quality, size: tuple[int, int]) -> None:
         if scene.joint_count != JOINT_COUNT:
             raise ValueError(f"scene: joint_count {scene.joint_count}: the body has {JOINT_COUNT} joints")
         self._ctx, self.quality = ctx, quality
-        self.rest = np.ascontiguousarray(SKELETON.rest_positions(), np.float32)
-        """The joints in the rest pose [m], shape (J, 3)."""
         self.styles = GroupStyles(ctx)
         self.body_names = bodies_of(scene)
         """Names of the bodies in this scene."""
@@ -95,6 +81,8 @@ class DancerBatch:
         self._meshes: dict[tuple[Any, ...], tuple[moderngl.Buffer, moderngl.Buffer]] = {}
         self._vertex_arrays: dict[tuple[Any, ...], moderngl.VertexArray] = {}
         self._bound_programs: set[int] = set()
+        self._poses, self._skin = PoseTexture(ctx), SkinTexture(ctx)
+        self._mesh_texture = MeshTexture(ctx, lambda level, name: mesh_of(scene, name, level), self.body_names)
         self._capacity = 0
         self._bodies = scene.bodies
         self.set_scene(scene)
@@ -105,6 +93,13 @@ class DancerBatch:
         self._colours = np.array(scene.group_colours or ((0.8, 0.8, 0.8),), np.float32)
         if scene.dancer_count > self._capacity or self._capacity == 0:
             self._allocate(max(scene.dancer_count, 1))
+
+    def set_quality(self, quality: Quality) -> None:
+        """Draw bodies as detailed as this quality says."""
+        self.quality = quality
+        self._places = self._mesh_texture.places(skin_levels(quality))
+        self._skin.reserve(self._places[1])
+        self._bound_programs.clear()
 
     def set_camera(self, camera: Camera, size: tuple[int, int]) -> None:
         """Set camera and picture size for culling and level of detail."""
@@ -126,10 +121,11 @@ class DancerBatch:
         self._release_data()
         self._bound_programs.clear()
         self._capacity = capacity
-        self.poses = pose_texture(self._ctx, capacity)
-        width, self.rows = self.poses.size
+        self._poses.allocate(capacity)
+        width, self.rows = self._poses.texture.size
+        self._skin.allocate(capacity, self.rows)
+        self.set_quality(self.quality)
         blocks = width // (2 * JOINT_COUNT)
-        self.texels = np.zeros((self.rows, width, 4), np.float32)
         self._wardrobe = self._ctx.texture((WARDROBE_TEXELS * blocks, self.rows), 4)
         self._wardrobe.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._group = np.full(capacity, -1, np.int32)
@@ -142,7 +138,7 @@ class DancerBatch:
     def box(self) -> Float32:
         """Box around the joints of all visible dancers, shape (2, 3): lowest and highest x, y, z [m]; the lowest is
         above the highest if there are none."""
-        return self._instances.box
+        return self._instances.box()
 
     @property
     def capacity(self) -> int:
@@ -156,12 +152,19 @@ class DancerBatch:
         count = len(view.joint_position)
         if count > self._capacity:
             self._allocate(count)
-        if not self._instances.fill(view, self._view_volume, light, self.quality, self.styles, self.reach):
-            return
-        pose_texels(view.joint_position, view.joint_rotation, self.rest, self._instances.drawn, self.texels)
-        self.poses.write(self.texels)
+        meshes, skin = self._places, self._skin
+        self._instances.fill(view, self._view_volume, light, self.quality, self.styles, self.reach, meshes, skin)
+        self._poses.upload(view)
         if not np.array_equal(view.group, self._group[:count]):
             self._upload_colours(view, count)
+
+    def skin(self) -> None:
+        """Compute poses and skins of this frame, before any pass draws a dancer."""
+        self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
+        self._poses.draw()
+        self._skin.draw(self._poses.texture, self._mesh_texture.texture)
+        self._skin.texture.use(SKIN_UNIT)  # nothing else uses these two units
+        self._wardrobe.use(WARDROBE_UNIT)
 
     def _upload_colours(self, view: StageView, count: int) -> None:
         """Upload the dancers' colours; only needed if groups or their colours have changed."""
@@ -207,7 +210,8 @@ class DancerBatch:
             if key not in self._vertex_arrays:
                 vertices, indices = self._mesh((level, name))
                 form, names = attribute_layout(linked)
-                content = [(vertices, form, *names), (self._instances.buffer(which, body), "1f/i", "in_dancer")]
+                content = [(vertices, form, *names)] if names else []
+                content.append(self.instances(linked, which, body))
                 content += [] if character is None else [character.content(linked, level)]
                 size = 4 if vertices.size // VERTEX_BYTES > MAX_SHORT_VERTICES else 2
                 self._vertex_arrays[key] = self._ctx.vertex_array(linked, content, indices, index_element_size=size)
@@ -218,6 +222,12 @@ class DancerBatch:
                 self._vertex_arrays[key].render(moderngl.TRIANGLES, instances=count)
             else:
                 character.render(linked, self._vertex_arrays[key], count)
+
+    def instances(self, program: moderngl.Program, which: str, body: int) -> tuple[Any, ...]:
+        """Return buffer, format and attribute name of the dancers on a list, for a program's vertex arrays."""
+        skinned = "in_instance" in program
+        form, name = ("2i/i", "in_instance") if skinned else ("1i 4x/i", "in_dancer")
+        return self._instances.buffer(which, body), form, name
 
     def draw_geometry(
         self, program: moderngl.Program, which: str, make: "VertexFactory", mode: int, vertices: int = -1
@@ -231,28 +241,30 @@ class DancerBatch:
             key = (program.glo, which, body)
             if key not in self._vertex_arrays:
                 self._vertex_arrays[key] = self._ctx.vertex_array(
-                    program, [make(name), (self._instances.buffer(which, body), "1f/i", "in_dancer")]
+                    program, [make(name), self.instances(program, which, body)]
                 )
             self.bind_program(program)
             self._vertex_arrays[key].render(mode, vertices=vertices, instances=count)
 
     def bind_program(self, program: moderngl.Program) -> None:
-        """Bind poses and wardrobe for a program."""
+        """Prepare a program for drawing in the current poses; skins and wardrobe are bound by `skin`."""
         if program.glo not in self._bound_programs:
             self._bound_programs.add(program.glo)
             set_uniform(program, "poses", POSE_UNIT)
             set_uniform(program, "pose_layout", (self.rows, 2 * JOINT_COUNT))
             set_uniform(program, "wardrobe", WARDROBE_UNIT)
             set_uniform(program, "wardrobe_rows", self.rows)
-        self.poses.use(POSE_UNIT)
-        self._wardrobe.use(WARDROBE_UNIT)
+            set_uniform(program, "skin", SKIN_UNIT)
+            set_uniform(program, "skin_shift", self._skin.shift)
+        if "poses" in program:
+            self._poses.texture.use(POSE_UNIT)
 
     def _release_data(self) -> None:
         for array in self._vertex_arrays.values():
             array.release()
         self._vertex_arrays.clear()
         if self._capacity:
-            release_all(self.poses, self._wardrobe, self._instances)
+            release_all(self._wardrobe, self._instances)
             self._capacity = 0
 
     def release(self) -> None:
@@ -262,8 +274,7 @@ class DancerBatch:
             vertices.release()
             indices.release()
         self._meshes.clear()
-        release_all(*self._characters.values())
-        self.styles.release()
+        release_all(*self._characters.values(), self._poses, self._skin, self._mesh_texture, self.styles)
 
 
 class VertexFactory(Protocol):

@@ -14,6 +14,7 @@ from live.base.stage_snapshot import Camera, StageView
 from live.render.adaptive_quality import Quality
 from live.render.camera import view_matrix, world_to_clip
 from live.render.dancers.group_styles import LISTS, GroupStyles
+from live.render.dancers.skinning import SKINS, SkinTexture
 from live.render.render_kernels import (
     CASTING,
     FAR,
@@ -34,8 +35,28 @@ HIP_REACH: Final = 1.35
 _REQUIRED_BITS: Final = {
     "all": CASTING, "mirrored": MIRRORED, "particles": PRESENT, "ribbons": PRESENT, "trails": PRESENT, "xray": VISIBLE,
 }  # fmt: skip
-"""Visibility bits required by each list; the others need SEEN and NEAR or FAR. Effects that leave their dancer are
+"""Visibility bits required by each list; the others need VISIBLE and NEAR or FAR. Effects that leave their dancer are
 always drawn."""
+INSTANCE_BYTES: Final = 8
+_SKIN_LISTS: Final = {
+    "coarse": ("all", "mirrored"), "near": ("near", "bodies near", "ink near"), "far": ("far", "bodies far", "ink far"),
+    "xray": ("xray",),
+}  # fmt: skip
+"""The lists that draw each skin."""
+
+
+def _allowed() -> Int32:
+    """Return for each visibility the bits of the lists that it allows, shape (64,)."""
+    needs = [_REQUIRED_BITS.get(name, VISIBLE | (NEAR if name.endswith("near") else FAR)) for name in LISTS]
+    visibility = np.arange(2 * PRESENT)[:, None]
+    return np.asarray(((visibility & needs) == needs) @ (1 << np.arange(len(LISTS))), np.int32)
+
+
+_ALLOWED: Final = _allowed()
+_SKIN_BITS: Final = np.array([sum(1 << LISTS.index(name) for name in _SKIN_LISTS[skin]) for skin in SKINS], np.int32)
+_SKIN_OF: Final = np.array(
+    [next((at for at, skin in enumerate(SKINS) if name in _SKIN_LISTS[skin]), -1) for name in LISTS], np.int32
+)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,21 +88,20 @@ class InstanceLists:
     def __init__(self, ctx: moderngl.Context, capacity: int, body: Int32, bodies: int) -> None:
         self._body = body
         self._visibility = np.zeros(capacity, np.uint8)
-        self.drawn = np.zeros(capacity, np.bool_)
-        """Whether each dancer is on any list, shape (capacity,)."""
-        self.box = np.zeros((2, 3), np.float32)
-        """Box around the joints of visible dancers: lowest and highest x, y, z [m]; lowest above highest if none."""
-        self._scratch = np.zeros(capacity, np.float32)
-        self._numbers = np.zeros((len(LISTS), bodies, capacity), np.float32)
+        self._seen = self._visibility[:0]
+        self._joints = np.zeros((0, 1, 3), np.float32)
+        self._box = np.zeros((2, 3), np.float32)
+        self._scratch, self._lists = np.zeros(capacity, np.float32), np.zeros(capacity, np.int32)
+        self._instances = np.zeros((len(LISTS), bodies, capacity, 2), np.int32)
         self._count = np.zeros((len(LISTS), bodies), np.int32)
-        self._needs = np.array(
-            [_REQUIRED_BITS.get(name, VISIBLE | (NEAR if name.endswith("near") else FAR)) for name in LISTS], np.uint8
-        )
+        self._places = np.zeros((len(SKINS), bodies, 2), np.int32)
         self._buffers = {
-            (name, kind): ctx.buffer(reserve=capacity * 4, dynamic=True) for name in LISTS for kind in range(bodies)
+            (name, kind): ctx.buffer(reserve=capacity * INSTANCE_BYTES, dynamic=True)
+            for name in LISTS
+            for kind in range(bodies)
         }
         self._rows = [
-            (at, kind, self._numbers[at, kind], self._buffers[name, kind])
+            (at, kind, self._instances[at, kind], self._buffers[name, kind])
             for at, name in enumerate(LISTS)
             for kind in range(bodies)
         ]
@@ -93,8 +113,14 @@ class InstanceLists:
         return self._counts[self._at[name]][body]
 
     def buffer(self, name: str, body: int) -> moderngl.Buffer:
-        """Return the buffer of their numbers, float32."""
+        """Return the buffer of their numbers and the texels of their skins' first vertices, two int32 each."""
         return self._buffers[name, body]
+
+    def box(self) -> Float32:
+        """Return the box around the joints of visible dancers, shape (2, 3): lowest and highest x, y, z [m]; lowest
+        above highest if there are none."""
+        bounding_box(self._joints, self._seen, self._box)
+        return self._box
 
     def fill(
         self,
@@ -104,25 +130,29 @@ class InstanceLists:
         quality: Quality,
         styles: GroupStyles,
         reach: float,
-    ) -> bool:
-        """Fill all lists for a moment and a view volume; return whether any list has dancers.
+        meshes: tuple[Int32, Int32],
+        skin: SkinTexture,
+    ) -> None:
+        """Fill all lists for a moment and a view volume, and upload them.
 
-        `light` (3,): direction towards the key light; `reach`: distance of surfaces from joints [m], if above usual.
+        `light` (3,): direction towards the key light; `reach`: distance of surfaces from joints [m], if above usual;
+        `meshes`: first vertex and number of vertices of each skin and body.
         """
-        here = self._visibility[: len(view.present)]
-        cull_dancers(
-            view.joint_position, view.present, view_volume.planes, light, HIP_REACH + max(reach, BODY_REACH), here
-        )
-        bounding_box(view.joint_position, here, self.box)
+        seen = self._seen = self._visibility[: len(view.present)]
+        joints = self._joints = view.joint_position
+        cull_dancers(joints, view.present, view_volume.planes, light, HIP_REACH + max(reach, BODY_REACH), seen)
         near_to = view_volume.eye_distance + quality.far_from
-        choose_detail(view.joint_position, view_volume.forward, near_to, quality.near_count, here, self._scratch)
-        fill_lists(here, view.group, self._body, styles.list_bits, self._needs, self._numbers, self._count, self.drawn)
+        choose_detail(joints, view_volume.forward, near_to, quality.near_count, seen, self._scratch)
+        used = fill_lists(
+            seen, view.group, self._body, styles.list_bits, _ALLOWED, _SKIN_OF, _SKIN_BITS, *meshes, 1 << skin.shift,
+            self._instances, self._count, self._lists, self._places, skin.dancers, skin.rows,
+        )  # fmt: skip
         self._counts = counts = self._count.tolist()
-        for at, kind, numbers, buffer in self._rows:
+        for at, kind, instances, buffer in self._rows:
             count = counts[at][kind]
             if count:
-                buffer.write(numbers[:count])
-        return bool(self._count.any())
+                buffer.write(instances[:count])
+        skin.upload(used)
 
     def release(self) -> None:
         """Free the buffers."""

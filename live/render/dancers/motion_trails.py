@@ -10,8 +10,9 @@ from live.base.arrays import Float32
 from live.base.picture_parameters import LONGEST_RIBBON, MAX_GHOSTS, PART_COUNT
 from live.base.stage_snapshot import StageView
 from live.motion.skeleton import SKELETON
-from live.render.dancers.dancer_batch import DancerBatch, pose_texture
-from live.render.render_kernels import limb_tips
+from live.render.dancers.dancer_batch import DancerBatch
+from live.render.dancers.skinning import pose_texture
+from live.render.render_kernels import limb_tips, pose_texels
 from live.render.shader import release_all
 
 SAMPLES_PER_BEAT: Final = 12
@@ -91,6 +92,7 @@ class LimbHistory:
         release_all(self.texture)
 
 
+_REST: Final = np.ascontiguousarray(SKELETON.rest_positions(), np.float32)
 _JUMP_BEATS: Final = 16.0
 """More beats than this between two pictures are a jump."""
 
@@ -107,6 +109,7 @@ class PoseHistory:
         self.textures = [pose_texture(self._ctx, capacity) for _ in range(MAX_GHOSTS)]
         width, rows = self.textures[0].size
         self._texels = np.zeros((MAX_GHOSTS, rows, width, 4), np.float32)
+        self._poses = np.zeros((rows, width, 4), np.float32)
         self.clear()
 
     def clear(self) -> None:
@@ -116,7 +119,7 @@ class PoseHistory:
         self._beat = math.nan
 
     def update(self, view: StageView, batch: DancerBatch) -> None:
-        """Add a moment whose poses `batch` already holds."""
+        """Add a moment of the dancers of `batch`."""
         if batch.capacity != self._capacity:
             release_all(*self.textures)
             self._allocate(batch.capacity)
@@ -128,21 +131,22 @@ class PoseHistory:
         line = np.floor(beat / spacing)
         leaving = (line > np.floor(self._beat / spacing)) & batch.styles.masks["trails"]
         for group in np.flatnonzero(leaving).tolist():
-            self._store_ghosts(group, float(line[group] * spacing[group]), view, batch)
+            self._store_ghosts(group, float(line[group] * spacing[group]), view)
         self._beat = beat
 
-    def _store_ghosts(self, group: int, beat: float, view: StageView, batch: DancerBatch) -> None:
+    def _store_ghosts(self, group: int, beat: float, view: StageView) -> None:
         """Store the current poses of a group's dancers as ghosts."""
         slot = int(self._next[group]) % MAX_GHOSTS
         self._next[group] += 1
         self._ghost_beat[slot, group] = beat
-        rows, width = batch.texels.shape[:2]
+        pose_texels(view.joint_position, view.joint_rotation, _REST, self._poses)
+        rows, width = self._poses.shape[:2]
         blocks = -(-self._capacity // rows)
         mine = np.zeros(blocks * rows, np.bool_)
         mine[: len(view.group)] = view.group % PART_COUNT == group
         shape = (rows, blocks, width // blocks, 4)
         where = mine.reshape(blocks, rows).T[:, :, None, None]
-        np.copyto(self._texels[slot].reshape(shape), batch.texels.reshape(shape), where=where)
+        np.copyto(self._texels[slot].reshape(shape), self._poses.reshape(shape), where=where)
         self.textures[slot].write(self._texels[slot])
 
     def ages(self, slot: int) -> Float32:

@@ -54,7 +54,7 @@ def applause(seconds, seed=4, rate=150.0):
     return sound[:count].astype(np.float32)
 
 
-@pytest.mark.parametrize("seed", [3, 11])
+@pytest.mark.parametrize("seed", [3, pytest.param(11, marks=pytest.mark.long)])
 @pytest.mark.parametrize("make", [talk, applause])
 def test_a_crowd_alone_does_not_move_the_timeline(make, seed):
     _, beats = follow(make(40.0, seed))

@@ -37,6 +37,7 @@ def outline(gl_context):
         surface = GBufferPass(gl_context, quality, SIZE)
         frame.write(view)
         crowd.update(view, frame.light)
+        crowd.skin()
         surface.draw(crowd)
         mask = np.frombuffer(surface.depth.read(), np.float32).reshape(SIZE[::-1]) < 1.0
         for thing in (surface, crowd, frame):

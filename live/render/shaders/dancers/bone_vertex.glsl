@@ -12,14 +12,14 @@ out vec3 across;      // places along and across the bone and its length, in rad
 flat out vec4 light;
 
 vec3 carried(vec4 point) {
-    int dancer = int(in_dancer);
+    int dancer = in_dancer;
     ivec2 at = ivec2(dancer / pose_layout.x * pose_layout.y + 2 * int(point.w + 0.5), dancer % pose_layout.x);
     vec4 real = texelFetch(poses, at, 0), dual = texelFetch(poses, at + ivec2(1, 0), 0);
     return turned(real, point.xyz) + 2.0 * (real.w * dual.xyz - dual.w * real.xyz + cross(real.xyz, dual.xyz));
 }
 
 void main() {
-    int dancer = int(in_dancer), group = group_of(who(dancer));
+    int dancer = in_dancer, group = group_of(who(dancer));
     vec4 a = world_to_clip * vec4(carried(in_begin), 1.0), b = world_to_clip * vec4(carried(in_end), 1.0);
     float scale = length(vec3(world_to_clip[0][1], world_to_clip[1][1], world_to_clip[2][1])) * picture.y * 0.5;
     vec4 at = in_bone.y < 0.5 ? a : b;

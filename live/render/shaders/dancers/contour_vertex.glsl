@@ -1,6 +1,6 @@
 // The body's back, swollen by the breadth of the pen: what is seen of it around her is the line.
 #include "frame.glsl"
-#include "skin.glsl"
+#include "skinned.glsl"
 #include "surface.glsl"
 #include "styles.glsl"
 
@@ -9,8 +9,8 @@ flat out vec4 ink;
 invariant gl_Position;   // drawn twice where the processor draws: depth, then light
 
 void main() {
-    Skinned skin = skinned(in_position, in_normal);
-    int group = group_of(who(int(in_dancer)));
+    Skinned skin = skinned();
+    int group = group_of(who(in_instance.x));
     float amount = amounts(group).z;
     vec4 at = world_to_clip * vec4(skin.place, 1.0);
     vec2 aside = (world_to_clip * vec4(skin.normal, 0.0)).xy * picture.xy;

@@ -1,5 +1,5 @@
 #include "frame.glsl"
-#include "skin.glsl"
+#include "skinned.glsl"
 
 in float in_openness;
 
@@ -8,9 +8,9 @@ out vec4 facing;   // normal, openness
 out vec4 body;     // place in the rest pose, dancer
 
 void main() {
-    Skinned skin = skinned(in_position, in_normal);
+    Skinned skin = skinned();
     place = skin.place;
     facing = vec4(skin.normal, in_openness);
-    body = vec4(in_position, in_dancer);
+    body = vec4(in_position, in_instance.x);
     gl_Position = world_to_clip * vec4(place, 1.0);
 }

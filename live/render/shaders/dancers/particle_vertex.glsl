@@ -15,7 +15,7 @@ out float soft;
 const float TURN = 6.28318531;
 
 void main() {
-    int dancer = int(in_dancer);
+    int dancer = in_dancer;
     vec4 mine = who(dancer);
     int group = group_of(mine);
     float amount = style_particles(group);

@@ -16,7 +16,7 @@ out vec4 light;               // premultiplied by what it hides
 out vec2 across;               // side, 1 where both ends of a piece are known
 
 vec4 sampled(int limb, int back) {   // the sample so many before the newest; -1: where the limb is now
-    int dancer = int(in_dancer), slots = int(ring.y);
+    int dancer = in_dancer, slots = int(ring.y);
     int slot = back < 0 ? slots : (int(ring.x) - back + slots) % slots;
     ivec2 at = ivec2(dancer % limbs_layout.x * 4 + limb, slot * limbs_layout.y + dancer / limbs_layout.x);
     vec4 tip = texelFetch(limbs, at, 0);
@@ -26,7 +26,7 @@ vec4 sampled(int limb, int back) {   // the sample so many before the newest; -1
 float when(int back) { return back < 0 ? 0.0 : ring.z + float(back) / ring.w; }   // beats ago
 
 void main() {
-    int dancer = int(in_dancer), limb = int(in_strip.z);
+    int dancer = in_dancer, limb = int(in_strip.z);
     int group = group_of(who(dancer));
     float ago = in_strip.x * style_ribbons_beats(group);
     int first = ago < ring.z ? -1 : min(int(floor((ago - ring.z) * ring.w)), int(ring.y) - 4);

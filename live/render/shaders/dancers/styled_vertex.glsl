@@ -1,6 +1,6 @@
 // A dancer whose body is drawn in a style.
 #include "frame.glsl"
-#include "skin.glsl"
+#include "skinned.glsl"
 #include "surface.glsl"
 #include "styles.glsl"
 
@@ -14,10 +14,10 @@ flat out ivec2 own;      // dancer, group
 invariant gl_Position;   // drawn twice where the processor draws: depth, then light
 
 void main() {
-    Skinned skin = skinned(in_position, in_normal);
+    Skinned skin = skinned();
     place = skin.place;
     facing = vec4(skin.normal, in_openness);
-    body = vec4(in_position, in_dancer);
-    own = ivec2(int(in_dancer), group_of(who(int(in_dancer))));
+    body = vec4(in_position, in_instance.x);
+    own = ivec2(in_instance.x, group_of(who(in_instance.x)));
     gl_Position = world_to_clip * vec4(place, 1.0);
 }

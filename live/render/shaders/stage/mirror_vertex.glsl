@@ -1,6 +1,6 @@
 // The dancers seen in the floor: upside down, lit simply.
 #include "frame.glsl"
-#include "skin.glsl"
+#include "skinned.glsl"
 #include "surface.glsl"
 #if STYLED
 #include "styles.glsl"
@@ -10,16 +10,16 @@ out vec3 light;
 out float height;
 
 void main() {
-    Skinned skin = skinned(in_position, in_normal);
+    Skinned skin = skinned();
     height = skin.place.y;
     vec3 n = skin.normal;
-    vec3 cloth = surface(in_position, int(in_dancer)).rgb;
+    vec3 cloth = surface(in_position, in_instance.x).rgb;
     cloth *= cloth;
     float key = max(dot(n, key_direction.xyz), 0.0) * key_pool(skin.place.xz);
     float rim = max(-n.z, 0.0) + 0.4 * abs(n.x);
     light = cloth * (key_light.rgb * key * 2.0 + rim_light.rgb * (rim * 0.6 + light_ambient()));
 #if STYLED
-    int dancer = int(in_dancer), group = group_of(who(dancer));
+    int dancer = in_instance.x, group = group_of(who(dancer));
     vec4 amount = amounts(group);
     float fill = fill_of(amount);
     vec3 glow = glow_of(dancer) * answer(group);

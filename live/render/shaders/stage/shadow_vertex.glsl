@@ -1,6 +1,6 @@
 // The dancers flattened along the key light onto the floor map.
 #include "frame.glsl"
-#include "skin.glsl"
+#include "skinned.glsl"
 #if STYLED
 #include "surface.glsl"
 #include "styles.glsl"
@@ -10,11 +10,11 @@ flat out float casts;
 out float height;
 
 void main() {
-    vec3 place = skinned(in_position, in_normal).place;
+    vec3 place = skinned().place;
     height = max(place.y, 0.0);
     vec2 spot = place.xz - key_direction.xz / key_direction.y * height;
 #if STYLED
-    casts = presence(group_of(who(int(in_dancer))));
+    casts = presence(group_of(who(in_instance.x)));
 #endif
     gl_Position = vec4(spot / stage.zw, 0.0, 1.0);
 }

@@ -1,0 +1,31 @@
+// All vertices of all bodies that any pass of this frame draws, moved by the poses: a texel for each.
+#include "poses.glsl"
+
+uniform usampler2D meshes;       // two texels a vertex: position and joints, normal and weights
+uniform isampler2D skin_rows;    // of each row: mesh's first vertex, its vertices, vertices of its dancers before the row, place in the list
+uniform isampler2D skin_list;    // dancers
+uniform int mesh_shift;          // binary logarithms of the widths
+uniform int list_shift;
+
+out uvec4 skin;                  // position, normal
+
+int dancer_at(int place) {
+    return texelFetch(skin_list, ivec2(place & ((1 << list_shift) - 1), place >> list_shift), 0).x;
+}
+
+void main() {
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    ivec4 row = texelFetch(skin_rows, ivec2(pixel.y, 0), 0);
+    int place = row.z + pixel.x, which = int((float(place) + 0.5) / float(row.y));   // dividing integers is slow
+    int vertex = place - which * row.y, past = vertex < 0 ? -1 : int(vertex >= row.y);
+    which += past;
+    vertex = 2 * (row.x + vertex - past * row.y);
+    ivec2 at = ivec2(vertex & ((1 << mesh_shift) - 1), vertex >> mesh_shift);
+    uvec4 first = texelFetch(meshes, at, 0), second = texelFetch(meshes, at + ivec2(1, 0), 0);
+    uvec4 joint = (uvec4(first.w) >> uvec4(0u, 8u, 16u, 24u)) & 255u;
+    vec4 weights = unpackUnorm4x8(second.w);
+    Skinned here = posed(dancer_at(row.w + which), joint, weights, uintBitsToFloat(first.xyz), uintBitsToFloat(second.xyz));
+    vec3 n = here.normal / (abs(here.normal.x) + abs(here.normal.y) + abs(here.normal.z));
+    vec2 side = n.z >= 0.0 ? n.xy : (1.0 - abs(n.yx)) * vec2(n.x >= 0.0 ? 1.0 : -1.0, n.y >= 0.0 ? 1.0 : -1.0);
+    skin = uvec4(floatBitsToUint(here.place), packUnorm2x16(side * 0.5 + 0.5));
+}
