@@ -145,10 +145,16 @@ def _amplify(
 def _bend_joints(local: Float32, bend: Float32, first: int, start: int, stop: int) -> None:
     """Bend joints from `first` on by `bend` (A, U, 3) [rad], rotation vectors about their parents' axes; (0, 0, 3): not
     at all."""
+    half = np.empty((3, BLOCK), np.float32)
     for j in range(bend.shape[1]):
+        bent = False
         for i in range(BLOCK):
             n = min(start + i, stop - 1)
-            x, y, z = _HALF * bend[n, j, 0], _HALF * bend[n, j, 1], _HALF * bend[n, j, 2]
+            for c in range(3):
+                half[c, i] = _HALF * bend[n, j, c]
+                bent |= half[c, i] != _ZERO
+        for i in range(BLOCK if bent else 0):
+            x, y, z = half[0, i], half[1, i], half[2, i]
             w = _ONE / math.sqrt(_ONE + x * x + y * y + z * z)
             x, y, z = w * x, w * y, w * z
             qw, qx, qy, qz = (

@@ -264,6 +264,6 @@ KINDS: Final = [
     Kind("pose-pipeline", PosePipeline, """
         skeleton:constant-pose-skeleton sample:f8* placement:f8* share:f4* mean:i4(node)* amplitude:f4* bend:f4*
         late:f4* head:f4* feet:f4* lock:bool difference:f4* age:f4* difference_rows:i4(joint) position:f4* rotation:f4*
-        _soles:f4 _count:int _parts:list[tuple[int,int]]
-    """, factories={"_pool": no_value}, is_consistent=PosePipeline.has_valid_shapes),
+        _soles:f4 _count:int
+    """, is_consistent=PosePipeline.has_valid_shapes),
 ]  # fmt: skip

@@ -60,6 +60,8 @@ VARIABLE_PATHS: Final = ("scheduler.choosing.max_turns", "scheduler.choosing.fac
 SCRATCH_PATHS: Final = (
     "dancers._pipeline.position", "dancers._pipeline.rotation", "dancers._pipeline.feet",
     "dancers._legs.position", "dancers._legs.rotation", "dancers._legs.feet", "dancers._bare_legs",
+    "dancers._mood.bend", "dancers._mood.size", "dancers._mood.drop", "dancers._mood.gaze", "dancers._mood.late",
+    "dancers._mood._still",
     "motion.elements._field._mesh", "motion.elements._field._start", "motion.elements._field._sums",
     "motion.elements._field._nearest", "motion._advance._advance._rows", "motion._advance._advance._numbers",
 )  # fmt: skip
