@@ -175,7 +175,7 @@ def append_contact_pairs(sorted_: Float32, i: int, touches: Int32, count: int, p
     return pair_count
 
 
-SIDESTEP = 2.5
+SIDESTEP = 2.0
 """Acceleration to the right of two who stand in each other's way [m/s²]."""
 HEAD_ON = 0.3
 """Speed at which each of them has to want to go towards the other [m/s]."""

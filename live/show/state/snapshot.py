@@ -35,14 +35,13 @@ from live.show.state.type_check import check_state
 
 Array = npt.NDArray[Any]
 
-FORMAT: Final = 5
-"""Format 1 was a pickle; formats 2 to 4 had other fields. These are refused."""
+FORMAT: Final = 6
+"""Format 1 was a pickle; formats 2 to 5 had other fields. These are refused."""
 CONSTANT_PATHS: Final = {
     "graph": "graph",
     "patch": "patch",
     "choosing": "scheduler.choosing",
     "foresight": "scheduler.targets.step_costs",
-    "cosines": "motion.elements._field._cosines",
     "score": "score_runner.score.written",
     "texture": "dancers.texture.bank",
     "skeleton": "dancers._pipeline.skeleton",
