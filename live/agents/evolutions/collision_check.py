@@ -42,8 +42,12 @@ class Approach:
 class Clearance:
     """The nearest approach of all pairs of D dancers; rows are computed in pieces and updated after a change."""
 
-    def __init__(self, locomotion: Locomotion, radius: npt.ArrayLike, samples: int = SAMPLES) -> None:
-        """`radius` is the body radius [m], shape (D,) or one for all."""
+    def __init__(
+        self, locomotion: Locomotion, radius: npt.ArrayLike, samples: int = SAMPLES, *, exact: bool = True
+    ) -> None:
+        """`radius` is the body radius [m], shape (D,) or one for all. Unless `exact`, distances of pairs that do not
+        come too near are those at some time.
+        """
         count = locomotion.count
         self.path_knots, self.soft = locomotion.path_knots, locomotion.ramp
         self.times = locomotion.times.copy()
@@ -55,6 +59,7 @@ class Clearance:
         self.distance: Float32 = np.full((count, count), np.inf, np.float32)
         """Smallest distance on the paths [m], shape (D, D)."""
         self._when: Float32 = np.zeros((count, count), np.float32)
+        self._reach = np.inf if exact else float(self.min_distance.max(initial=0.0))
         self._step: Float64 = np.zeros(count)
         self._sample(0, count)
 
@@ -64,7 +69,7 @@ class Clearance:
 
     def compute_rows(self, first: int, last: int) -> None:
         """Compute the rows `first` to `last` (not included)."""
-        nearest_approach(self.sample, self._step, first, last, self.distance, self._when)
+        nearest_approach(self.sample, self._step, self._reach, first, last, self.distance, self._when)
 
     def compute_all(self) -> Pieces[None]:
         """Compute all rows, in pieces."""
@@ -196,7 +201,7 @@ def repair_in_pieces(
     """Check, change waits (if `retime`), bend paths (if `bend`), check again. `radius` (D,) or one [m]."""
     if locomotion.count > LARGEST_REPAIRED:
         return RepairResult(locomotion, waits, 0, False, ())
-    clearance = Clearance(locomotion, radius)
+    clearance = Clearance(locomotion, radius, exact=False)
     yield from clearance.compute_all()
     wait_mending = WaitRepair(clearance, begin, end, waits, arrive)
     while retime and not wait_mending.done:
@@ -209,7 +214,7 @@ def repair_in_pieces(
     if remaining and bend:
         clear = float(np.max(clearance.min_distance)) + MARGIN
         candidate = yield from bend_paths_in_pieces(result, clear, seed=seed, half=half)
-        again = Clearance(candidate, radius)
+        again = Clearance(candidate, radius, exact=False)
         yield from again.compute_all()
         after = again.approaches()
         if len(after) < len(remaining):

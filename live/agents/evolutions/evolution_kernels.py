@@ -182,13 +182,16 @@ def longest_moves(sample: Float32, first: int, last: int, step: Float64) -> None
         step[d] = math.sqrt(longest)
 
 
-@kernel("void(f4[:,:,::1], f8[::1], i8, i8, f4[:,::1], f4[:,::1])")
-def nearest_approach(sample: Float32, step: Float64, first: int, last: int, distance: Float32, when: Float32) -> None:
+@kernel("void(f4[:,:,::1], f8[::1], f8, i8, i8, f4[:,::1], f4[:,::1])")
+def nearest_approach(
+    sample: Float32, step: Float64, reach: float, first: int, last: int, distance: Float32, when: Float32
+) -> None:
     """Compute how near pairs of dancers come: `sample` (T, D, 2) [m] at even times, linear between them.
 
     `step` (D,) [m] by `longest_moves`. Fills rows `first` to `last` (not included) of `distance` (D, D) [m] and `when`
     (D, D) (in samples) for all partners j, so a long job can be done in pieces; the diagonal becomes infinite. Times at
-    which two cannot be nearer than before, because they do not move so fast, are skipped.
+    which two cannot be nearer than before, or than `reach` [m], because they do not move so fast, are skipped: above
+    `reach`, the distance is that at some time.
     """
     times, count = sample.shape[0], sample.shape[1]
     for i in range(first, last):
@@ -200,7 +203,8 @@ def nearest_approach(sample: Float32, step: Float64, first: int, last: int, dist
             x0 = float(sample[0, j, 0]) - sample[0, i, 0]
             z0 = float(sample[0, j, 1]) - sample[0, i, 1]
             least, at, k = x0 * x0 + z0 * z0, 0.0, 1
-            nearest, closing = math.sqrt(least), max(step[i] + step[j], 1e-9)
+            closing = max(step[i] + step[j], 1e-9)
+            nearest = min(math.sqrt(least), reach)
             while k < times:
                 away = math.sqrt(x0 * x0 + z0 * z0) - nearest - ROUNDING_MARGIN
                 if away > closing:
@@ -220,10 +224,10 @@ def nearest_approach(sample: Float32, step: Float64, first: int, last: int, dist
                 gap = px * px + pz * pz
                 if gap < least:
                     least, at = gap, k - 1 + u
-                    nearest = math.sqrt(least)
+                    nearest = min(math.sqrt(least), reach)
                 x0, z0 = x1, z1
                 k += 1
-            distance[i, j] = nearest
+            distance[i, j] = math.sqrt(least)
             when[i, j] = at
 
 

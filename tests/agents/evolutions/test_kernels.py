@@ -71,7 +71,7 @@ def test_nearest_approach_is_found_between_samples():
     step = np.zeros(5)
     evolution_kernels.longest_moves(sample, 0, 5, step)
     assert step == pytest.approx(np.hypot(*np.diff(sample, axis=0).T).max(axis=1), rel=1e-6)
-    evolution_kernels.nearest_approach(sample, step, 0, 5, distance, when)
+    evolution_kernels.nearest_approach(sample, step, np.inf, 0, 5, distance, when)
     at = np.linspace(0, 3, 3001)
     fine = np.stack([[np.interp(at, range(4), sample[:, d, a]) for a in range(2)] for d in range(5)])
     for i in range(5):

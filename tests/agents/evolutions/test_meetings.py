@@ -28,11 +28,16 @@ def test_colliding_pairs_match_nearest_approach(seed, speed, clear):
     distance, when = np.zeros((2, COUNT, COUNT), np.float32)
     sample = np.ascontiguousarray(ways.transpose(1, 0, 2))
     longest_moves(sample, 0, COUNT, step)
-    nearest_approach(sample, step, 0, COUNT, distance, when)
+    nearest_approach(sample, step, np.inf, 0, COUNT, distance, when)
     every, at = np.zeros((2, COUNT, COUNT), np.float32)
-    nearest_approach(sample, np.full(COUNT, 1e9), 0, COUNT, every, at)  # as if they might be anywhere: no time skipped
+    nearest_approach(
+        sample, np.full(COUNT, 1e9), np.inf, 0, COUNT, every, at
+    )  # as if they might be anywhere: no time skipped
     assert np.array_equal(distance, every)
     assert np.array_equal(when, at)
+    nearest_approach(sample, step, clear, 0, COUNT, every, at)
+    assert np.array_equal(np.where(distance < clear, distance, np.inf), np.where(every < clear, every, np.inf))
+    assert (every >= distance).all()
     longest_steps(ways, step)
     near = distance < np.float32(clear)
     for i in range(COUNT):
