@@ -46,6 +46,8 @@ class ArmEasing:
         self._filters = NO_FILTERS
         self._last = self._way = self._ahead = np.zeros((0, 0, 3), np.float32)
         self._kept: Float32 = np.zeros(2, np.float32)
+        self.active: Bool = np.zeros((0, 2), np.bool_)
+        """Arms whose filters may be other than 0, (A, 2)."""
         self._time = -math.inf
 
     def advance(self, position: Float32, time: float) -> tuple[Float32, Float32, Float32]:
@@ -56,6 +58,7 @@ class ArmEasing:
         passed, self._time = time - self._time, time
         if len(self._last) != len(position):
             self._filters = np.zeros((2, 3, 2 * len(position), 2, 3), np.float32)
+            self.active = np.zeros((len(position), 2), np.bool_)
             self._last, self._way, self._ahead = (np.zeros_like(position) for _ in range(3))
             passed = math.inf
         if passed > MAX_EASING_GAP:
@@ -89,21 +92,23 @@ def apply_arm_clearance(
     visible = np.ones(len(position), np.bool_) if visible is None else visible
     ahead, filters, kept = (position, NO_FILTERS, NOTHING_KEPT) if easing is None else easing.advance(position, time)
     count = len(position)
-    amount = np.repeat(share, 2).reshape(count, 2)
-    amount = (amount * (np.float32(1.0) - held.share) if len(held.share) else amount).astype(np.float32)
+    both = np.repeat(share, 2).reshape(count, 2)
+    amount: Float32 = (both * (np.float32(1.0) - held.share) if len(held.share) else both).astype(np.float32)
     if not (amount > 0.0).any():
         return
     box, drawn = np.empty((4, count), np.float32), np.empty((2 * count, 2, 3), np.float32)
     near, moves = np.empty((2, count, 2), np.bool_)
+    active = np.ones((count, 2), np.bool_) if easing is None else easing.active
 
     def find(begin: int, end: int) -> None:
         find_arms(position, ahead, rotation, box, near, amount, TRUNK_JOINTS, ARM_CHAINS, begin, end)
 
     def ease(begin: int, end: int) -> None:
-        ease_arms(drawn, filters, kept, held.share, near, moves, begin, end)
+        ease_arms(drawn, filters, kept, held.share, near, active, moves, begin, end)
 
     run_rows(find, count, least=2 * RANGE, block=BLOCK)
-    pairs, each_arm = find_pairs(box, visible), amount.reshape(-1)
+    pairs = find_pairs(box, visible)
+    each_arm: Float32 = amount.reshape(-1)
     draw_back_arms(
         ahead, rotation, drawn, pairs, each_arm, held.share, held.partner, held.together, TRUNK_JOINTS, ARM_CHAINS
     )

@@ -139,35 +139,51 @@ def look_ahead(
                 ahead[n, j, c] = at + way[n, j, c]
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,:,:,::1], f4[::1], f4[:,::1], b1[:,::1], b1[:,::1], i8, i8)")
+@inline_kernel
+def _largest(ways: Float32) -> Any:
+    """Return the largest of the numbers of an arm (2, 3)."""
+    most = _ZERO
+    for c in range(6):
+        most = max(most, abs(ways[c // 3, c % 3]))
+    return most
+
+
+@inline_kernel
+def _forget(filters: Float32, unused: bool) -> None:
+    """Set the filters of an arm (2, 3) that is `unused` to 0."""
+    for c in range(6 if unused else 0):
+        filters[c // 3, c % 3] = _ZERO
+
+
+@kernel("void(f4[:,:,::1], f4[:,:,:,:,::1], f4[::1], f4[:,::1], b1[:,::1], b1[:,::1], b1[:,::1], i8, i8)")
 def ease_arms(
-    drawn: Float32, easing: Float32, kept: Float32, held: Float32, near: Bool, moves: Bool, begin: int, end: int
-) -> None:
+    drawn: Float32, easing: Float32, kept: Float32, held: Float32, near: Bool, active: Bool, moves: Bool, begin: int,
+    end: int,
+) -> None:  # fmt: skip
     """Let what the arms of the dancers begin..end-1 draw back, `drawn` (2 A, 2, 3), follow what it was through equal
     low-pass filters; arms in a hold, by `held` (A, 2), follow their hands instead. Find which arms are to be moved.
 
     `easing` (2, K, 2 A, 2, 3), `kept` (2,): as in `ArmEasing`, or empty: at once. `moves` (A, 2): arms that draw back,
-    still return from a push out of the own trunk, or are `near` (A, 2) to it.
+    still return from a push out of the own trunk, or are `near` (A, 2) to it. The filters of arms that are not `active`
+    (A, 2) are 0; this is updated.
     """
     for m in range(2 * begin, 2 * end):
         n, side = m // 2, m % 2
+        if not active[n, side] and _largest(drawn[m]) == _ZERO:
+            active[n, side] = moves[n, side] = near[n, side]
+            continue
         eased = rest = _ZERO
-        for c in range(6 if len(easing) else 0):
-            value = drawn[m, c // 3, c % 3]
-            for k in range(easing.shape[1]):
-                value += kept[0] * (easing[0, k, m, c // 3, c % 3] - value)
-                easing[0, k, m, c // 3, c % 3] = value
-                eased = max(eased, abs(value))
-                rest = max(rest, abs(easing[1, k, m, c // 3, c % 3]))
-            drawn[m, c // 3, c % 3] = value * (_ONE - held[n, side]) if len(held) else value
-        if eased < LEAST_DRAWN:
-            for c in range(6 if len(easing) else 0):
-                drawn[m, c // 3, c % 3] = _ZERO
-                for k in range(easing.shape[1]):
-                    easing[0, k, m, c // 3, c % 3] = _ZERO
-        drawn_far = abs(drawn[m, 0, 0]) + abs(drawn[m, 0, 2]) + abs(drawn[m, 1, 0]) + abs(drawn[m, 1, 2])
-        moves[n, side] = near[n, side] or drawn_far > _ZERO or rest >= LEAST_DRAWN
-        if not moves[n, side]:
+        for k in range(easing.shape[1]):
             for c in range(6):
-                for k in range(easing.shape[1]):
-                    easing[1, k, m, c // 3, c % 3] = _ZERO
+                before = drawn[m, c // 3, c % 3] if k == 0 else easing[0, k - 1, m, c // 3, c % 3]
+                easing[0, k, m, c // 3, c % 3] = before + kept[0] * (easing[0, k, m, c // 3, c % 3] - before)
+            eased, rest = max(eased, _largest(easing[0, k, m])), max(rest, _largest(easing[1, k, m]))
+        for c in range(6 if len(easing) else 0):
+            value = easing[0, easing.shape[1] - 1, m, c // 3, c % 3] if eased >= LEAST_DRAWN else _ZERO
+            drawn[m, c // 3, c % 3] = value * (_ONE - held[n, side]) if len(held) else value
+        draws = abs(drawn[m, 0, 0]) + abs(drawn[m, 0, 2]) + abs(drawn[m, 1, 0]) + abs(drawn[m, 1, 2]) > _ZERO
+        moves[n, side] = near[n, side] or draws or rest >= LEAST_DRAWN
+        active[n, side] = moves[n, side] or eased >= LEAST_DRAWN
+        for k in range(easing.shape[1]):
+            _forget(easing[0, k, m], eased < LEAST_DRAWN)
+            _forget(easing[1, k, m], not moves[n, side])
