@@ -35,7 +35,7 @@ class CrowdPrediction:
     measure. Computing this in one tick would delay the frame, so `run` runs a few steps at a time.
     """
 
-    STEP: Final = 1.0 / 8.0
+    STEP: Final = 1.0 / 16.0
     """Length of a coarse step [s]."""
 
     def __init__(
