@@ -64,6 +64,7 @@ def quality_rows(name: str, runs: Sequence[Metrics], peers: Sequence[Peer]) -> l
     rows.append(Row(f"{name}: overlaps", float(sum(run.overlaps for run in runs)), "", 0.0, peers=overlaps))
     rows.append(_absolute(name, "deepest", "m", runs, peers, None))
     rows.append(_absolute(name, "touching", "s/agent", runs, peers, None))
+    rows.append(_ratio(name, "touching", runs, peers, 1.0 if smooth or kind == "corridor" else None))
     if not endless:
         rows.append(_absolute(name, "last_arrival", "s", runs, peers, None))
         rows.append(_ratio(name, "last_arrival", runs, peers, _bar(LATEST, name)))
@@ -104,6 +105,6 @@ def _ratio(name: str, figure: str, runs: Sequence[Metrics], peers: Sequence[Peer
     peer, ours = best(peers), mean(runs, figure)
     theirs = None if peer is None else mean(peer.runs, figure)
     label = f"{name}: {_words(figure)} / RVO2's best"
-    if peer is None or theirs is None or ours is None:
+    if peer is None or not theirs or ours is None:
         return Row(label, None, "", bar, note=absence("pyrvo"))
     return Row(label, ours / theirs, "", bar, peers={peer.name: theirs, "ours": ours})

@@ -22,7 +22,7 @@ def crowd_patch(patch: Patch, dancers: int) -> Patch:
                 "dancers": count,
                 "formation": "grid",
                 "centre": (0.0, (i - (groups - 1) / 2) * depth / groups),
-                "size": (width * 0.9, depth / groups * 0.8),
+                "size": (min(width * 0.9, 200.0), depth / groups * 0.8),
             }
         )
         for i, (group, count) in enumerate(zip(patch.group, sizes, strict=True))

@@ -3,12 +3,14 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
+
 from bench._crowd_rows import GAP_SECONDS, Peer, quality_rows, thesis_rows
 from bench._crowd_rvo2 import HORIZONS
 from bench._crowd_rvo2 import simulate as simulate_rvo2
 from bench._peers import installed
 from live.agents.crowd.agent_state import Avoidance
-from live.agents.scenarios.generate import SCENARIOS
+from live.agents.scenarios.generate import SCENARIOS, one_point
 from live.agents.scenarios.metrics import Metrics, measure
 from live.agents.scenarios.run import simulate
 from live.agents.scenarios.scenario import Scenario
@@ -35,7 +37,15 @@ def run(full: bool, shared: Path | None) -> list[Row]:
         rows += quality_rows(name, ours, peers)
         if compared:
             rows += thesis_rows(name, [_ours(name, seed, "thesis") for seed in starts])
+    moved = max(_moved_at_one_point(40, seed) for seed in range(SEEDS))
+    rows.append(Row("one-point-40: farthest move in the last of 30 seconds", moved, "m", 0.01))
     return rows
+
+
+def _moved_at_one_point(count: int, seed: int) -> float:
+    """How far the restless one of `count` agents sent to one point still goes [m] in the last second of 30."""
+    _, position, _ = simulate(replace(one_point(count, seed), duration=30.0), seed=seed)
+    return float(np.linalg.norm(position[-1] - position[-65], axis=1).max())
 
 
 def _ours(name: str, seed: int, avoidance: Avoidance) -> Metrics:

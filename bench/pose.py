@@ -15,6 +15,7 @@ from live.motion.editing.time_warp import MeasureWarps, draw_measure_warps
 from live.motion.pose.pipeline_kernels import INTO_NEXT, NEXT, PRESENT
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline, PoseSkeleton
 from live.motion.skeleton import SKELETON
+from live.show.stages.row_threads import row_threads
 
 Float64 = npt.NDArray[np.float64]
 
@@ -47,28 +48,19 @@ def run(full: bool, shared: Path | None) -> list[Row]:
         rows.append(
             Row(f"{dancers} dancers, times upc-pymotion", ratio, "×", bar, "at least", note=absence("upc-pymotion"))
         )
-        two = _Crowd(store, skeleton, dancers, threads=2)
-        rows.append(
-            Row(
-                f"{dancers} dancers, two threads",
-                _speed(two.frame, dancers, repeats, wall=True),
-                "dancers/ms",
-                sense="at least",
-            )
-        )
-        two.pipeline.close()
+        with row_threads(2):
+            two = _speed(plain.frame, dancers, repeats, wall=True)
+        rows.append(Row(f"{dancers} dancers, two threads", two, "dancers/ms", sense="at least"))
     return rows
 
 
 class _Crowd:
     """Dancers in the middle of transitions (the dear case), each somewhere else in the motion, each varied."""
 
-    def __init__(
-        self, store: ClipStore, skeleton: PoseSkeleton, dancers: int, *, heads_and_feet: bool = False, threads: int = 1
-    ) -> None:
+    def __init__(self, store: ClipStore, skeleton: PoseSkeleton, dancers: int, *, heads_and_feet: bool = False) -> None:
         chance = np.random.default_rng(1)
         self.store, self.dancers = store, dancers
-        self.pipeline = PosePipeline(dancers, skeleton, threads=threads)
+        self.pipeline = PosePipeline(dancers, skeleton)
         self.pipeline.placement[:] = chance.uniform(-5, 5, (4, dancers, 4))
         self.pipeline.placement[..., 3] = self.pipeline.placement[..., 2]
         self.pipeline.share[INTO_NEXT] = chance.uniform(0.01, 0.99, dancers)

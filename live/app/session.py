@@ -32,6 +32,7 @@ from live.show.loader import LoadedShow
 from live.show.patch.hot_reload import PatchWatch
 from live.show.selection.library_watch import LibraryWatch
 from live.show.show import Show
+from live.show.stages.row_threads import row_threads
 from live.show.venue.venue import Latencies, Venue
 from live.show.view.status import Pressure, Status
 from live.supervisor.heartbeat import Phase
@@ -243,6 +244,11 @@ class Session:
         Under a supervisor an unrequested end is a crash: nothing is closed, because another engine resumes the show at
         once. The process may end at any moment.
         """
+        with row_threads(), self._all_running():
+            yield self
+
+    @contextlib.contextmanager
+    def _all_running(self) -> Iterator[None]:
         wished = False
         try:
             if self._resumed is None:
@@ -264,7 +270,7 @@ class Session:
             gc.disable()
             if self._resumed is not None:
                 self._catch_up(self._resumed)
-            yield self
+            yield
             wished = True
         except BaseException as error:
             refused = isinstance(error, PersonError) and not self.status.frames  # wrong options, no crash

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.crowd.spatial_grid_kernels import RADIUS, X, Z
+from live.agents.crowd.spatial_grid_kernels import MOBILITY, RADIUS, X, Z
 from live.base.jit import inline_kernel, kernel
 
 Float32 = npt.NDArray[np.float32]
@@ -144,12 +144,22 @@ CONTACT_MARGIN = 0.3
 """Gap [m] below which two bodies are tracked as a contact pair."""
 CONTACT_TIME = 0.15
 """Minimum time [s] to contact of two bodies; limits their closing speed."""
+COMFORT_GAP = 0.03
+"""Gap [m] that bodies keep when they meet."""
+CREEP = 0.2
+"""Rate [1/s] at which a lasting push narrows it."""
 VELOCITY_ITERATIONS = 12
 POSITION_ITERATIONS = 24
 MIN_GAP = 0.001
 """Smallest gap kept between two bodies [m]."""
 MIN_MOBILITY = 0.02
 """Mobility of a soloist; above 0, so that two soloists can separate."""
+
+
+@inline_kernel
+def mobility(sorted_: Float32, s: int) -> float:
+    """Return the share of a correction that the agent in slot s takes."""
+    return max(2.0 - float(sorted_[MOBILITY, s]), MIN_MOBILITY)
 
 
 @inline_kernel
@@ -165,65 +175,103 @@ def append_contact_pairs(sorted_: Float32, i: int, touches: Int32, count: int, p
     return pair_count
 
 
+SIDESTEP = 2.0
+"""Acceleration to the right of two who stand in each other's way [m/s²]."""
+HEAD_ON = 0.3
+"""Speed at which each of them has to want to go towards the other [m/s]."""
+
+
+@kernel("void(f4[:,::1], f4[:,::1], f4[::1], i4[::1], i4[::1], i8, f8)")
+def step_aside(
+    moved: Float32, sorted_: Float32, commands: Float32, slot_agent: Int32, pairs: Int32, pair_count: int, dt: float
+) -> None:
+    """Let two who want to go where the other is step aside, each to their right: so opposite streams form lanes.
+
+    commands (8 A,): AgentCommand.rows.
+    """
+    for p in range(pair_count):
+        i, j = pairs[2 * p], pairs[2 * p + 1]
+        dx, dz = float(sorted_[X, j]) - sorted_[X, i], float(sorted_[Z, j]) - sorted_[Z, i]
+        d = math.sqrt(dx * dx + dz * dz)
+        if d < 1e-6:
+            continue
+        nx, nz = dx / d, dz / d
+        own, other = 8 * slot_agent[i], 8 * slot_agent[j]
+        gap = d - float(sorted_[RADIUS, i]) - float(sorted_[RADIUS, j])
+        ahead = commands[own] * nx + commands[own + 1] * nz
+        against = -(commands[other] * nx + commands[other + 1] * nz)
+        head_on = min(min(ahead, against) - HEAD_ON, 1.0)
+        if head_on <= 0.0:
+            continue
+        size = SIDESTEP * dt * head_on * (1.0 - max(commands[own + 6], commands[other + 6]))
+        size *= min(max(1.0 - gap / CONTACT_MARGIN, 0.0), 1.0)
+        mi, mj = min(mobility(sorted_, i), 1.0), min(mobility(sorted_, j), 1.0)
+        moved[0, i] -= size * mi * nz
+        moved[1, i] += size * mi * nx
+        moved[0, j] += size * mj * nz
+        moved[1, j] -= size * mj * nx
+
+
+@inline_kernel
+def _is_open(change: Float32, i: int, j: int, turn: int) -> bool:
+    """Whether one of a pair was moved in the turn before, or is being moved in this one: else nothing is new for it.
+
+    change[2, s] counts the corrections of the agent in slot s in this turn; after they are applied it is minus the
+    number of turns done.
+    """
+    return bool(turn == 0 or change[2, i] > 0.0 or change[2, j] > 0.0 or change[2, i] == -turn or change[2, j] == -turn)
+
+
+@inline_kernel
+def _correct(change: Float32, s: int, x: float, z: float) -> None:
+    """Add a correction of the agent in slot s to those of this turn."""
+    if change[2, s] <= 0.0:
+        change[0, s], change[1, s], change[2, s] = 0.0, 0.0, 0.0
+    change[0, s] += x
+    change[1, s] += z
+    change[2, s] += 1.0
+
+
+@inline_kernel
+def _apply_corrections(moved: Float32, row: int, pairs: Int32, pair_count: int, change: Float32, turn: int) -> None:
+    """Apply the corrections of this turn to rows `row` and `row` + 1 of `moved`, once for each agent of a pair."""
+    for k in range(2 * pair_count):
+        s = pairs[k]
+        if change[2, s] > 0.0:
+            scale = 1.0 if change[2, s] < 1.5 else 1.5 / change[2, s]
+            moved[row, s] += change[0, s] * scale
+            moved[row + 1, s] += change[1, s] * scale
+            change[2, s] = -(turn + 1)
+
+
 @kernel("void(f4[:,::1], f4[:,::1], i4[::1], i8, f4[:,::1], i8, f8)")
 def limit_closing_speeds(
     moved: Float32, sorted_: Float32, pairs: Int32, pair_count: int, change: Float32, n: int, dt: float
 ) -> None:
-    """Reduce closing velocities in `moved` until no pair approaches faster than LANDING allows."""
-    for _ in range(VELOCITY_ITERATIONS):
-        for s in range(n):
-            change[0, s], change[1, s], change[2, s] = 0.0, 0.0, 0.0
+    """Reduce closing velocities in `moved` until no pair approaches faster than the gap between them allows."""
+    for s in range(n):
+        change[2, s] = 0.0
+    for turn in range(VELOCITY_ITERATIONS):
         worst = 0.0
         for p in range(pair_count):
             i, j = pairs[2 * p], pairs[2 * p + 1]
+            if not _is_open(change, i, j, turn):
+                continue
             dx, dz = float(sorted_[0, i]) - sorted_[0, j], float(sorted_[1, i]) - sorted_[1, j]
             d = math.sqrt(dx * dx + dz * dz)
             nx, nz = (dx / d, dz / d) if d > 1e-6 else (1.0, 0.0)
             gap = d - float(sorted_[4, i]) - float(sorted_[4, j])
-            inward = max(gap, 0.0) / max(CONTACT_TIME, dt) + (float(moved[0, i]) - moved[0, j]) * nx
-            inward += (float(moved[1, i]) - moved[1, j]) * nz
+            inward = max(gap - COMFORT_GAP, 0.0) / max(CONTACT_TIME, dt) + max(gap, 0.0) * CREEP
+            inward += (float(moved[0, i]) - moved[0, j]) * nx + (float(moved[1, i]) - moved[1, j]) * nz
             if inward < 0.0:
-                mi, mj = max(2.0 - sorted_[5, i], MIN_MOBILITY), max(2.0 - sorted_[5, j], MIN_MOBILITY)
+                mi, mj = mobility(sorted_, i), mobility(sorted_, j)
                 worst = min(worst, inward)
-                share = -inward * mi / (mi + mj)
-                change[0, i] += share * nx
-                change[1, i] += share * nz
-                change[2, i] += 1.0
-                share = -inward * mj / (mi + mj)
-                change[0, j] -= share * nx
-                change[1, j] -= share * nz
-                change[2, j] += 1.0
+                share, other = -inward * mi / (mi + mj), inward * mj / (mi + mj)
+                _correct(change, i, share * nx, share * nz)
+                _correct(change, j, other * nx, other * nz)
         if worst > -1e-4:
             return
-        for s in range(n):
-            if change[2, s] > 0.0:
-                scale = 1.0 if change[2, s] < 1.5 else 1.5 / change[2, s]
-                moved[0, s] += change[0, s] * scale
-                moved[1, s] += change[1, s] * scale
-
-
-@kernel("f8(f4[:,::1], f4[:,::1], i4[::1], i8, f4[:,::1])")
-def sum_overlap_corrections(moved: Float32, sorted_: Float32, pairs: Int32, pair_count: int, change: Float32) -> float:
-    """Sum in `change` the correction of each overlapping body; return the deepest overlap [m]."""
-    worst = 0.0
-    for p in range(pair_count):
-        i, j = pairs[2 * p], pairs[2 * p + 1]
-        dx, dz = float(moved[2, i]) - moved[2, j], float(moved[3, i]) - moved[3, j]
-        d = math.sqrt(dx * dx + dz * dz)
-        over = float(sorted_[4, i]) + float(sorted_[4, j]) + MIN_GAP - d
-        if over > 0.0:
-            nx, nz = (dx / d, dz / d) if d > 1e-6 else (1.0, 0.0)
-            worst = max(worst, over)
-            mi, mj = max(2.0 - sorted_[5, i], MIN_MOBILITY), max(2.0 - sorted_[5, j], MIN_MOBILITY)
-            share = over * mi / (mi + mj)
-            change[0, i] += share * nx
-            change[1, i] += share * nz
-            change[2, i] += 1.0
-            share = over * mj / (mi + mj)
-            change[0, j] -= share * nx
-            change[1, j] -= share * nz
-            change[2, j] += 1.0
-    return worst
+        _apply_corrections(moved, 0, pairs, pair_count, change, turn)
 
 
 @kernel("void(f4[:,::1], f4[:,::1], i4[::1], i8, f4[:,::1], i8, f4[:,::1], i8, f4[:,::1], i8)")
@@ -240,17 +288,30 @@ def resolve_overlaps(
     obstacle_count: int,
 ) -> None:
     """Separate the new positions in `moved` (rows 2, 3) until no bodies, walls or obstacles overlap."""
+    things = wall_count + obstacle_count
+    for s in range(n):
+        change[2, s] = 0.0
     for turn in range(POSITION_ITERATIONS):
-        for s in range(n):
-            change[0, s], change[1, s], change[2, s] = 0.0, 0.0, 0.0
-        worst = sum_overlap_corrections(moved, sorted_, pairs, pair_count, change)
-        if worst < 1e-4 and (turn > 0 or wall_count + obstacle_count == 0):
+        worst = 0.0
+        for p in range(pair_count):
+            i, j = pairs[2 * p], pairs[2 * p + 1]
+            if things == 0 and not _is_open(change, i, j, turn):
+                continue
+            dx, dz = float(moved[2, i]) - moved[2, j], float(moved[3, i]) - moved[3, j]
+            d = math.sqrt(dx * dx + dz * dz)
+            over = float(sorted_[4, i]) + float(sorted_[4, j]) + MIN_GAP - d
+            if over > 0.0:
+                nx, nz = (dx / d, dz / d) if d > 1e-6 else (1.0, 0.0)
+                worst = max(worst, over)
+                mi, mj = mobility(sorted_, i), mobility(sorted_, j)
+                share, other = over * mi / (mi + mj), -over * mj / (mi + mj)
+                _correct(change, i, share * nx, share * nz)
+                _correct(change, j, other * nx, other * nz)
+        if worst < 1e-4 and (turn > 0 or things == 0):
             return
-        for s in range(n):
-            scale = 1.0 if change[2, s] < 1.5 else 1.5 / change[2, s]
-            x, z = moved[2, s] + change[0, s] * scale, moved[3, s] + change[1, s] * scale
-            if wall_count + obstacle_count > 0:
-                x, z = project_outside(
-                    x, z, sorted_[0, s], sorted_[1, s], sorted_[4, s], walls, wall_count, obstacles, obstacle_count
-                )
-            moved[2, s], moved[3, s] = x, z
+        _apply_corrections(moved, 2, pairs, pair_count, change, turn)
+        for s in range(n if things > 0 else 0):
+            moved[2, s], moved[3, s] = project_outside(
+                moved[2, s], moved[3, s], sorted_[0, s], sorted_[1, s], sorted_[4, s], walls, wall_count, obstacles,
+                obstacle_count,
+            )  # fmt: skip

@@ -5,6 +5,7 @@ import math
 import numpy as np
 
 from live.agents.crowd.contact_kernels import CAPACITY
+from live.agents.crowd.passage_kernels import PASSAGE_COLUMNS, PASSAGES, find_passages
 from live.base.arrays import Float32
 
 
@@ -50,8 +51,9 @@ class Surroundings:
     """
 
     def __init__(self) -> None:
-        self.flat: Float32 = np.zeros(9 * CAPACITY + 2, np.float32)
-        """Array read by the kernels: rows of walls, rows of obstacles, and both counts."""
+        self.flat: Float32 = np.zeros(9 * CAPACITY + 3 + PASSAGES * PASSAGE_COLUMNS, np.float32)
+        """Array read by the kernels: rows of walls and of obstacles, the number of both and of the narrow passages
+        between the walls, rows of passages."""
         walls, obstacles = self.flat[: 4 * CAPACITY], self.flat[4 * CAPACITY : 9 * CAPACITY]
         self._walls = _Rows(walls.reshape(CAPACITY, 4), self.flat[9 * CAPACITY :])
         self._obstacles = _Rows(obstacles.reshape(CAPACITY, 5), self.flat[9 * CAPACITY + 1 :])
@@ -60,7 +62,9 @@ class Surroundings:
 
     def set_wall(self, name: str, x1: float, z1: float, x2: float, z2: float) -> bool:
         """Add a wall from (x1, z1) to (x2, z2) [m], or move the wall of this name; False: refused."""
-        return self._count_refused(self._walls.set(name, (x1, z1, x2, z2)))
+        taken = self._walls.set(name, (x1, z1, x2, z2))
+        self._find_passages()
+        return self._count_refused(taken)
 
     def set_obstacle(self, name: str, x: float, z: float, radius: float, vx: float = 0.0, vz: float = 0.0) -> bool:
         """Add a round obstacle of `radius` [m] at (x, z) [m] with velocity (vx, vz) [m/s], or update the one of this
@@ -73,11 +77,25 @@ class Surroundings:
     def remove(self, name: str) -> bool:
         """Remove the wall and the obstacle of this name; False: there is none."""
         wall = self._walls.remove(name)
+        if wall:
+            self._find_passages()
         return self._obstacles.remove(name) or wall
+
+    def _find_passages(self) -> None:
+        self.flat[9 * CAPACITY + 2] = find_passages(self.walls, self.wall_count, self._passage_rows)
 
     def _count_refused(self, taken: bool) -> bool:
         self.refused_count += not taken
         return taken
+
+    @property
+    def _passage_rows(self) -> Float32:
+        return self.flat[9 * CAPACITY + 3 :].reshape(PASSAGES, PASSAGE_COLUMNS)
+
+    @property
+    def passages(self) -> Float32:
+        """The narrow passages between walls, rows as in `passage_kernels`, shape (P, 6)."""
+        return self._passage_rows[: int(self.flat[9 * CAPACITY + 2])]
 
     @property
     def wall_names(self) -> tuple[str, ...]:

@@ -55,12 +55,15 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 _F = np.float32
+PERSONAL_GAP = 0.03
+"""Gap between bodies [m] below which avoidance counts a meeting as a collision."""
 _ZERO: Any = _F(0.0)
 _ONE: Any = _F(1.0)
 _TWO: Any = _F(2.0)
 _FOUR: Any = _F(4.0)
 _GRAZING: Any = _F(0.05)
 _MARGIN: Any = _F(CONTACT_MARGIN)
+_PERSONAL: Any = _F(PERSONAL_GAP)
 _CAP: Any = _F(40.0)
 _PER_RANGE2: Any = _F(1.0 / NEIGHBOUR_RANGE**2)
 _MOST_W: Any = _F(1.0 / 0.15)
@@ -102,7 +105,8 @@ def _sum_all_but_avoidance(
             tx, tz = dx + side * dz, dz - side * dx
             closing = -_ROUNDING_MARGIN * (tx * ux + tz * uz)
             reach = block[RADIUS, j] + rk
-            c = max(d2 - reach * reach, _LEAST_C)
+            kept = reach + _PERSONAL
+            c = max(d2 - kept * kept, _LEAST_C)
             disc = closing * closing - (ux * ux + uz * uz) * c
             soon = _TWO * closing - block[REQUESTS + PER_HORIZON, j] * c
             meet = np.int32(meet | np.int32(min(min(disc, soon), seen) > _ZERO))
@@ -130,7 +134,7 @@ def _sum_avoidance(sorted_: Float32, block: Float32, meets: Int32, count: int, s
             tx, tz = dx + side * dz, dz - side * dx
             closing = max(-(tx * ux + tz * uz), _ZERO)
             u2 = ux * ux + uz * uz
-            reach = block[RADIUS, j] + rk
+            reach = block[RADIUS, j] + rk + _PERSONAL
             reach2 = reach * reach
             c = max(d2 - reach2, _LEAST_C)
             disc = max(closing * closing - u2 * c, _ZERO)

@@ -18,7 +18,9 @@ from live.agents.crowd.contact_kernels import (
     deflect_velocities,
     limit_closing_speeds,
     resolve_overlaps,
+    step_aside,
 )
+from live.agents.crowd.passage_kernels import PASSAGE_COLUMNS, PASSAGES, give_way
 from live.agents.crowd.predictive_avoidance_kernels import sum_neighbours
 from live.agents.crowd.reynolds_avoidance_kernels import avoid_by_distance
 from live.agents.crowd.spatial_grid_kernels import (
@@ -264,16 +266,21 @@ def advance_crowd(
     slot_agent = numbers[0]
     pairs = numbers[4:16].reshape(12 * width)
     n = sort_agents(state, wanted, fixed[: 2 * a], sorted_, slot_agent, numbers[1:3].reshape(2 * width), cells, grid)
+    passage_count = int(surroundings[9 * CAPACITY + 2])
+    if passage_count > 0 or params[2] > 0.0:
+        asked[:] = wanted
+        wanted = asked
+    if passage_count > 0:
+        passages = surroundings[9 * CAPACITY + 3 :].reshape(PASSAGES, PASSAGE_COLUMNS)
+        give_way(wanted, sorted_, slot_agent, n, passages, passage_count)
     fill_requests(asks, wanted, slot_agent, n, params)
     pair_count = sum_neighbours(
         sorted_, cells[0], grid, asks, sums, params, cells[1], numbers[1], numbers[2], numbers[3], pairs
     )
     if params[2] > 0.0:
-        asked[:] = wanted
-        avoid_by_distance(sorted_, cells[0], grid, asked, sums, slot_agent, params)
-        steer_agents(out, state, asked, sums, moved, slot_agent, n, params, dt)
-    else:
-        steer_agents(out, state, wanted, sums, moved, slot_agent, n, params, dt)
+        avoid_by_distance(sorted_, cells[0], grid, wanted, sums, slot_agent, params)
+    steer_agents(out, state, wanted, sums, moved, slot_agent, n, params, dt)
+    step_aside(moved, sorted_, wanted, slot_agent, pairs, pair_count, dt)
     limit_closing_speeds(moved, sorted_, pairs, pair_count, change, n, dt)
     if wall_count + obstacle_count > 0:
         deflect_velocities(moved, sorted_, n, walls, wall_count, obstacles, obstacle_count)

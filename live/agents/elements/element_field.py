@@ -25,7 +25,7 @@ from live.agents.elements.element_table_kernels import (
 from live.agents.elements.field_kernels import apply_elements
 from live.agents.elements.polyline_flow import GRID_COLUMNS, GRID_ROWS
 from live.agents.elements.shape_kernels import NEAR_COLUMNS
-from live.agents.elements.spread_kernels import MAX_CELLS, MAX_MESH_NODES, fill_cosines
+from live.agents.elements.spread_kernels import NODES_PER_DANCER, SPARE_NODES
 from live.base.arrays import Float32, Float64, UInt64
 from live.base.element_kinds import CROSSING, FLOW, GRID, PARTICIPANT
 from live.base.errors import PersonError
@@ -81,10 +81,9 @@ class ElementField:
         self._numbers[SWITCHED] = combine == "switched"
         self._area: Float64 = np.zeros(4)
         self.resize(half_width, half_depth)
-        self._mesh: Float32 = np.zeros((3, MAX_MESH_NODES, MAX_MESH_NODES), np.float32)
-        self._cosines: Float32 = np.zeros((2, MAX_MESH_NODES + 1, MAX_MESH_NODES, MAX_MESH_NODES), np.float32)
-        fill_cosines(self._cosines)
-        self._start = np.zeros(MAX_CELLS * MAX_CELLS + 1, np.int32)
+        nodes = NODES_PER_DANCER * agent_count + SPARE_NODES
+        self._mesh: Float32 = np.zeros((3, nodes), np.float32)
+        self._start = np.zeros(nodes, np.int32)
         self._order = np.zeros((2, agent_count), np.int32)
 
     def resize(self, half_width: float, half_depth: float) -> None:
@@ -210,7 +209,7 @@ class ElementField:
             (state.position, state.velocity, commands.rows, groups, self._memory),
             (table.rows, table.masks, table.vertices, table.active, table.grids, self._places, self._audience,
              self._numbers),
-            (self._area, self._mesh, self._cosines, self._start, self._order, self._spreading),
+            (self._area, self._mesh, self._start, self._order, self._spreading),
             self._sums, self._nearest, out,
         )  # fmt: skip
         return out

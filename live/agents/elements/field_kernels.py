@@ -124,8 +124,8 @@ AgentArrays = tuple[Float32, Float32, Float32, UInt64, Float64]
 ElementArrays = tuple[Float64, UInt64, Float32, Int32, Float32, Float64, UInt64, Float64]
 """Table, masks, vertices, acting rows, grids of flows, the audience's places and masks, numbers of the call: as in
 `ElementField`."""
-MeshArrays = tuple[Float64, Float32, Float32, Int32, Int32, Float64]
-"""Scratch of spreaders: area, mesh, cosines, starts, order, wanted velocity (A, 2)."""
+MeshArrays = tuple[Float64, Float32, Int32, Int32, Float64]
+"""Scratch of spreaders: area, mesh, starts, order, wanted velocity (A, 2)."""
 
 
 @inline_kernel
@@ -152,7 +152,7 @@ def blend_sums(commands: Float32, sums: Float64, influence: Float32) -> None:
 @kernel(
     "void(Tuple((f4[:,::1],f4[:,::1],f4[:,::1],u8[::1],f8[:,::1])),"
     "Tuple((f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],f4[:,:,:,::1],f8[:,::1],u8[::1],f8[::1])),"
-    "Tuple((f8[::1],f4[:,:,::1],f4[:,:,:,::1],i4[::1],i4[:,::1],f8[:,::1])),f8[:,::1],f8[:,::1],f4[::1])"
+    "Tuple((f8[::1],f4[:,::1],i4[::1],i4[:,::1],f8[:,::1])),f8[:,::1],f8[:,::1],f4[::1])"
 )
 def apply_elements(
     agents: AgentArrays,
@@ -168,7 +168,7 @@ def apply_elements(
     """
     position, velocity, commands, groups, memory = agents
     table, masks, vertices, active, grids, places, audience, numbers = elements
-    area, mesh, cosines, start, order, spreading = mesh_arrays
+    area, mesh, start, order, spreading = mesh_arrays
     reset_sums(table, masks, active, commands, groups, sums)
     if is_active(active, REPULSOR):
         nearest_sources(table, masks, vertices, active, REPULSOR, True, position, groups, numbers, sums, near)
@@ -198,7 +198,6 @@ def apply_elements(
             groups,
             area,
             mesh,
-            cosines,
             start,
             order,
             spreading,

@@ -68,7 +68,7 @@ def follow_paths(
 
 @kernel(
     "void(f8[:,::1],u8[::1],i4[::1],f4[:,::1],f4[:,::1],u8[::1],f8[::1],"
-    "f4[:,:,::1],f4[:,:,:,::1],i4[::1],i4[:,::1],f8[:,::1],f8[::1],f8[:,::1])"
+    "f4[:,::1],i4[::1],i4[:,::1],f8[:,::1],f8[::1],f8[:,::1])"
 )
 def spread_agents(
     table: Float64,
@@ -79,7 +79,6 @@ def spread_agents(
     groups: UInt64,
     area: Float64,
     mesh: Float32,
-    cosines: Float32,
     start: Int32,
     order: Int32,
     wish: Float64,
@@ -96,7 +95,7 @@ def spread_agents(
                 members += 1
         if members == 0:
             continue
-        spread(position, order[0], members, area, mesh, cosines, start, order[1], wish)
+        spread(position, order[0], members, area, mesh, start, order[1], wish)
         for n in range(members):
             i = order[0, n]
             fx, fz = wish[i, 0], wish[i, 1]

@@ -11,15 +11,18 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from live.agents.evolutions.evolution_kernels import nearest_approach, sample_paths
+from live.agents.evolutions.evolution_kernels import longest_moves, nearest_approach, sample_paths
 from live.agents.evolutions.incremental_assignment import Pieces
 from live.agents.evolutions.paths import bend_paths_in_pieces
 from live.agents.evolutions.start_delays import Arrival, start_and_arrival
 from live.agents.evolutions.trajectory import Locomotion
 from live.base.arrays import Float32, Float64
 
-PAIRS_PER_PIECE = 200_000
-"""Pair checks in one piece of work: about a millisecond."""
+PAIRS_PER_PIECE = 600_000
+"""Pairs, times the moments at which paths are sampled, in one piece of work: half a millisecond, as most moments are
+skipped."""
+LARGEST_REPAIRED = 1000
+"""With more dancers than this, pairs are not looked for, as there are millions: all is left to steering."""
 SAMPLES = 65
 """Times at which paths are sampled; between them dancers are assumed to move straight."""
 TOLERANCE = 0.005
@@ -39,8 +42,12 @@ class Approach:
 class Clearance:
     """The nearest approach of all pairs of D dancers; rows are computed in pieces and updated after a change."""
 
-    def __init__(self, locomotion: Locomotion, radius: npt.ArrayLike, samples: int = SAMPLES) -> None:
-        """`radius` is the body radius [m], shape (D,) or one for all."""
+    def __init__(
+        self, locomotion: Locomotion, radius: npt.ArrayLike, samples: int = SAMPLES, *, exact: bool = True
+    ) -> None:
+        """`radius` is the body radius [m], shape (D,) or one for all. Unless `exact`, distances of pairs that do not
+        come too near are those at some time.
+        """
         count = locomotion.count
         self.path_knots, self.soft = locomotion.path_knots, locomotion.ramp
         self.times = locomotion.times.copy()
@@ -52,11 +59,17 @@ class Clearance:
         self.distance: Float32 = np.full((count, count), np.inf, np.float32)
         """Smallest distance on the paths [m], shape (D, D)."""
         self._when: Float32 = np.zeros((count, count), np.float32)
-        sample_paths(self.beats, self.path_knots, self.times, self.soft, 0, count, self.sample)
+        self._reach = np.inf if exact else float(self.min_distance.max(initial=0.0))
+        self._step: Float64 = np.zeros(count)
+        self._sample(0, count)
+
+    def _sample(self, first: int, last: int) -> None:
+        sample_paths(self.beats, self.path_knots, self.times, self.soft, first, last, self.sample)
+        longest_moves(self.sample, first, last, self._step)
 
     def compute_rows(self, first: int, last: int) -> None:
         """Compute the rows `first` to `last` (not included)."""
-        nearest_approach(self.sample, first, last, self.distance, self._when)
+        nearest_approach(self.sample, self._step, self._reach, first, last, self.distance, self._when)
 
     def compute_all(self) -> Pieces[None]:
         """Compute all rows, in pieces."""
@@ -69,7 +82,7 @@ class Clearance:
     def retime(self, dancer: int, begin: float, end: float) -> None:
         """Change the times of one dancer and recompute their row and column."""
         self.times[dancer] = begin, end
-        sample_paths(self.beats, self.path_knots, self.times, self.soft, dancer, dancer + 1, self.sample)
+        self._sample(dancer, dancer + 1)
         self.compute_rows(dancer, dancer + 1)
         self.distance[:, dancer] = self.distance[dancer]
         self._when[:, dancer] = self._when[dancer]
@@ -186,7 +199,9 @@ def repair_in_pieces(
     half: tuple[float, float] | None = None,
 ) -> Pieces[RepairResult]:
     """Check, change waits (if `retime`), bend paths (if `bend`), check again. `radius` (D,) or one [m]."""
-    clearance = Clearance(locomotion, radius)
+    if locomotion.count > LARGEST_REPAIRED:
+        return RepairResult(locomotion, waits, 0, False, ())
+    clearance = Clearance(locomotion, radius, exact=False)
     yield from clearance.compute_all()
     wait_mending = WaitRepair(clearance, begin, end, waits, arrive)
     while retime and not wait_mending.done:
@@ -199,7 +214,7 @@ def repair_in_pieces(
     if remaining and bend:
         clear = float(np.max(clearance.min_distance)) + MARGIN
         candidate = yield from bend_paths_in_pieces(result, clear, seed=seed, half=half)
-        again = Clearance(candidate, radius)
+        again = Clearance(candidate, radius, exact=False)
         yield from again.compute_all()
         after = again.approaches()
         if len(after) < len(remaining):

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.evolutions.collision_check import TOLERANCE
-from live.agents.evolutions.evolution_kernels import nearest_approach
+from live.agents.evolutions.evolution_kernels import longest_moves, nearest_approach
 from live.agents.evolutions.intention import Repertoire, Segment
 from live.agents.evolutions.running_plan import Plan
 from live.agents.evolutions.timeline import Link, Span, link_timeline
@@ -159,7 +159,9 @@ def _sampled(plan: Plan, measure: int, measure_beats: float, place: Float32) -> 
 def _too_near(sample: Float32, under: npt.NDArray[np.bool_], measure: int, bodies: Float64) -> list[TooNear]:
     count = sample.shape[1]
     distance, when = np.empty((count, count), np.float32), np.empty((count, count), np.float32)
-    nearest_approach(sample, 0, count, distance, when)
     least = bodies[:, None] + bodies[None, :] - TOLERANCE
+    step = np.zeros(count)
+    longest_moves(sample, 0, count, step)
+    nearest_approach(sample, step, float(least.max(initial=0.0)), 0, count, distance, when)
     meet = (distance < least) & under[:, None] & under[None, :]
     return [TooNear(int(i), int(j), measure, float(distance[i, j])) for i, j in np.argwhere(np.triu(meet, 1))]

@@ -165,12 +165,33 @@ def track(
         rows[a, _FIRM] = 1.0
 
 
-@kernel("void(f4[:,:,::1], i8, i8, f4[:,::1], f4[:,::1])")
-def nearest_approach(sample: Float32, first: int, last: int, distance: Float32, when: Float32) -> None:
+ROUNDING_MARGIN = 0.01
+"""Safety margin [m] against rounding: a pair farther apart than the clearance plus this has not met."""
+
+
+@kernel("void(f4[:,:,::1], i8, i8, f8[::1])")
+def longest_moves(sample: Float32, first: int, last: int, step: Float64) -> None:
+    """Write the longest way from one time to the next of the dancers `first` to `last` (not included) on `sample`
+    (T, D, 2) [m] into `step` (D,) [m].
+    """
+    for d in range(first, last):
+        longest = 0.0
+        for k in range(1, sample.shape[0]):
+            x, z = float(sample[k, d, 0]) - sample[k - 1, d, 0], float(sample[k, d, 1]) - sample[k - 1, d, 1]
+            longest = max(longest, x * x + z * z)
+        step[d] = math.sqrt(longest)
+
+
+@kernel("void(f4[:,:,::1], f8[::1], f8, i8, i8, f4[:,::1], f4[:,::1])")
+def nearest_approach(
+    sample: Float32, step: Float64, reach: float, first: int, last: int, distance: Float32, when: Float32
+) -> None:
     """Compute how near pairs of dancers come: `sample` (T, D, 2) [m] at even times, linear between them.
 
-    Fills rows `first` to `last` (not included) of `distance` (D, D) [m] and `when` (D, D) (in samples) for all
-    partners j, so a long job can be done in pieces; the diagonal becomes infinite.
+    `step` (D,) [m] by `longest_moves`. Fills rows `first` to `last` (not included) of `distance` (D, D) [m] and `when`
+    (D, D) (in samples) for all partners j, so a long job can be done in pieces; the diagonal becomes infinite. Times at
+    which two cannot be nearer than before, or than `reach` [m], because they do not move so fast, are skipped: above
+    `reach`, the distance is that at some time.
     """
     times, count = sample.shape[0], sample.shape[1]
     for i in range(first, last):
@@ -181,8 +202,17 @@ def nearest_approach(sample: Float32, first: int, last: int, distance: Float32, 
                 continue
             x0 = float(sample[0, j, 0]) - sample[0, i, 0]
             z0 = float(sample[0, j, 1]) - sample[0, i, 1]
-            least, at = x0 * x0 + z0 * z0, 0.0
-            for k in range(1, times):
+            least, at, k = x0 * x0 + z0 * z0, 0.0, 1
+            closing = max(step[i] + step[j], 1e-9)
+            nearest = min(math.sqrt(least), reach)
+            while k < times:
+                away = math.sqrt(x0 * x0 + z0 * z0) - nearest - ROUNDING_MARGIN
+                if away > closing:
+                    k += int(min(away / closing, float(times)))
+                    if k >= times:
+                        break
+                    x0 = float(sample[k - 1, j, 0]) - sample[k - 1, i, 0]
+                    z0 = float(sample[k - 1, j, 1]) - sample[k - 1, i, 1]
                 x1 = float(sample[k, j, 0]) - sample[k, i, 0]
                 z1 = float(sample[k, j, 1]) - sample[k, i, 1]
                 dx, dz = x1 - x0, z1 - z0
@@ -194,7 +224,9 @@ def nearest_approach(sample: Float32, first: int, last: int, distance: Float32, 
                 gap = px * px + pz * pz
                 if gap < least:
                     least, at = gap, k - 1 + u
+                    nearest = min(math.sqrt(least), reach)
                 x0, z0 = x1, z1
+                k += 1
             distance[i, j] = math.sqrt(least)
             when[i, j] = at
 
@@ -230,60 +262,52 @@ def _locate(place: Float64, sample: Float32, offset: Float32, d: int, k: int) ->
     place[1, d] = sample[d, k, 1] + offset[d, k, 1]
 
 
-@kernel("i8(f4[:,:,::1], f4[:,:,::1], f8, f8, f8, i8)")
-def separate_paths(sample: Float32, offset: Float32, clear: float, excess: float, randomness: float, seed: int) -> int:
-    """Compute offsets (D, K, 2) that separate colliding paths, by divide and conquer (T101, Schulz 2011, 4.3.2).
+@kernel("i8(f4[:,:,::1], f4[:,:,::1], i8, i8, f8, f8, f8, i8)")
+def separate_paths_at(
+    sample: Float32, offset: Float32, k: int, half: int, clear: float, excess: float, randomness: float, seed: int
+) -> int:
+    """Compute offsets (D, K, 2) that separate colliding paths at time `k` (T101, Schulz 2011, 4.3.2).
 
-    `sample` (D, K, 2) are places at K = 2^L + 1 even times; times 1/2, then 1/4 and 3/4, and so on are examined.
-    Where two dancers would be nearer than `clear` [m], both are shifted in opposite directions along one random line
-    (drawn from `seed`, the pair and the time) until they are `excess` times that apart. Later levels start from the
-    means of the shifts of the levels before. With `randomness` 1 every direction may be drawn, as in the thesis;
-    smaller values allow only directions near the perpendicular of the relative motion: dancers shifted along it still
-    meet, a little later. Returns how many pairs were separated.
+    `sample` (D, K, 2) are places at even times. The offsets begin as the means of those `half` before and after. Where
+    two dancers would be nearer than `clear` [m], both are shifted in opposite directions along one random line (drawn
+    from `seed`, the pair and the time) until they are `excess` times that apart. With `randomness` 1 every direction
+    may be drawn, as in the thesis; smaller values allow only directions near the perpendicular of the relative motion:
+    dancers shifted along it still meet, a little later. Returns how many pairs were separated.
     """
-    count, knots = sample.shape[0], sample.shape[1]
-    for d in range(count):
-        for k in range(knots):
-            offset[d, k, 0] = 0.0
-            offset[d, k, 1] = 0.0
-    parted = 0
+    count, parted = sample.shape[0], 0
     place, surely = np.empty((2, count)), clear * clear + 1e-3  # quick rejection of pairs that are far apart
-    half = (knots - 1) // 2
-    while half >= 1:
-        for k in range(half, knots - 1, 2 * half):
-            for d in range(count):
-                for axis in range(2):
-                    offset[d, k, axis] = 0.5 * (offset[d, k - half, axis] + offset[d, k + half, axis])
-                _locate(place, sample, offset, d, k)
-            for i in range(count):
-                for j in range(i + 1, count):
-                    x, z = place[0, j] - place[0, i], place[1, j] - place[1, i]
-                    if x * x + z * z > surely:
-                        continue
-                    x = float(sample[j, k, 0]) + offset[j, k, 0] - sample[i, k, 0] - offset[i, k, 0]
-                    z = float(sample[j, k, 1]) + offset[j, k, 1] - sample[i, k, 1] - offset[i, k, 1]
-                    square = x * x + z * z
-                    if square >= clear * clear:
-                        continue
-                    parted += 1
-                    dx = float(sample[j, k + 1, 0]) - sample[i, k + 1, 0] - sample[j, k - 1, 0] + sample[i, k - 1, 0]
-                    dz = float(sample[j, k + 1, 1]) - sample[i, k + 1, 1] - sample[j, k - 1, 1] + sample[i, k - 1, 1]
-                    square_to = 2.0 * hash_unit(seed, i * 65537 + j, k) - 1.0  # its sign is the side
-                    angle = math.atan2(dx, dz) + 0.5 * math.pi * (math.copysign(1.0 - randomness, square_to))
-                    angle += math.pi * randomness * square_to
-                    ux, uz = math.sin(angle), math.cos(angle)
-                    along = x * ux + z * uz
-                    if along < 0.0:  # choose the direction that separates them
-                        ux, uz, along = -ux, -uz, -along
-                    goal = (clear * excess) * (clear * excess)
-                    shift = 0.5 * (math.sqrt(max(along * along + goal - square, 0.0)) - along)
-                    offset[j, k, 0] += shift * ux
-                    offset[j, k, 1] += shift * uz
-                    offset[i, k, 0] -= shift * ux
-                    offset[i, k, 1] -= shift * uz
-                    _locate(place, sample, offset, i, k)
-                    _locate(place, sample, offset, j, k)
-        half //= 2
+    for d in range(count):
+        for axis in range(2):
+            offset[d, k, axis] = 0.5 * (offset[d, k - half, axis] + offset[d, k + half, axis])
+        _locate(place, sample, offset, d, k)
+    for i in range(count):
+        for j in range(i + 1, count):
+            x, z = place[0, j] - place[0, i], place[1, j] - place[1, i]
+            if x * x + z * z > surely:
+                continue
+            x = float(sample[j, k, 0]) + offset[j, k, 0] - sample[i, k, 0] - offset[i, k, 0]
+            z = float(sample[j, k, 1]) + offset[j, k, 1] - sample[i, k, 1] - offset[i, k, 1]
+            square = x * x + z * z
+            if square >= clear * clear:
+                continue
+            parted += 1
+            dx = float(sample[j, k + 1, 0]) - sample[i, k + 1, 0] - sample[j, k - 1, 0] + sample[i, k - 1, 0]
+            dz = float(sample[j, k + 1, 1]) - sample[i, k + 1, 1] - sample[j, k - 1, 1] + sample[i, k - 1, 1]
+            square_to = 2.0 * hash_unit(seed, i * 65537 + j, k) - 1.0  # its sign is the side
+            angle = math.atan2(dx, dz) + 0.5 * math.pi * (math.copysign(1.0 - randomness, square_to))
+            angle += math.pi * randomness * square_to
+            ux, uz = math.sin(angle), math.cos(angle)
+            along = x * ux + z * uz
+            if along < 0.0:  # choose the direction that separates them
+                ux, uz, along = -ux, -uz, -along
+            goal = (clear * excess) * (clear * excess)
+            shift = 0.5 * (math.sqrt(max(along * along + goal - square, 0.0)) - along)
+            offset[j, k, 0] += shift * ux
+            offset[j, k, 1] += shift * uz
+            offset[i, k, 0] -= shift * ux
+            offset[i, k, 1] -= shift * uz
+            _locate(place, sample, offset, i, k)
+            _locate(place, sample, offset, j, k)
     return parted
 
 
@@ -297,10 +321,6 @@ def smooth_paths(offset: Float32) -> None:
                 here = float(offset[d, k, axis])
                 offset[d, k, axis] = 0.25 * before + 0.5 * here + 0.25 * offset[d, k + 1, axis]
                 before = here
-
-
-ROUNDING_MARGIN = 0.01
-"""Safety margin [m] against rounding: a pair farther apart than the clearance plus this has not met."""
 
 
 @kernel("void(f4[:,:,::1], f8[::1])")

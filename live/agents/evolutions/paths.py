@@ -13,7 +13,7 @@ from live.agents.evolutions.evolution_kernels import (
     count_collisions,
     longest_steps,
     sample_paths,
-    separate_paths,
+    separate_paths_at,
     smooth_paths,
 )
 from live.agents.evolutions.incremental_assignment import Pieces
@@ -131,8 +131,7 @@ def bend_paths_in_pieces(
     for turn in range(rounds):
         if fewest == 0:
             break
-        separate_paths(ways, offset, clear, 1.15 + 0.05 * turn, randomness, seed + turn)
-        yield
+        yield from separate_in_pieces(ways, offset, clear, 1.15 + 0.05 * turn, randomness, seed + turn)
         for _ in range(smoothing):
             smooth_paths(offset)
         ways += offset
@@ -143,6 +142,29 @@ def bend_paths_in_pieces(
             best, fewest = ways.copy(), meeting
     times = np.repeat(np.array([[begin, end]]), count, axis=0)
     return replace(locomotion, path_knots=best, times=times, ramp=0.0)
+
+
+def separate_in_pieces(
+    ways: Float32, offset: Float32, clear: float, excess: float, randomness: float, seed: int
+) -> Pieces[int]:
+    """Compute offsets (D, K, 2) [m] that separate colliding paths `ways` (D, K, 2), by divide and conquer (T101).
+
+    Of the K = 2^L + 1 even times, 1/2, then 1/4 and 3/4, and so on are examined: see `separate_paths_at`. Later levels
+    start from the means of the shifts of the levels before. Returns how many pairs were separated.
+    """
+    offset[:] = 0.0
+    count, knots = ways.shape[:2]
+    half, parted, checked = (knots - 1) // 2, 0, 0
+    while half >= 1:
+        for k in range(half, knots - 1, 2 * half):
+            parted += separate_paths_at(ways, offset, k, half, clear, excess, randomness, seed)
+            checked += count * count // 2
+            if checked >= PAIRS_PER_PIECE:
+                checked = 0
+                yield
+        half //= 2
+    yield
+    return parted
 
 
 def _count_collisions(ways: Float32, clear: float) -> Pieces[int]:

@@ -14,6 +14,9 @@ ARRIVE = 0
 ATTRACT = 1
 """Speed preferred · (1 - exp(-rate · d)): the attraction of T105, with the decay length 1 / rate."""
 
+NO_SLOWING_RATE = 1e9
+"""Rate at which agents do not slow down."""
+_NO_SLOWING = np.float32(NO_SLOWING_RATE)
 _ONE = np.float32(1.0)
 _TINY = np.float32(1e-12)
 _FAR = np.float32(16.0)  # exp(-16) is negligible in float32
@@ -93,6 +96,15 @@ def segments_cross(ax: float, az: float, bx: float, bz: float, cx: float, cz: fl
     return (c > 0.0) != (d > 0.0) and (a > 0.0) != (b > 0.0)
 
 
+@kernel("b1(f8,f8,f8,f8,f8[:,::1])")
+def is_blocked(ax: float, az: float, bx: float, bz: float, walls: Float64) -> bool:
+    """Whether one of `walls` (W, 4) [m] blocks the way from a to b."""
+    for w in range(walls.shape[0]):
+        if segments_cross(ax, az, bx, bz, walls[w, 0], walls[w, 1], walls[w, 2], walls[w, 3]):
+            return True
+    return False
+
+
 @kernel("void(f4[:,::1],f4[::1],i4[::1],f4[:,::1],f8[:,::1],i4[::1],f8[:,::1],f8,f8,f8)")
 def advance_way_points(
     target: Float32,
@@ -111,24 +123,32 @@ def advance_way_points(
     `points` (P, 2) [m] holds all way points, those of agent i at start[i]:start[i + 1]; `at` (A,) is the current index.
     Agents slow down only for their last point: `rate` (A,) then becomes `last_rate`. At a point: within `reach` [m].
     Past it: within `gate` [m], beyond the line through it perpendicular to the way to the next, and none of `walls` (W,
-    4) blocks the way to the next. Without this rule a crowd would turn back for a point in a door.
+    4) blocks the way to the next. Without this rule a crowd would turn back for a point in a door. Who has been pushed
+    back behind a wall returns to the point before.
     """
     for i in range(position.shape[0]):
         last = start[i + 1] - 1
         here = at[i]
+        px, pz = float(position[i, 0]), float(position[i, 1])
+        if here > start[i] and walls.shape[0] > 0:
+            wx, wz = points[here - 1, 0], points[here - 1, 1]
+            away2 = (px - wx) * (px - wx) + (pz - wz) * (pz - wz)
+            if (
+                away2 > reach * reach
+                and is_blocked(px, pz, points[here, 0], points[here, 1], walls)
+                and not is_blocked(px, pz, wx, wz, walls)
+            ):
+                at[i] = here - 1
+                target[i, 0], target[i, 1], rate[i] = np.float32(wx), np.float32(wz), _NO_SLOWING
+                continue
         if here >= last:
             continue
-        px, pz = float(position[i, 0]), float(position[i, 1])
         wx, wz = points[here, 0], points[here, 1]
         nx, nz = points[here + 1, 0], points[here + 1, 1]
         d2 = (px - wx) * (px - wx) + (pz - wz) * (pz - wz)
         passed = d2 <= reach * reach
         if not passed and d2 <= gate * gate and (px - wx) * (nx - wx) + (pz - wz) * (nz - wz) > 0.0:
-            passed = True
-            for w in range(walls.shape[0]):
-                if segments_cross(px, pz, nx, nz, walls[w, 0], walls[w, 1], walls[w, 2], walls[w, 3]):
-                    passed = False
-                    break
+            passed = not is_blocked(px, pz, nx, nz, walls)
         if passed:
             at[i] = here + 1
             target[i, 0] = np.float32(nx)

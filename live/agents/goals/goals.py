@@ -10,13 +10,15 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.agent_command import AgentCommand
-from live.agents.goals.goal_kernels import ARRIVE, advance_way_points, seek_goals
+from live.agents.goals.goal_kernels import ARRIVE, NO_SLOWING_RATE, advance_way_points, seek_goals
 from live.base.arrays import Float32, Float64, Int32
 
 ARRIVAL_RATE: Final = 1.0
 """Speed per metre of remaining distance [1/s] near a goal, under ARRIVE."""
-NO_SLOWING_RATE: Final = 1e9
-"""Rate at which agents do not slow down."""
+CROWD_GAP: Final = 0.12
+"""Bodies with at most this [m] between them stand next to each other."""
+SAME_TARGET: Final = 1e-3
+"""Targets less than this apart are one [m]."""
 NO_WALLS: Final = np.zeros((0, 4))
 
 
@@ -121,3 +123,23 @@ def yielding_agents(position: npt.NDArray[np.floating], arrived: Bools, near: fl
     pressed[throng[~arrived]] = True
     there: Bools = arrived & pressed[throng]
     return there
+
+
+def crowded_out_agents(
+    position: npt.NDArray[np.floating], target: npt.NDArray[np.floating], radius: float, reach: float
+) -> Bools:
+    """Return which agents stand in a crowd around a target that others of it occupy, shape (A,).
+
+    A target is occupied by an agent within `reach` [m] of it. Agents with the same target who stand next to that
+    agent, or to another one of the crowd, cannot come nearer: they have arrived as far as possible.
+    """
+    there: Bools = np.linalg.norm(position - target, axis=1) <= reach
+    shared: Bools = np.zeros(len(position), np.bool_)
+    if not there.any() or there.all():
+        return shared
+    pairs = cKDTree(position).query_pairs(2.0 * radius + CROWD_GAP, output_type="ndarray")
+    pairs = pairs[np.linalg.norm(target[pairs[:, 0]] - target[pairs[:, 1]], axis=1) < SAME_TARGET]
+    links = coo_array((np.ones(len(pairs), np.bool_), (pairs[:, 0], pairs[:, 1])), shape=(len(position),) * 2)
+    _, crowd = connected_components(links, directed=False)
+    shared[np.isin(crowd, crowd[there]) & ~there] = True
+    return shared

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from scipy.optimize import linear_sum_assignment
 
-from live.agents.scenarios.scenario import Scenario, endless_goals, through_gap
+from live.agents.scenarios.scenario import Scenario, endless_goals, through_door, through_gap
 from live.base.arrays import Float64
 
 RADIUS: Final = 0.25
@@ -108,6 +108,31 @@ def corridor(half: int, seed: int) -> Scenario:
     return _scenario(60.0, start, start + ahead, walls)
 
 
+def door(left: int, right: int, width: float, seed: int) -> Scenario:
+    """Two rooms of 6 m x 6 m with a door of `width` [m] between them; all change rooms, `left` from the left one."""
+    chance = np.random.default_rng(1000 + seed)
+    start = np.concatenate([
+        dart_throwing(chance, left, 0.7, (-5.5, -2.6), (-1.0, 2.6)),
+        dart_throwing(chance, right, 0.7, (1.0, -2.6), (5.5, 2.6)),
+    ])  # fmt: skip
+    goal = np.concatenate([
+        dart_throwing(chance, left, 0.7, (1.5, -2.6), (5.5, 2.6)),
+        dart_throwing(chance, right, 0.7, (-5.5, -2.6), (-1.5, 2.6)),
+    ])  # fmt: skip
+    walls = [[0.0, side * width / 2.0, 0.0, side * 3.0] for side in (-1.0, 1.0)]
+    walls += [[-6.0, side * 3.0, 6.0, side * 3.0] for side in (-1.0, 1.0)]
+    walls += [[side * 6.0, -3.0, side * 6.0, 3.0] for side in (-1.0, 1.0)]
+    reach = max(width / 2.0 - RADIUS - 0.05, 0.0)
+    return replace(_scenario(120.0, start, goal, np.array(walls)), rule=through_door(goal, reach))
+
+
+def one_point(count: int, seed: int) -> Scenario:
+    """Agents anywhere on a stage are sent to its middle; only the first can stand there."""
+    chance = np.random.default_rng(1000 + seed)
+    start = dart_throwing(chance, count, 0.7, (-5.0, -4.0), (5.0, 4.0))
+    return _scenario(40.0, start, np.zeros((count, 2)))
+
+
 SCENARIOS: Final[dict[str, Callable[[int], Scenario]]] = {
     "headon-2": lambda _seed: opposite([(-4, 0), (4, 0)]),
     "sym-4": lambda _seed: opposite([(-4, 0), (4, 0), (0, -4), (0, 4)]),
@@ -119,6 +144,8 @@ SCENARIOS: Final[dict[str, Callable[[int], Scenario]]] = {
     "corridor-50": lambda seed: corridor(25, seed),
     "corridor-100": lambda seed: corridor(50, seed),
     "bottleneck-60": lambda seed: bottleneck(60, seed),
+    "door-20-20": lambda seed: door(20, 20, 0.8, seed),
+    "door-30-10": lambda seed: door(30, 10, 1.2, seed),
     "formation-hung": formation,
     "random-100": lambda seed: random_goals(100, seed),
 }

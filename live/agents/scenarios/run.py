@@ -6,7 +6,8 @@ from live.agents.agent_command import AgentCommand
 from live.agents.crowd.agent_state import AgentModel, AgentState, Avoidance, Steering
 from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
-from live.agents.goals.goals import NO_SLOWING_RATE, Goals, WayPoints, yielding_agents
+from live.agents.goals.goal_kernels import NO_SLOWING_RATE
+from live.agents.goals.goals import Goals, WayPoints, crowded_out_agents, yielding_agents
 from live.agents.scenarios.scenario import Scenario
 from live.base.arrays import Float64
 
@@ -82,6 +83,9 @@ class Simulation:
         if self._tick % GIVE_WAY_INTERVAL == 0:
             near = 2.0 * scenario.radius + THRONG_GAP
             self._gives_way = yielding_agents(self._state.position, ~np.isnan(self._arrived), near)
+            self._gives_way |= crowded_out_agents(
+                self._state.position, self._goals.target, scenario.radius, scenario.goal_radius
+            )
         wants.clear()
         self._goals(wants, self._state.position, scenario.goal_radius)
         wants.velocity[self._gives_way] = 0.0

@@ -71,6 +71,22 @@ def through_gap(goal: Float64) -> Callable[[], Rule]:
     return lambda: rule
 
 
+def through_door(goal: Float64, reach: float) -> Callable[[], Rule]:
+    """Return a rule that leads through a door in the wall x = 0 in both directions, then to `goal` (A, 2) [m].
+
+    Agents on the other side of the wall than their goal aim just behind the door, within ±`reach` [m] of its middle.
+    """
+    side = np.sign(goal[:, 0])
+
+    def rule(position: Float64, target: Float64) -> None:
+        before = position[:, 0] * side < 0.1
+        target[:] = goal
+        target[before, 0] = 0.3 * side[before]
+        target[before, 1] = np.clip(position[before, 1], -reach, reach)
+
+    return lambda: rule
+
+
 def endless_goals(seed: int, half_width: float, reach: float = 0.3) -> Callable[[], Rule]:
     """Return a rule that gives a new goal, uniform in ±`half_width` [m], to each agent within `reach` [m] of theirs.
 

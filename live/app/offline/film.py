@@ -38,6 +38,7 @@ from live.show.journal.motion_report import MotionReport
 from live.show.loader import LoadedShow
 from live.show.show import Show
 from live.show.sound.soundtrack import Soundtrack
+from live.show.stages.row_threads import row_threads
 from live.show.view.status import Status, StatusFile
 
 
@@ -84,6 +85,7 @@ def film_show(
     heard = film_sound(sound.music)
     mixed = make_sound_mixer(loaded, show, heard, click, taps)
     with contextlib.ExitStack() as stack:
+        stack.enter_context(row_threads())
         target, renderer = make_renderer(stack, options, loaded, fine, alpha=alpha)
         writer = stack.enter_context(
             film_writer(

@@ -7,12 +7,17 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Bool, Float32, Float64
+from live.base.row_ranges import run_rows
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics, local_rotations
-from live.motion.pose.arm_clearance_kernels import clear_arms, look_ahead
+from live.motion.pose.arm_clearance_kernels import ease_arms, find_arms, look_ahead
 from live.motion.pose.body_capsules import ARM_CHAINS, TRUNK_JOINTS
 from live.motion.pose.hand_hold import HeldArms
+from live.motion.pose.neighbour_clearance_kernels import draw_back_arms, find_pairs
+from live.motion.pose.pose_pipeline import RANGE
+from live.motion.pose.sample_kernels import BLOCK
+from live.motion.pose.trunk_clearance_kernels import move_arms
 
 NOBODY_HELD: Final = HeldArms(0)
 """No dancer's arm is in a hold."""
@@ -29,7 +34,8 @@ MAX_EASING_GAP: Final = 0.25
 """After a longer gap between two frames [s] arms are at once where they should be."""
 NO_FILTERS: Final = np.zeros((0, 0, 0, 2, 3), np.float32)
 NOTHING_KEPT: Final = np.zeros(2, np.float32)
-"""Arguments of `clear_arms` without easing."""
+NO_PUSHES: Final = np.zeros((0, 0, 2, 3), np.float32)
+"""Arguments of the kernels without easing."""
 
 
 class ArmEasing:
@@ -40,6 +46,8 @@ class ArmEasing:
         self._filters = NO_FILTERS
         self._last = self._way = self._ahead = np.zeros((0, 0, 3), np.float32)
         self._kept: Float32 = np.zeros(2, np.float32)
+        self.active: Bool = np.zeros((0, 2), np.bool_)
+        """Arms whose filters may be other than 0, (A, 2)."""
         self._time = -math.inf
 
     def advance(self, position: Float32, time: float) -> tuple[Float32, Float32, Float32]:
@@ -50,13 +58,21 @@ class ArmEasing:
         passed, self._time = time - self._time, time
         if len(self._last) != len(position):
             self._filters = np.zeros((2, 3, 2 * len(position), 2, 3), np.float32)
+            self.active = np.zeros((len(position), 2), np.bool_)
             self._last, self._way, self._ahead = (np.zeros_like(position) for _ in range(3))
             passed = math.inf
         if passed > MAX_EASING_GAP:
             self._way[:] = 0.0
         later = 0.0 < passed <= MAX_EASING_GAP
         per = LEAD_S / passed if later else 0.0
-        look_ahead(position, self._last, self._way, self._ahead, per, later, MOST_LEAD, TRUNK_JOINTS, ARM_CHAINS)
+
+        def part(begin: int, end: int) -> None:
+            look_ahead(
+                position, self._last, self._way, self._ahead, per, later, MOST_LEAD, TRUNK_JOINTS, ARM_CHAINS,
+                begin, end,
+            )  # fmt: skip
+
+        run_rows(part, len(position), least=8 * RANGE)
         for k, constant in enumerate((EASING_S, PUSH_EASING_S)):
             self._kept[k] = 0.0 if passed > MAX_EASING_GAP else math.exp(-max(passed, 0.0) / constant)
         return self._ahead, self._filters, self._kept
@@ -75,10 +91,45 @@ def apply_arm_clearance(
     held = NOBODY_HELD if held is None else held
     visible = np.ones(len(position), np.bool_) if visible is None else visible
     ahead, filters, kept = (position, NO_FILTERS, NOTHING_KEPT) if easing is None else easing.advance(position, time)
-    clear_arms(
-        position, rotation, ahead, share, held.share, held.partner, held.together, visible, filters, kept, TRUNK_JOINTS,
-        ARM_CHAINS,
-    )  # fmt: skip
+    count = len(position)
+    both = np.repeat(share, 2).reshape(count, 2)
+    amount: Float32 = (both * (np.float32(1.0) - held.share) if len(held.share) else both).astype(np.float32)
+    if not (amount > 0.0).any():
+        return
+    box, drawn = np.empty((4, count), np.float32), np.empty((2 * count, 2, 3), np.float32)
+    near, moves = np.empty((2, count, 2), np.bool_)
+    active = np.ones((count, 2), np.bool_) if easing is None else easing.active
+
+    def find(begin: int, end: int) -> None:
+        find_arms(position, ahead, rotation, box, near, amount, TRUNK_JOINTS, ARM_CHAINS, begin, end)
+
+    def ease(begin: int, end: int) -> None:
+        ease_arms(drawn, filters, kept, held.share, near, active, moves, begin, end)
+
+    run_rows(find, count, least=2 * RANGE, block=BLOCK)
+    pairs = find_pairs(box, visible)
+    each_arm: Float32 = amount.reshape(-1)
+    draw_back_arms(
+        ahead, rotation, drawn, pairs, each_arm, held.share, held.partner, held.together, TRUNK_JOINTS, ARM_CHAINS
+    )
+    run_rows(ease, count, least=8 * RANGE)
+    which, pushes = np.flatnonzero(moves).astype(np.int32), filters[1] if len(filters) else NO_PUSHES
+
+    def move(begin: int, end: int) -> None:
+        move_arms(
+            position,
+            rotation,
+            drawn,
+            each_arm,
+            which[begin:end],
+            end - begin,
+            pushes,
+            kept[1],
+            TRUNK_JOINTS,
+            ARM_CHAINS,
+        )
+
+    run_rows(move, len(which), least=RANGE, block=BLOCK)
 
 
 def clear_own_trunk(clip: Clip) -> Clip:

@@ -9,17 +9,11 @@ import numpy.typing as npt
 from live.base.jit import inline_kernel, kernel
 from live.motion.pose.body_capsules import TRUNK_AXIS_SHARE, TRUNK_HALF_WIDTH
 from live.motion.pose.hand_hold_kernels import PALM
-from live.motion.pose.neighbour_clearance_kernels import (
-    BOX_PAD,
-    TRUNK_BOX,
-    draw_back_arms,
-    find_pairs,
-)
+from live.motion.pose.neighbour_clearance_kernels import BOX_PAD, TRUNK_BOX
 from live.motion.pose.sample_kernels import BLOCK
-from live.motion.pose.trunk_clearance_kernels import ARM_GAP, HIPS, MARGIN, NECK, move_arms
+from live.motion.pose.trunk_clearance_kernels import ARM_GAP, HIPS, MARGIN, NECK
 
 Float32 = npt.NDArray[np.float32]
-Float64 = npt.NDArray[np.float64]
 Bool = npt.NDArray[np.bool_]
 Int32 = npt.NDArray[np.int32]
 
@@ -99,47 +93,42 @@ def _find_distances(rows: Float32, square: Float32, side: int) -> None:
         square[i] = nearest
 
 
-@inline_kernel
-def _find_arms(
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4[:,::1], b1[:,::1], f4[:,::1], i4[::1], i4[:,::1], i8, i8)")
+def find_arms(
     position: Float32, ahead: Float32, rotation: Float32, box: Float32, near: Bool, amount: Float32, trunk: Int32,
-    arms: Int32,
+    arms: Int32, begin: int, end: int,
 ) -> None:  # fmt: skip
-    """Compute all dancers' boxes (4, A) at the places `ahead`, and which arms may be pushed out of the own trunk
-    (2 A,)."""
+    """Compute the boxes (4, A) of the dancers begin..end-1 at the places `ahead` (A, J, 3), and which of their arms may
+    be pushed out of the own trunk, `near` (A, 2), by an `amount` (A, 2) above 0; other arrays as in `move_arms`."""
     rows, edges = np.empty((_ROWS, BLOCK), np.float32), np.empty((4, BLOCK), np.float32)
     square = np.empty(BLOCK, np.float32)
-    for start in range(0, len(position), BLOCK):
-        stop = min(start + BLOCK, len(position))
-        _gather_block(rows, ahead, rotation, trunk, arms, start, stop)
-        _find_boxes(rows, edges)
-        _gather_block(rows, position, rotation, trunk, arms, start, stop)
+    for start in range(begin, end, BLOCK):
+        stop = min(start + BLOCK, end)
+        for later in (True, False):
+            _gather_block(rows, ahead if later else position, rotation, trunk, arms, start, stop)
+            if later:
+                _find_boxes(rows, edges)
         for k in range(4):
             for i in range(stop - start):
                 box[k, start + i] = edges[k, i]
         for side in range(2):
             _find_distances(rows, square, side)
             for i in range(stop - start):
-                m = 2 * (start + i) + side
-                near[m] = square[i] < _NEAR and amount[m] > _ZERO
+                near[start + i, side] = square[i] < _NEAR and amount[start + i, side] > _ZERO
 
 
-@inline_kernel
-def _size(drawn: Float32, m: int) -> Any:
-    """Return about how far arm `m` draws back [m]."""
-    return abs(drawn[m, 0, 0]) + abs(drawn[m, 0, 2]) + abs(drawn[m, 1, 0]) + abs(drawn[m, 1, 2])
-
-
-@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4, b1, f4, i4[::1], i4[:,::1])")
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4, b1, f4, i4[::1], i4[:,::1], i8, i8)")
 def look_ahead(
     position: Float32, last: Float32, way: Float32, ahead: Float32, per: Any, later: bool, most: Any, trunk: Int32,
-    arms: Int32,
+    arms: Int32, begin: int, end: int,
 ) -> None:  # fmt: skip
-    """Write to `ahead` (A, J, 3) where hips, necks and arms go from `position`, and `position` to `last` [m].
+    """Write to `ahead` (A, J, 3) where hips, necks and arms of the dancers begin..end-1 go from `position`, and
+    `position` to `last` [m].
 
     They go on as since `last`, by `per` of that way, at most `most` [m] along each axis, if this frame is `later`; else
     by the `way` of before. Other joints of the arrays are not used.
     """
-    for n in range(len(position)):
+    for n in range(begin, end):
         for k in range(8):
             j = trunk[HIPS if k == 0 else NECK] if k < 2 else arms[(k - 2) // 3, (k - 2) % 3]
             for c in range(3):
@@ -151,73 +140,50 @@ def look_ahead(
 
 
 @inline_kernel
-def _is_pushed(easing: Float32, m: int) -> bool:
-    """Return whether arm `m` still returns from a push out of the own trunk; otherwise end it."""
-    if len(easing) == 0:
-        return False
-    rest = _ZERO
-    for k in range(easing.shape[1]):
-        for c in range(6):
-            rest = max(rest, abs(easing[1, k, m, c // 3, c % 3]))
-    if rest < LEAST_DRAWN:
-        easing[1, :, m] = _ZERO
-    return bool(rest >= LEAST_DRAWN)
+def _largest(ways: Float32) -> Any:
+    """Return the largest of the numbers of an arm (2, 3)."""
+    most = _ZERO
+    for c in range(6):
+        most = max(most, abs(ways[c // 3, c % 3]))
+    return most
 
 
 @inline_kernel
-def _ease(drawn: Float32, easing: Float32, kept: Any, held: Float32) -> None:
-    """Let `drawn` (M, 2, 3) follow what it was through equal low-pass filters, `easing` (K, M, 2, 3), of which `kept`
-    stays; arms in a hold follow their hands instead, by `held` (M / 2, 2)."""
-    for m in range(len(drawn)):
-        rest = _ZERO
-        for part in range(2):
-            for c in range(3):
-                value = drawn[m, part, c]
-                for k in range(len(easing)):
-                    value += kept * (easing[k, m, part, c] - value)
-                    easing[k, m, part, c] = value
-                    rest = max(rest, abs(value))
-                drawn[m, part, c] = value * (_ONE - held[m // 2, m % 2]) if len(held) else value
-        if rest < LEAST_DRAWN:
-            drawn[m] = _ZERO
-            easing[:, m] = _ZERO
+def _forget(filters: Float32, unused: bool) -> None:
+    """Set the filters of an arm (2, 3) that is `unused` to 0."""
+    for c in range(6 if unused else 0):
+        filters[c // 3, c % 3] = _ZERO
 
 
-@kernel(
-    "void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f8[::1], f4[:,::1], i4[::1], f4[::1], b1[::1], "
-    "f4[:,:,:,:,::1], f4[::1], i4[::1], i4[:,::1])"
-)
-def clear_arms(
-    position: Float32, rotation: Float32, ahead: Float32, share: Float64, held: Float32, partner: Int32,
-    together: Float32, visible: Bool, easing: Float32, kept: Float32, trunk: Int32, arms: Int32,
+@kernel("void(f4[:,:,::1], f4[:,:,:,:,::1], f4[::1], f4[:,::1], b1[:,::1], b1[:,::1], b1[:,::1], i8, i8)")
+def ease_arms(
+    drawn: Float32, easing: Float32, kept: Float32, held: Float32, near: Bool, active: Bool, moves: Bool, begin: int,
+    end: int,
 ) -> None:  # fmt: skip
-    """Keep all arms off other dancers and out of the own trunks, in poses (A, J, 3) [m] and (A, J, 4), in place.
+    """Let what the arms of the dancers begin..end-1 draw back, `drawn` (2 A, 2, 3), follow what it was through equal
+    low-pass filters; arms in a hold, by `held` (A, 2), follow their hands instead. Find which arms are to be moved.
 
-    `ahead` (A, J, 3): where arms are about to be [m], by which they keep off others; `share` (A,): how far, 0 to 1;
-    `held` (A, 2), `partner` (A,), `together` (A,) as in `HeldArms`, or all empty; others than `visible` dancers (A,)
-    are in nobody's way; `easing` (2, K, 2 A, 2, 3), `kept` (2,): how arms kept off others and out of the own trunk so
-    far and how much of it stays, or empty: at once; `trunk` (7,), `arms` (2, 3): joints as in `body_capsules`.
+    `easing` (2, K, 2 A, 2, 3), `kept` (2,): as in `ArmEasing`, or empty: at once. `moves` (A, 2): arms that draw back,
+    still return from a push out of the own trunk, or are `near` (A, 2) to it. The filters of arms that are not `active`
+    (A, 2) are 0; this is updated.
     """
-    count = len(position)
-    amount, near = np.empty(2 * count, np.float32), np.empty(2 * count, np.bool_)
-    drawn, box = np.empty((2 * count, 2, 3), np.float32), np.empty((4, count), np.float32)
-    which = np.empty(2 * count, np.int32)
-    most = _ZERO
-    for m in range(2 * count):
-        amount[m] = share[m // 2] * (_ONE - held[m // 2, m % 2]) if len(held) else share[m // 2]
-        most = max(most, amount[m])
-    if most <= _ZERO:
-        return
-    _find_arms(position, ahead, rotation, box, near, amount, trunk, arms)
-    pairs = find_pairs(box, visible)
-    draw_back_arms(ahead, rotation, drawn, pairs, amount, held, partner, together, trunk, arms)
-    if len(easing):
-        _ease(drawn, easing[0], kept[0], held)
-    moving = 0
-    for m in range(2 * count):
-        if near[m] or _size(drawn, m) > _ZERO or _is_pushed(easing, m):
-            which[moving] = m
-            moving += 1
-    none = np.empty((0, 0, 2, 3), np.float32)
-    pushes = easing[1] if len(easing) else none
-    move_arms(position, rotation, drawn, amount, which, moving, pushes, kept[1], trunk, arms)
+    for m in range(2 * begin, 2 * end):
+        n, side = m // 2, m % 2
+        if not active[n, side] and _largest(drawn[m]) == _ZERO:
+            active[n, side] = moves[n, side] = near[n, side]
+            continue
+        eased = rest = _ZERO
+        for k in range(easing.shape[1]):
+            for c in range(6):
+                before = drawn[m, c // 3, c % 3] if k == 0 else easing[0, k - 1, m, c // 3, c % 3]
+                easing[0, k, m, c // 3, c % 3] = before + kept[0] * (easing[0, k, m, c // 3, c % 3] - before)
+            eased, rest = max(eased, _largest(easing[0, k, m])), max(rest, _largest(easing[1, k, m]))
+        for c in range(6 if len(easing) else 0):
+            value = easing[0, easing.shape[1] - 1, m, c // 3, c % 3] if eased >= LEAST_DRAWN else _ZERO
+            drawn[m, c // 3, c % 3] = value * (_ONE - held[n, side]) if len(held) else value
+        draws = abs(drawn[m, 0, 0]) + abs(drawn[m, 0, 2]) + abs(drawn[m, 1, 0]) + abs(drawn[m, 1, 2]) > _ZERO
+        moves[n, side] = near[n, side] or draws or rest >= LEAST_DRAWN
+        active[n, side] = moves[n, side] or eased >= LEAST_DRAWN
+        for k in range(easing.shape[1]):
+            _forget(easing[0, k, m], eased < LEAST_DRAWN)
+            _forget(easing[1, k, m], not moves[n, side])

@@ -30,6 +30,7 @@ from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline, PoseSkeleton
 from live.motion.skeleton import SOLE_BELOW_ANKLE
 
+EVERYBODY: Final = slice(None)
 LEG_JOINTS = PoseSkeleton.legs_only()[1]
 """The engine's joints that a FootLock uses: hips and both legs, shape (9,)."""
 
@@ -41,14 +42,18 @@ class FootLock:
         self.state: Float32 = np.zeros((dancer_count, 2, LOCK_COLUMNS), np.float32)
         """Columns of each foot as in `foot_lock_kernels`, shape (A, 2, 16)."""
 
-    def tick(self, leg_position: npt.NDArray[Any], contact: Bool, dt: float, landing: Bool | None = None) -> None:
-        """Advance by `dt` [s]: unlocked `leg_position` (A, 9, 3) [m] of LEG_JOINTS, `contact` (A, 2).
+    def tick(
+        self, leg_position: npt.NDArray[Any], contact: Bool, dt: float, landing: Bool | None = None,
+        rows: slice = EVERYBODY,
+    ) -> None:  # fmt: skip
+        """Advance by `dt` [s]: unlocked `leg_position` (n, 9, 3) [m] of LEG_JOINTS, `contact` (n, 2), of these rows.
 
-        `landing` (A, 2): feet that come to stand so soon that they must not be raised any more; none without it.
+        `landing` (n, 2): feet that come to stand so soon that they must not be raised any more; none without it.
         """
         if landing is None:
             landing = contact
-        update_lock(self.state, leg_position, contact, landing, LEG_LENGTH, SOLE_BELOW_ANKLE, TOES_OVER_SOLE, dt)
+        state = self.state[rows]
+        update_lock(state, leg_position, contact, landing, LEG_LENGTH, SOLE_BELOW_ANKLE, TOES_OVER_SOLE, dt)
 
     @property
     def max_shift(self) -> float:
@@ -65,10 +70,10 @@ class FootLock:
         pop_slide(self.state, slid, stood)
         return slid, stood
 
-    def write_feet(self, feet: Float32, age: float) -> None:
-        """Write the columns for the pose kernels, (A, 2, 12), `age` [s] after the last tick; free feet are
-        extrapolated."""
-        extrapolate_feet(feet, self.state, age)
+    def write_feet(self, feet: Float32, age: float, rows: slice = EVERYBODY) -> None:
+        """Write the columns of these rows for the pose kernels, (n, 2, 12), `age` [s] after the last tick; free feet
+        are extrapolated."""
+        extrapolate_feet(feet, self.state[rows], age)
 
 
 _POSED: Final = 1 << 14

@@ -70,6 +70,8 @@ _ONE: Any = np.float32(1.0)
 _TWO: Any = np.float32(2.0)
 _TINY: Any = np.float32(1e-12)
 _HIP, _KNEE, _ANKLE, _TOES, _GOAL, _ROWS = 0, 7, 14, 21, 28, 31
+LEGS = 2 * BLOCK
+"""Legs of a block."""
 
 
 @kernel("f4(f4[:,::1], i8)")
@@ -98,18 +100,18 @@ def _rotate_shortest(
 
 @inline_kernel
 def _ankle_goal(
-    leg: Float32, asked: Float32, feet: Float32, side: int, sole: float, toes_over_sole: float, start: int, stop: int
+    leg: Float32, asked: Float32, feet: Float32, sole: float, toes_over_sole: float, start: int, stop: int
 ) -> None:
     """Compute the ankle target, rows _GOAL.. of `leg` [m].
 
     A held foot's contact point stays where it was at the last tick; a free one keeps its decaying shift and lift. No
     sole goes below the floor, or below the height CLEAR.
     """
-    for i in range(BLOCK):
-        row = feet[min(start + i, stop - 1), side]
+    for i in range(LEGS):
+        row = feet[min(start + i % BLOCK, stop - 1), i // BLOCK]
         for c in range(FEET_COLUMNS):
             asked[c, i] = row[c]
-    for i in range(BLOCK):
+    for i in range(LEGS):
         ax, ay, az = leg[_ANKLE + 4, i], leg[_ANKLE + 5, i], leg[_ANKLE + 6, i]
         px = ax + asked[TOES, i] * (leg[_TOES + 4, i] - ax) + asked[OFFSET_X, i]
         pz = az + asked[TOES, i] * (leg[_TOES + 6, i] - az) + asked[OFFSET_Z, i]
@@ -143,7 +145,7 @@ def _solve_leg(leg: Float32, drop: Float32, upper: float, lower: float) -> None:
     """Two-bone IK from the lowered hip to the goal with the knee kept in its plane; foot and toes keep their
     rotation."""
     whole = upper + lower
-    for i in range(BLOCK):
+    for i in range(LEGS):
         hx, hy, hz = leg[_HIP + 4, i], leg[_HIP + 5, i], leg[_HIP + 6, i]
         ux, uy, uz = leg[_KNEE + 4, i] - hx, leg[_KNEE + 5, i] - hy, leg[_KNEE + 6, i] - hz
         ex, ey, ez = leg[_ANKLE + 4, i] - hx, leg[_ANKLE + 5, i] - hy, leg[_ANKLE + 6, i] - hz
@@ -184,7 +186,7 @@ def _solve_leg(leg: Float32, drop: Float32, upper: float, lower: float) -> None:
         leg[_HIP + 5, i] = hy
 
 
-@inline_kernel
+@kernel("void(f4[:,:,::1], f4[:,:,::1], i4[::1], f4[:,::1], f4, f4, i8, i8)")
 def lock_legs(
     world: Float32,
     feet: Float32,
@@ -199,31 +201,28 @@ def lock_legs(
 
     `feet` (A, 2, 12): targets; `legs` (8,): hip, knee, ankle and toes of the left and the right leg; `sole` and
     `toes_over_sole` [m]: heights of ankle and toe joint of a standing foot. Unlock radius, length buffer and two-bone
-    legs as in Holden's Motion-Matching; without branches and trigonometry, so that blocks are vectorized.
+    legs as in Holden's Motion-Matching; without branches and trigonometry, so that blocks are vectorized. The right
+    legs of the block stand in the rows behind the left ones.
     """
-    left, right = np.empty((_ROWS, BLOCK), np.float32), np.empty((_ROWS, BLOCK), np.float32)
-    asked, drop = np.empty((FEET_COLUMNS, BLOCK), np.float32), np.zeros(BLOCK, np.float32)
-    for j in range(4):
+    leg = np.empty((_ROWS, LEGS), np.float32)
+    asked, drop = np.empty((FEET_COLUMNS, LEGS), np.float32), np.empty(LEGS, np.float32)
+    for j in range(8):
         for c in range(7):
             for i in range(BLOCK):
-                left[7 * j + c, i] = world[legs[j], c, i]
-                right[7 * j + c, i] = world[legs[4 + j], c, i]
+                leg[7 * (j % 4) + c, BLOCK * (j // 4) + i] = world[legs[j], c, i]
     upper, lower = _length(offsets, legs[1]), _length(offsets, legs[2])
-    _ankle_goal(left, asked, feet, 0, sole, toes_over_sole, start, stop)
-    _ankle_goal(right, asked, feet, 1, sole, toes_over_sole, start, stop)
-    for i in range(BLOCK):
-        n = min(start + i, stop - 1)
+    _ankle_goal(leg, asked, feet, sole, toes_over_sole, start, stop)
+    for i in range(LEGS):
+        n = min(start + i % BLOCK, stop - 1)
         drop[i] = max(max(feet[n, 0, HIP_DROP], feet[n, 1, HIP_DROP]), _ZERO)
-    _solve_leg(left, drop, upper, lower)
-    _solve_leg(right, drop, upper, lower)
+    _solve_leg(leg, drop, upper, lower)
     for j in range(world.shape[0]):
         for i in range(BLOCK):
             world[j, 5, i] -= drop[i]
-    for j in range(4):
+    for j in range(8):
         for c in range(7):
             for i in range(BLOCK):
-                world[legs[j], c, i] = left[7 * j + c, i]
-                world[legs[4 + j], c, i] = right[7 * j + c, i]
+                world[legs[j], c, i] = leg[7 * (j % 4) + c, BLOCK * (j // 4) + i]
 
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], b1[:,::1], b1[:,::1], f4, f4, f4, f4)")

@@ -35,6 +35,10 @@ MINOR_SHARE = 0.25
 """A clip with a smaller share than this in a pose counts less for foot clearance."""
 CLEARANCE_SOFTNESS_SHARE = 0.3
 """Part of the height over which the clearance sets in."""
+MAX_SPEED_CHANGE = 0.9
+"""Largest change of a clip's speed by a time warp, as a share (T054: from 1 on it would run backwards)."""
+MAX_HOLD = 0.55
+"""In the most sudden mood movements are slower at beats, and faster between them, by this share."""
 STEPPING = 0.004
 """A foot that its plan lifts higher than this [m] does not stand."""
 
@@ -64,19 +68,26 @@ def warp_phases(out: Float64, fraction: float, warp: Float64, window: float) -> 
             out[n] += warp[3, n] * warp[0, n] * math.sin(2.0 * math.pi * f * (fraction - begin))
 
 
-@kernel("UniTuple(f8,2)(f8[::1], f8, f8[:,::1], f8, f8[::1], f8[::1], f8[::1])")
+@kernel("UniTuple(f8,2)(f8[::1], f8, f8[:,::1], f8, f8[::1], f8[::1], f8[::1], f8[::1], f8)")
 def delay_phases(
-    out: Float64, fraction: float, warp: Float64, window: float, ahead: Float64, delay_before: Float64, delay: Float64
-) -> tuple[float, float]:
+    out: Float64, fraction: float, warp: Float64, window: float, ahead: Float64, delay_before: Float64, delay: Float64,
+    sudden: Float64, turns: float,
+) -> tuple[float, float]:  # fmt: skip
     """Compute phases (A,) as `warp_phases`, plus `ahead` (A,), minus deliberate delay; return the lowest and highest.
 
     The delay goes from `delay_before` (A,) to `delay` (A,) through the measure; no dancer is more than a measure
-    behind.
+    behind. By moods of time `sudden` (A,), -1 to 1, movements are fast between beats and slow at them, or the other
+    way; all are on the beat. `turns`: the angle of the beats in a measure [rad]; 0: no such moods.
     """
     warp_phases(out, fraction, warp, window)
     share, lowest, highest = ease(fraction), np.inf, -np.inf
+    sine = math.sin(turns * fraction)
     for n in range(out.shape[0]):
-        phase = max(out[n] + ahead[n] - (delay_before[n] + share * (delay[n] - delay_before[n])), -1.0)
+        lead = ahead[n]
+        if turns > 0.0:
+            room = max(MAX_SPEED_CHANGE - 2.0 * math.pi * warp[0, n] * warp[1, n], 0.0)
+            lead += -min(max(MAX_HOLD * sudden[n], -room), room) * sine / turns
+        phase = max(out[n] + lead - (delay_before[n] + share * (delay[n] - delay_before[n])), -1.0)
         lowest, highest = min(lowest, phase), max(highest, phase)
         out[n] = phase
     return lowest, highest
@@ -134,8 +145,12 @@ def plan_feet(
     rows: Int64, phase: Float64, share: Float32, node: Int32, correction: Float64, aimed: Float64, warp_curve: Float64,
     foot_curve: Float64, foot_aim: Float64, locks: Float64, foot_offset: Float32,
 ) -> None:  # fmt: skip
-    """Write how far footstep plans have the feet from their places in the clips as placed; arrays as in
-    `gather_dancers`."""
+    """Write how far footstep plans have the feet of the dancers `rows` (n,) from their places in the clips as placed.
+
+    `foot_offset` (A, 2, 3): x, z [m] of the feet from there, and the height [m] to which their plan lifts them.
+    `share`: the pipeline's, as `gather_dancers` has filled it; `foot_curve` of N nodes; `foot_aim` (A, 2, 6) of the
+    measures, `locks` (A,): 0 for dancers whose feet are not locked; other arrays as in `gather_dancers`.
+    """
     for i in range(rows.shape[0]):
         n, at = rows[i], min(max(phase[i], 0.0), 1.0)
         own, weight = max(node[n], 0), locks[n] * (1.0 - share[INTO_NEXT, n])
@@ -151,12 +166,11 @@ def plan_feet(
 
 
 @kernel(
-    "void(i8[::1], f8[::1], f8, f8, b1,"
+    "void(i8[::1], f8[::1], f8, f8, b1, b1,"
     " i4[::1], f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], i4[::1], f4[:,::1], f8[:,::1],"
     " i4[::1], f8[:,::1], i4[::1], f4[:,::1], f8[:,::1],"
     " f8[::1], f8[::1], f8[::1], f8[:,::1], f8[::1], f8[:,:,::1], f8[:,:,::1],"
-    " f8[:,:,:,::1], f8[:,:,::1], f8[::1],"
-    " f8[:,::1], f8[:,:,::1], f4[:,::1], i4[:,::1], f4[::1], f4[:,:,::1])"
+    " f8[:,::1], f8[:,:,::1], f4[:,::1], i4[:,::1], f4[::1])"
 )
 def gather_dancers(
     rows: Int64,
@@ -164,6 +178,7 @@ def gather_dancers(
     fraction: float,
     window: float,
     continues: bool,
+    takes: bool,
     node: Int32,
     clip_placement: Float64,
     correction: Float64,
@@ -184,26 +199,20 @@ def gather_dancers(
     facing: Float64,
     turns: Float64,
     warp_curve: Float64,
-    foot_curve: Float64,
-    foot_aim: Float64,
-    locks: Float64,
     sample: Float64,
     placement: Float64,
     share: Float32,
     mean: Int32,
     scaled_amplitude: Float32,
-    foot_offset: Float32,
 ) -> None:
     """Fill the pipeline's arrays for the dancers `rows` (n,) at `phase` (n,) of their measures, clamped to 0 to 1.
 
     Their measures: `node`, `clip_placement` (A, 3) placement of the clips, `correction` and `aimed` (A, 3),
     `on_support`, `take`, `take_share` (2, A) and `amplitude` (2, A), eased by `fraction`. For the following measures,
     if the dance `continues`, the same for the next clips, blended in over the last `window` of the measure (K004). Of N
-    nodes: `first`, `last`, `lead` samples, `start` (N, 2) and `facing` (N,) of the hips at their beginning, `turns`,
-    `warp_curve` and `foot_curve`; `foot_aim` (A, 2, 6) of the measures, `locks` (A,): 0 for dancers whose feet are not
-    locked. Outputs as in `PosePipeline`: `sample` (4, A), `placement` (4, A, 4), `share` (5, A), `mean` (2, A),
-    amplitude `scaled_amplitude` (A,), and `foot_offset` (A, 2, 3): x, z [m] of the feet from their places in the clip
-    as placed, and the height [m] to which their plan lifts them.
+    nodes: `first`, `last`, `lead` samples, `start` (N, 2) and `facing` (N,) of the hips at their beginning, `turns` and
+    `warp_curve`. Outputs as in `PosePipeline`: `sample` (4, A), `placement` (4, A, 4), `share` (5, A), `mean` (2, A),
+    amplitude `scaled_amplitude` (A,); without `takes` only samples and placements of PRESENT and NEXT, and INTO_NEXT.
     """
     for i in range(rows.shape[0]):
         n, at = rows[i], min(max(phase[i], 0.0), 1.0)  # never read a clip beyond its measure
@@ -214,10 +223,11 @@ def gather_dancers(
         sample[PRESENT, n] = first[own] + at * (last[own] - first[own])
         placement[PRESENT, n, 0], placement[PRESENT, n, 1] = x, z
         placement[PRESENT, n, 2], placement[PRESENT, n, 3] = path, body
-        gather_take(
-            n, PRESENT_TAKE, own, take[n], at, take_share[0, n], take_share[1, n], first, last, lead, start, facing,
-            sample, placement, share, LOWER, x, z, path, body,
-        )  # fmt: skip
+        if takes:
+            gather_take(
+                n, PRESENT_TAKE, own, take[n], at, take_share[0, n], take_share[1, n], first, last, lead, start, facing,
+                sample, placement, share, LOWER, x, z, path, body,
+            )  # fmt: skip
         mean[0, n] = max(take[n], 0) if take_share[1, n] > 0.5 else own
         loud = amplitude[0, n] + ease(fraction) * (amplitude[1, n] - amplitude[0, n])
         into = ease((at - (1.0 - window)) / window) if continues and next_node[n] >= 0 else 0.0
@@ -232,15 +242,13 @@ def gather_dancers(
         sample[NEXT, n] = max(first[coming] + back, lead[coming])
         placement[NEXT, n, 0], placement[NEXT, n, 1] = x, z
         placement[NEXT, n, 2], placement[NEXT, n, 3] = path, path
-        gather_take(
-            n, NEXT_TAKE, coming, next_take[n], at - 1.0, next_take_share[0, n], next_take_share[1, n], first, last,
-            lead, start, facing, sample, placement, share, NEXT_LOWER, x, z, path, path,
-        )  # fmt: skip
+        if takes:
+            gather_take(
+                n, NEXT_TAKE, coming, next_take[n], at - 1.0, next_take_share[0, n], next_take_share[1, n], first, last,
+                lead, start, facing, sample, placement, share, NEXT_LOWER, x, z, path, path,
+            )  # fmt: skip
         mean[1, n] = max(next_take[n], 0) if next_take_share[1, n] > 0.5 else coming
         scaled_amplitude[n] = loud + into * (next_amplitude[0, n] - loud)
-    plan_feet(
-        rows, phase, share, node, correction, aimed, warp_curve, foot_curve, foot_aim, locks, foot_offset
-    )  # fmt: skip
 
 
 @kernel("void(f8[:,::1], i8[::1], f8[:,::1], f8[:,:,::1], f4[:,::1], f4[:,::1])")
@@ -285,18 +293,21 @@ def set_steps(feet: Float32, foot_offset: Float32, lock: Float32, age: float) ->
                 feet[n, foot, CLEARANCE_SOFTNESS] = CLEARANCE_SOFTNESS_SHARE * lift
 
 
-@kernel("void(b1[:,::1], f8[:,::1], f4[:,::1], b1[:,::1], f4[:,:,::1])")
-def standing_feet(out: Bool, sample: Float64, share: Float32, contact: Bool, foot_offset: Float32) -> None:
-    """Compute which feet (A, 2) are in contact in the sampled clips, from the annotation `contact` (S, 2) of all
-    samples.
+@kernel("void(b1[:,::1], f8[:,::1], f8, f4[:,::1], b1[:,::1], f4[:,:,::1], i8, i8)")
+def standing_feet(
+    out: Bool, sample: Float64, later: float, share: Float32, contact: Bool, foot_offset: Float32, begin: int, end: int
+) -> None:
+    """Compute which feet (A, 2) of the dancers begin..end-1 are in contact in the clips `later` samples after those
+    sampled, from the annotation `contact` (S, 2) of all samples.
 
     While clips are mixed or blended a foot counts only if all of them have it on the floor. A foot that its footstep
     plan lifts, by `foot_offset` (A, 2, 3), does not stand.
     """
-    for n in range(out.shape[0]):
+    last = contact.shape[0] - 1.0
+    for n in range(begin, end):
         into = share[INTO_NEXT, n]
-        own, coming = round(sample[PRESENT, n]), round(sample[NEXT, n])
-        other = round(sample[PRESENT_TAKE, n])
+        own, coming = round(min(sample[PRESENT, n] + later, last)), round(min(sample[NEXT, n] + later, last))
+        other = round(min(sample[PRESENT_TAKE, n] + later, last))
         for foot in range(2):
             stands = contact[own, foot]
             if share[LOWER, n] > 0.0:
@@ -305,16 +316,17 @@ def standing_feet(out: Bool, sample: Float64, share: Float32, contact: Bool, foo
             out[n, foot] = stands and foot_offset[n, foot, 2] < STEPPING
 
 
-@kernel("void(f4[:,:,::1], f8[:,::1], f4[:,::1], f4[:,::1])")
-def set_clearance(feet: Float32, sample: Float64, share: Float32, height: Float32) -> None:
-    """Set the minimum foot heights where clips are mixed or blended: columns CLEAR and ROUND of `feet` (A, 2, 12).
+@kernel("void(f4[:,:,::1], f8[:,::1], f4[:,::1], f4[:,::1], i8, i8)")
+def set_clearance(feet: Float32, sample: Float64, share: Float32, height: Float32, begin: int, end: int) -> None:
+    """Set the minimum foot heights where clips are mixed or blended, of the dancers begin..end-1: columns CLEAR and
+    ROUND of `feet` (A, 2, 12).
 
     The blend of a standing and a swinging foot would drag over the floor at a fraction of the swing's height. A foot is
     therefore as high as the highest of its clips, up to MAX_CLEARANCE, by the sole `height` (S, 2) [m] of all samples.
     Unblended clips are unchanged, and a foot that stands in all clips stands.
     """
     weight = np.empty(4)
-    for n in range(feet.shape[0]):
+    for n in range(begin, end):
         into, lower, coming = share[INTO_NEXT, n], share[LOWER, n], share[NEXT_LOWER, n] * (share[INTO_NEXT, n] > 0.0)
         weight[PRESENT], weight[PRESENT_TAKE] = (1.0 - into) * (1.0 - lower), (1.0 - into) * lower
         weight[NEXT], weight[NEXT_TAKE] = into * (1.0 - coming), into * coming

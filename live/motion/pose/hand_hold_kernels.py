@@ -79,7 +79,7 @@ def rotate_vector(q: Rotation, x: float, y: float, z: float) -> Vector:
     )
 
 
-@inline_kernel
+@kernel("void(f4[:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1], i4[:,::1], i8, i4[::1], i8, i8)")
 def gather_arm(
     arm: Float32, position: Float32, rotation: Float32, who: Int32, hand: Int32, side: int, joints: Int32,
     start: int, stop: int,
@@ -164,9 +164,14 @@ def _meeting_point(one: Float32, other: Float32, share: Float32, start: int, sto
         other[GOAL, i], other[GOAL + 1, i], other[GOAL + 2, i] = cx, cy, cz
 
 
-@inline_kernel
-def solve_arm(arm: Float32) -> None:
-    """Two-bone IK from the shoulder to the palm's goal: the arm is swung as a whole, then bent in its plane."""
+@kernel("void(f4[:,::1])")
+def solve_arm(rows: Float32) -> None:
+    """Two-bone IK from the shoulder to the palm's goal, in the rows of a block of arms (ROWS, BLOCK): the arm is swung
+    as a whole, then bent in its plane."""
+    arm = np.empty((ROWS, BLOCK), np.float32)  # a copy, so that the compiler knows that no two rows are the same
+    for k in range(ROWS):
+        for i in range(BLOCK):
+            arm[k, i] = rows[k, i]
     for i in range(BLOCK):
         sx, sy, sz = arm[UPPER + 4, i], arm[UPPER + 5, i], arm[UPPER + 6, i]
         ux, uy, uz = arm[LOWER + 4, i] - sx, arm[LOWER + 5, i] - sy, arm[LOWER + 6, i] - sz
@@ -213,9 +218,12 @@ def solve_arm(arm: Float32) -> None:
         arm[HAND, i], arm[HAND + 1, i], arm[HAND + 2, i], arm[HAND + 3, i] = r
         arm[LOWER + 4, i], arm[LOWER + 5, i], arm[LOWER + 6, i] = sx + kx, sy + ky, sz + kz
         arm[HAND + 4, i], arm[HAND + 5, i], arm[HAND + 6, i] = sx + kx + wx, sy + ky + wy, sz + kz + wz
+    for k in range(FORWARD):
+        for i in range(BLOCK):
+            rows[k, i] = arm[k, i]
 
 
-@inline_kernel
+@kernel("void(f4[:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1], i4[:,::1], i8, i4[::1], i8, i8)")
 def scatter_arm(
     arm: Float32, position: Float32, rotation: Float32, who: Int32, hand: Int32, side: int, joints: Int32,
     start: int, stop: int,

@@ -57,7 +57,7 @@ def _remaining(settling: Float32, age: Float32, joint: int, left: Float32, start
             left[c, i] = value * row[c] + speed * row[3 + c]
 
 
-@inline_kernel
+@kernel("void(f4[:,:,::1], f4[:,::1], f4[:,:,::1], f4[::1], i4[::1], i8, i8)")
 def add_differences(
     local: Float32, root: Float32, difference: Float32, age: Float32, difference_rows: Int32, start: int, stop: int
 ) -> None:
@@ -66,9 +66,11 @@ def add_differences(
     `difference` (A, J + 1, 7), the last row for the hips' translation; `age` (A,) [s] since each dancer's cut;
     `difference_rows` (joints,) the row of each joint of `local`. With an age of LONGEST nothing changes.
     """
-    left = np.empty((3, BLOCK), np.float32)
-    for j in range(local.shape[0]):
-        _remaining(difference, age, difference_rows[j], left, start, stop)
+    left, joints = np.empty((3, BLOCK), np.float32), local.shape[0]
+    for j in range(joints + 1):
+        _remaining(difference, age, difference_rows[j] if j < joints else difference.shape[1] - 1, left, start, stop)
+        if j == joints:
+            break
         for i in range(BLOCK):
             rx, ry, rz = left[0, i], left[1, i], left[2, i]
             s = _QUARTER * (rx * rx + ry * ry + rz * rz)  # half the angle, squared
@@ -80,7 +82,6 @@ def add_differences(
             local[j, 1, i] = aw * x + ax * w + ay * z - az * y
             local[j, 2, i] = aw * y - ax * z + ay * w + az * x
             local[j, 3, i] = aw * z + ax * y - ay * x + az * w
-    _remaining(difference, age, difference.shape[1] - 1, left, start, stop)
     for c in range(3):
         for i in range(BLOCK):
             root[c, i] += left[c, i]
@@ -108,6 +109,12 @@ def _rotation_difference(out: Float64, one: Float64, other: Float64) -> None:
     out[1] = aw * bx + ax * bw + ay * bz - az * by
     out[2] = aw * by - ax * bz + ay * bw + az * bx
     out[3] = aw * bz + ax * by - ay * bx + az * bw
+
+
+@inline_kernel
+def _negate(q: Float64) -> None:
+    for c in range(4):
+        q[c] = -q[c]
 
 
 @kernel("f8(f8[::1])")
@@ -155,9 +162,9 @@ def record_difference(
             _local_rotation(new, after[1, k], j, parents[j])
             _rotation_difference(then, old, new)
             if now[0] < 0.0:
-                now[:] = -now
+                _negate(now)
             if now[0] * then[0] + now[1] * then[1] + now[2] * then[2] + now[3] * then[3] < 0.0:
-                then[:] = -then
+                _negate(then)
             scale, scale_then = _vector_scale(now), _vector_scale(then)
             for c in range(3):
                 difference[n, j, c] = scale * now[1 + c]

@@ -120,20 +120,31 @@ class MoodPose:
         self.late: Float64 = np.zeros(count)
         """How late the hands are [beats], shape (A,)."""
         self._own = np.arange(count) * 0.381966  # each dancer roams and breathes at another time
+        self._still = np.zeros_like(self.bend)  # without what roams and breathes
+        self._set_for: tuple[Float64, MoodEnds] | None = None  # what the arrays hold, but for what roams and breathes
 
     def set(self, mood: Float64, time: float, ends: MoodEnds = PARAMETRIC) -> None:
         """Set all arrays for `mood` (6, A) at `time` [s]."""
+        before = self._set_for
+        if before is None or before[1] is not ends or not np.array_equal(before[0], mood):
+            self._set_for = mood.copy(), ends
+            self._set_still(mood, ends)
         upper, lower = np.maximum(mood, 0.0).T, np.maximum(-mood, 0.0).T
-        flat = ends.bend.reshape(2, 6, -1)
-        self.bend.reshape(len(self.bend), -1)[:] = (
-            upper.astype(np.float32) @ flat[0] + lower.astype(np.float32) @ flat[1]
-        )
         roam = lower[:, SPACE]
         if roam.any():
             turn = roam * np.sin(2.0 * np.pi * (time / ROAM_S + self._own))
             for name, angle in _ROAM.items():
-                self.bend[:, SKELETON.index(name) - FIRST, 1] += math.radians(angle) * turn
+                self._swing(name, 1, math.radians(angle) * turn)
         self._breathe(upper, lower, time)
+
+    def _set_still(self, mood: Float64, ends: MoodEnds) -> None:
+        """Set what does not change while the moods stay."""
+        upper, lower = np.maximum(mood, 0.0).T, np.maximum(-mood, 0.0).T
+        flat = ends.bend.reshape(2, 6, -1)
+        self._still.reshape(len(self.bend), -1)[:] = (
+            upper.astype(np.float32) @ flat[0] + lower.astype(np.float32) @ flat[1]
+        )
+        self.bend[:] = self._still
         size = upper @ ends.size[0] + lower @ ends.size[1]
         self.size[:] = np.clip(np.exp(size), MAX_SIZE**-2, MAX_SIZE)
         self.drop[:] = np.clip(upper @ ends.drop[0] + lower @ ends.drop[1], 0.0, MAX_DROP)
@@ -142,14 +153,21 @@ class MoodPose:
 
     def _breathe(self, upper: Float64, lower: Float64, time: float) -> None:
         """Add the breath; those whose flow is bound hold theirs."""
-        breath = np.zeros(len(upper))
+        breath = None
         for (row, end), (period, depth) in _BREATHS.items():
-            breath += depth * (upper if end > 0 else lower)[:, row] * np.sin(2.0 * np.pi * (time / period + self._own))
-        if not breath.any():
+            share = (upper if end > 0 else lower)[:, row]
+            if share.any():
+                one = depth * share * np.sin(2.0 * np.pi * (time / period + self._own))
+                breath = one if breath is None else breath + one
+        if breath is None:
             return
         breath *= 1.0 - lower[:, FLOW]
         for name, angle in _BREATH.items():
-            self.bend[:, SKELETON.index(name) - FIRST, 0] += math.radians(angle) * breath
+            self._swing(name, 0, math.radians(angle) * breath)
         for side, sign in (("left", 1.0), ("right", -1.0)):
-            joint = SKELETON.index(f"{side}Shoulder") - FIRST
-            self.bend[:, joint, 2] += sign * math.radians(_BREATH_SHOULDERS) * breath
+            self._swing(f"{side}Shoulder", 2, sign * math.radians(_BREATH_SHOULDERS) * breath)
+
+    def _swing(self, name: str, axis: int, angle: Float64) -> None:
+        """Bend a joint about one axis by `angle` (A,) [rad] more than it is bent without roaming and breathing."""
+        joint = SKELETON.index(name) - FIRST
+        self.bend[:, joint, axis] = self._still[:, joint, axis] + angle

@@ -246,7 +246,10 @@ def _draw_back(
         max(longest, longest_other) + TO_TRUNK <= apart - OVERLAP_MARGIN
     ):
         return
-    wish[:] = _ZERO
+    for who in range(2):
+        for side in range(2):
+            for k in range(4):
+                wish[who, side, k] = _ZERO
     _add_arm_wishes(wish, along, one, other, apart, free, open_hands)
     _add_trunk_wishes(wish, along, one, other, apart, free)
     for who in range(2):
@@ -296,7 +299,8 @@ def _compare_boxes(order: Int32, edges: Float32, cell: Int32, start: Int32, colu
                 ):  # fmt: skip
                     if found == len(pairs):
                         more = np.empty((2 * len(pairs), 2), np.int32)
-                        more[:found] = pairs
+                        for old in range(found):
+                            more[old, 0], more[old, 1] = pairs[old, 0], pairs[old, 1]
                         pairs = more
                     pairs[found, 0], pairs[found, 1] = order[m], order[n]
                     found += 1
@@ -372,7 +376,9 @@ def draw_back_arms(
     one, other = np.empty((POINTS, 3), np.float32), np.empty((POINTS, 3), np.float32)
     free, open_hands = np.empty((2, 2), np.float32), np.empty((2, 2), np.float32)
     along, wish = np.empty((2, 2, 4), np.float32), np.empty((2, 2, 4), np.float32)
-    drawn[:] = _ZERO
+    for m in range(len(drawn)):
+        for c in range(6):
+            drawn[m, c // 3, c % 3] = _ZERO
     last = -1
     for n in range(len(pairs)):
         i, j = pairs[n, 0], pairs[n, 1]

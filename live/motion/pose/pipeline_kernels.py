@@ -57,7 +57,7 @@ def head_turn(chest: float) -> float:
     return -math.copysign(max(turn, 0.0), angle_wrap(chest))
 
 
-@inline_kernel
+@kernel("void(f4[:,:,::1], f4[::1], i8, i8, i8, i8)")
 def face_audience(world: Float32, share: Float32, chest: int, head: int, start: int, stop: int) -> None:
     """Turn heads about the vertical towards the audience by the share `share` (A,) (T123, T125: head joint only)."""
     for i in range(min(BLOCK, stop - start)):
@@ -110,17 +110,17 @@ def _mix_take(
     """Mix another take of the same step into lower and upper body by separate shares (A,) (T044, T045)."""
     row = np.empty(BLOCK, np.float32)
     first, last = body[UPPER_FIRST], body[UPPER_LAST]
-    _fill_row(row, upper, start, stop)
-    slerp_rows(local, other, row, first, last)
-    _fill_row(row, lower, start, stop)
-    for above in range(2):
-        slerp_rows(local, other, row, last if above else 0, local.shape[0] if above else first)
+    for part in range(3):  # the upper body, the joints before it, those behind it
+        if part < 2:
+            _fill_row(row, upper if part == 0 else lower, start, stop)
+        begin, end = (first, last) if part == 0 else ((0, first) if part == 1 else (last, local.shape[0]))
+        slerp_rows(local, other, row, begin, end)
     for c in range(3):
         for i in range(BLOCK):
             root[c, i] += row[i] * (other_root[c, i] - root[c, i])
 
 
-@inline_kernel
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1], f4[::1], f4[::1], f4[::1], i4[::1], i8, i8)")
 def _amplify(
     local: Float32, other: Float32, mean_rotation: Float32, mean: Int32, into_next: Float32,
     amplitude: Float32, row: Float32, body: Int32, start: int, stop: int,
@@ -141,14 +141,20 @@ def _amplify(
     slerp_rows(local, other, row, first, last)
 
 
-@inline_kernel
+@kernel("void(f4[:,:,::1], f4[:,:,::1], i8, i8, i8)")
 def _bend_joints(local: Float32, bend: Float32, first: int, start: int, stop: int) -> None:
     """Bend joints from `first` on by `bend` (A, U, 3) [rad], rotation vectors about their parents' axes; (0, 0, 3): not
     at all."""
+    half = np.empty((3, BLOCK), np.float32)
     for j in range(bend.shape[1]):
+        bent = False
         for i in range(BLOCK):
             n = min(start + i, stop - 1)
-            x, y, z = _HALF * bend[n, j, 0], _HALF * bend[n, j, 1], _HALF * bend[n, j, 2]
+            for c in range(3):
+                half[c, i] = _HALF * bend[n, j, c]
+                bent |= half[c, i] != _ZERO
+        for i in range(BLOCK if bent else 0):
+            x, y, z = half[0, i], half[1, i], half[2, i]
             w = _ONE / math.sqrt(_ONE + x * x + y * y + z * z)
             x, y, z = w * x, w * y, w * z
             qw, qx, qy, qz = (

@@ -1,16 +1,15 @@
 """Pose pipeline: preallocated inputs and outputs of the pose kernels for A dancers."""
 
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
-from itertools import pairwise
 from typing import Any, Final
 
 import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Float32, Float64, Int32
+from live.base.row_ranges import run_rows
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.pose.foot_lock_kernels import FEET_COLUMNS, TOES
 from live.motion.pose.inertialization import zero_differences
@@ -19,6 +18,8 @@ from live.motion.pose.pipeline_kernels import pose_dancers
 from live.motion.pose.sample_kernels import BLOCK
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
 
+RANGE: Final = 4 * BLOCK
+"""So many dancers' poses are worth a range of their own."""
 LEG_NAMES: Final = tuple(
     side + joint for side in ("left", "right") for joint in ("UpperLeg", "LowerLeg", "Foot", "Toes")
 )
@@ -96,7 +97,7 @@ NOT_LATE: Final = np.zeros((0, 0), np.float32)
 class PosePipeline:
     """Fill the public arrays, then call `run`. Per frame only the blocks' few kilobytes are allocated."""
 
-    def __init__(self, dancer_count: int, skeleton: PoseSkeleton | None = None, *, threads: int = 1) -> None:
+    def __init__(self, dancer_count: int, skeleton: PoseSkeleton | None = None) -> None:
         self.skeleton = skeleton if skeleton is not None else PoseSkeleton.whole()
         joints, count = len(self.skeleton.parents), dancer_count
         self.sample: Float64 = np.zeros((4, count))
@@ -131,8 +132,6 @@ class PosePipeline:
         """World rotations of the joints, shape (A, J, 4)."""
         self._soles = np.array([SOLE_BELOW_ANKLE, TOES_OVER_SOLE], np.float32)
         self._count = count
-        self._pool = ThreadPoolExecutor(threads) if threads > 1 else None
-        self._parts = _parts(count, threads)
 
     def has_valid_shapes(self) -> bool:
         """Whether all arrays have the shapes for its number of dancers, so that the kernels can run on them."""
@@ -145,8 +144,7 @@ class PosePipeline:
         )  # fmt: skip
         bend = self.bend.shape in ((0, 0, 3), (count, self.skeleton.body[1] - self.skeleton.body[0], 3))
         late = self.late.shape in ((0, 0), (4, count))
-        parts = bend and late and all(0 <= begin <= end <= count for begin, end in self._parts)
-        return parts and all(array.shape == shape for array, shape in shapes)
+        return bend and late and all(array.shape == shape for array, shape in shapes)
 
     def run(
         self,
@@ -175,27 +173,8 @@ class PosePipeline:
             )  # fmt: skip
 
         if only is None:
-            self._run_parts(part)
+            run_rows(part, self._count, least=RANGE, block=BLOCK)
         else:
             for begin in sorted({row - row % BLOCK for row in only}):
                 part(begin, min(begin + BLOCK, self._count))
         return position, rotation
-
-    def close(self) -> None:
-        """Shut down the threads, if any."""
-        if self._pool is not None:
-            self._pool.shutdown()
-
-    def _run_parts(self, part: Callable[[int, int], None]) -> None:
-        if self._pool is None:
-            part(0, self._count)
-            return
-        for done in [self._pool.submit(part, begin, end) for begin, end in self._parts]:
-            done.result()
-
-
-def _parts(count: int, threads: int) -> list[tuple[int, int]]:
-    """Split whole blocks evenly between threads."""
-    blocks = -(-count // BLOCK)
-    edges = [min(count, BLOCK * (blocks * part // threads)) for part in range(threads + 1)]
-    return [(begin, end) for begin, end in pairwise(edges) if end > begin]

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import inline_kernel
+from live.base.jit import inline_kernel, kernel
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
@@ -112,7 +112,7 @@ def gather_samples(local: Float32, lanes: Float32, clips: Float32, sample: Float
             local[j, 3, i] = z * scale
 
 
-@inline_kernel
+@kernel("void(f4[:,:,::1], f4[:,::1], f8[::1], f4[:,::1], i8, i8, i8, i8, i8)")
 def gather_late_arms(
     local: Float32,
     clips: Float32,
@@ -139,12 +139,14 @@ def gather_late_arms(
             at = min(max(sample[n] - share * late[row, n], 0.0), float(end))
             low = int(at)
             high, t = min(low + 1, end), np.float32(at - low)
-            w = clips[low, 4 * j] + t * (clips[high, 4 * j] - clips[low, 4 * j])
-            x = clips[low, 4 * j + 1] + t * (clips[high, 4 * j + 1] - clips[low, 4 * j + 1])
-            y = clips[low, 4 * j + 2] + t * (clips[high, 4 * j + 2] - clips[low, 4 * j + 2])
-            z = clips[low, 4 * j + 3] + t * (clips[high, 4 * j + 3] - clips[low, 4 * j + 3])
-            scale = _THREE_HALVES - _HALF * (w * w + x * x + y * y + z * z)
-            local[j, 0, i], local[j, 1, i], local[j, 2, i], local[j, 3, i] = w * scale, x * scale, y * scale, z * scale
+            size = _ZERO
+            for c in range(4):
+                value = clips[low, 4 * j + c] + t * (clips[high, 4 * j + c] - clips[low, 4 * j + c])
+                local[j, c, i] = value
+                size += value * value
+            scale = _THREE_HALVES - _HALF * size
+            for c in range(4):
+                local[j, c, i] *= scale
 
 
 @inline_kernel

@@ -335,9 +335,10 @@ def move_arms(
         _gather_trunks(rows, position, trunk, which, start, stop)
         _gather_arms(arm, rows, position, rotation, drawn, amount, arms, which, start, stop)
         for _ in range(ROUNDS):
-            for k in range(3):
-                _push_out(arm, rows, _HALF * np.float32(k), _ZERO, ARM_GAP)
-            _push_out(arm, rows, _ONE, _ONE, PALM_GAP)
+            for k in range(4):  # three points of the forearm, and the palm
+                palm = k == 3
+                at = _ONE if palm else _HALF * np.float32(k)
+                _push_out(arm, rows, at, _ONE if palm else _ZERO, PALM_GAP if palm else ARM_GAP)
             _restore_lengths(arm)
             _keep_places(arm)
         if len(easing):

@@ -46,13 +46,13 @@ def place_clip(
     x = placement[0] + warped_shift(share, aimed[2], aimed[0], correction[0])
     z = placement[1] + warped_shift(share, aimed[2], aimed[1], correction[1])
     yaw, angle = placement[2], correction[2]
-    if on_support == 0.0:
+    if on_support == 0.0 or angle == 0.0:
         return x, z, yaw, yaw + ease(fraction) * angle
     before, shift_x, shift_z = 0.0, 0.0, 0.0
     sine, cosine = 0.0, 1.0  # of `before`; those of all angles come from half of each turn's
     for k in range(turns.shape[0]):
         row = turns[k]
-        if row[2] == 0.0 or angle == 0.0 or fraction <= row[0]:
+        if row[2] == 0.0 or fraction <= row[0]:
             continue
         passed = min((fraction - row[0]) / max(row[1] - row[0], 1e-12), 1.0)
         progress = eased_share(passed, row[7])

@@ -7,9 +7,10 @@ import numpy.typing as npt
 
 from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.motion_parameters import FOOT_LOCK
+from live.base.row_ranges import run_rows
 from live.graph.motion_graph import MotionGraph
-from live.motion.pose.gather_kernels import clip_hips, gather_dancers, standing_feet
-from live.motion.pose.pose_pipeline import PosePipeline
+from live.motion.pose.gather_kernels import clip_hips, gather_dancers, plan_feet, standing_feet
+from live.motion.pose.pose_pipeline import RANGE, PosePipeline
 from live.show.dancers.measure_state import MeasureState
 from live.show.dancers.variation import Variation
 
@@ -67,7 +68,7 @@ class CurrentMeasures:
     def predicted_hips(self, fraction: float, rows: Rows | None = None) -> Float64:
         """Hips at `fraction` of the measure as the clips have them [m], time warps and transitions included: of all
         dancers, (A, 2), or of `rows` (n,), (n, 2)."""
-        self._request_samples(fraction, rows)
+        self._request_samples(fraction, rows, whole=False)
         rows = self._everybody if rows is None else rows
         pipeline, out = self._pipeline, np.empty((len(rows), 2))
         clip_hips(out, rows, pipeline.sample, pipeline.placement, pipeline.share, self.graph.library.clip_root)
@@ -79,37 +80,39 @@ class CurrentMeasures:
         During a blend, a foot counts only if both clips have it on the floor.
         """
         self._request_samples(fraction)
-        out = np.empty((len(self._everybody), 2), np.bool_)
-        pipeline, library = self._pipeline, self.graph.library
-        standing_feet(out, pipeline.sample, pipeline.share, library.clip_contact, self._foot_offset)
-        return out
+        return self._standing(0.0)
 
     def landing_feet(self) -> Bool:
         """Whether feet are on the floor LANDING_SAMPLES after the samples that were requested last, shape (A, 2)."""
+        return self._standing(LANDING_SAMPLES)
+
+    def _standing(self, later: float) -> Bool:
         out = np.empty((len(self._everybody), 2), np.bool_)
         pipeline, contact = self._pipeline, self.graph.library.clip_contact
-        soon = np.minimum(pipeline.sample + LANDING_SAMPLES, len(contact) - 1.0)
-        standing_feet(out, soon, pipeline.share, contact, self._foot_offset)
+
+        def part(begin: int, end: int) -> None:
+            standing_feet(out, pipeline.sample, later, pipeline.share, contact, self._foot_offset, begin, end)
+
+        run_rows(part, len(out), least=8 * RANGE)
         return out
 
     # -- sample requests to the pose pipeline ------------------------------------------------------------------
 
-    def _request_samples(self, fraction: float, rows: Rows | None = None) -> None:
+    def _request_samples(self, fraction: float, rows: Rows | None = None, *, whole: bool = True) -> None:
         """Fill the pose pipeline's requests (samples, placements, weights) at `fraction` of the measure, for all
-        dancers or for `rows` (n,)."""
+        dancers or for `rows` (n,). Not `whole`: only those that hips need, neither takes nor the feet's plans."""
         present, phase = self.present, self._phase if rows is None else np.empty(len(rows))
         lowest, highest = self.variation.phases(phase, fraction, present.warp, rows)
         rows = self._everybody if rows is None else rows
+        self._fill(rows, present, self.coming, phase, fraction, whole)
         if lowest >= 0.0 and highest <= 1.0:
-            self._fill(rows, present, self.coming, phase, fraction)
             return
         late = (phase < 0.0) & (self.past.node[rows] >= 0)
         early = (phase > 1.0) & self.decided
-        self._fill(rows, present, self.coming, phase, fraction)
         if late.any():
-            self._fill(rows[late], self.past, present, phase[late] + 1.0, 1.0)
+            self._fill(rows[late], self.past, present, phase[late] + 1.0, 1.0, whole)
         if early.any():
-            self._fill(rows[early], self.coming, None, phase[early] - 1.0, 0.0)
+            self._fill(rows[early], self.coming, None, phase[early] - 1.0, 0.0, whole)
 
     def phases(self, fraction: float) -> Float64:
         """Phase of each dancer in the present measure: below 0 in the one before, above 1 in the next one, (A,)."""
@@ -118,17 +121,27 @@ class CurrentMeasures:
         return phase
 
     def _fill(
-        self, rows: npt.NDArray[np.int64], own: MeasureState, then: MeasureState | None, phase: Float64, fraction: float
+        self, rows: Rows, own: MeasureState, then: MeasureState | None, phase: Float64, fraction: float, whole: bool
     ) -> None:
         """Fill the requests of dancers who are at `phase` (n,) of the measure `own`, with `then` after it."""
         graph, pipeline, after = self.graph, self._pipeline, own if then is None else then
-        library = graph.library
-        gather_dancers(
-            rows, phase, fraction, graph.window, then is not None,
-            own.node, own.placement, own.correction, own.aim_origin, own.on_support, own.take,
-            own.take_share, own.amplitude,
-            after.node, after.placement, after.take, after.take_share, after.amplitude,
-            library.node_first, library.node_last, library.node_lead, graph.node_start, graph.node_facing_start,
-            graph.node_turns, graph.node_warp_curve, graph.node_foot_curve, own.foot_aim, self.variation[FOOT_LOCK],
-            pipeline.sample, pipeline.placement, pipeline.share, pipeline.mean, pipeline.amplitude, self._foot_offset,
-        )  # fmt: skip
+        library, locks = graph.library, self.variation[FOOT_LOCK]
+
+        def part(begin: int, end: int) -> None:
+            who, at = rows[begin:end], phase[begin:end]
+            gather_dancers(
+                who, at, fraction, graph.window, then is not None, whole,
+                own.node, own.placement, own.correction, own.aim_origin, own.on_support, own.take,
+                own.take_share, own.amplitude,
+                after.node, after.placement, after.take, after.take_share, after.amplitude,
+                library.node_first, library.node_last, library.node_lead, graph.node_start, graph.node_facing_start,
+                graph.node_turns, graph.node_warp_curve,
+                pipeline.sample, pipeline.placement, pipeline.share, pipeline.mean, pipeline.amplitude,
+            )  # fmt: skip
+            if whole:
+                plan_feet(
+                    who, at, pipeline.share, own.node, own.correction, own.aim_origin, graph.node_warp_curve,
+                    graph.node_foot_curve, own.foot_aim, locks, self._foot_offset,
+                )  # fmt: skip
+
+        run_rows(part, len(rows), least=2 * RANGE)

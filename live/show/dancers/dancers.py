@@ -7,6 +7,7 @@ import numpy.typing as npt
 
 from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.motion_parameters import ARM_CLEARANCE, FOOT_LOCK, HEAD
+from live.base.row_ranges import run_rows
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import starting_placement
 from live.motion.foot_contact import TOES_OVER_SOLE
@@ -18,7 +19,7 @@ from live.motion.pose.hand_hold import HandHolds, HeldArms
 from live.motion.pose.inertialization import Inertialization
 from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
 from live.motion.pose.mood_pose import MoodPose
-from live.motion.pose.pose_pipeline import NOT_BENT, NOT_LATE, PosePipeline, PoseSkeleton
+from live.motion.pose.pose_pipeline import NOT_BENT, NOT_LATE, RANGE, PosePipeline, PoseSkeleton
 from live.motion.skeleton import JOINT_COUNT, SOLE_BELOW_ANKLE
 from live.motion.texture.live_bank import TextureBank
 from live.show.capture.performer import CapturedPerformer
@@ -125,8 +126,13 @@ class Dancers(CurrentMeasures):
         if self.inertia.any_fading:
             contact &= self._landed(position) | ~self.inertia.fading[:, None]
         self.drawn_hips[:] = position[:, 0, ::2]
-        shift_feet(position, self._foot_offset)
-        self.lock.tick(position, contact, dt, landing)
+
+        def part(begin: int, end: int) -> None:
+            rows = slice(begin, end)
+            shift_feet(position[rows], self._foot_offset[rows])
+            self.lock.tick(position[rows], contact[rows], dt, landing[rows], rows)
+
+        run_rows(part, len(position), least=4 * RANGE)
         self._locked_at = time
 
     def pose(
@@ -160,9 +166,7 @@ class Dancers(CurrentMeasures):
         pipeline.lock = variation.any(FOOT_LOCK) or self.lock.max_shift > 1e-3  # released feet still have to swing back
         if pipeline.lock:
             age = max(time - self._locked_at, 0.0)
-            self.lock.write_feet(pipeline.feet, age)
-            set_clearance(pipeline.feet, pipeline.sample, pipeline.share, self.graph.library.clip_height)
-            set_steps(pipeline.feet, self._foot_offset, self.lock.state, age)
+            self._write_feet(age)
             if self.inertia.any_fading:
                 self.landing.apply(pipeline.feet, self.inertia.age)
             if moods:
@@ -182,6 +186,18 @@ class Dancers(CurrentMeasures):
             position, rotation, variation[ARM_CLEARANCE], held=held, visible=visible, easing=easing, time=time
         )
         return position, rotation
+
+    def _write_feet(self, age: float) -> None:
+        """Write the targets of all feet for the pose kernels, `age` [s] after the last tick."""
+        pipeline, lock, height = self._pipeline, self.lock, self.graph.library.clip_height
+
+        def part(begin: int, end: int) -> None:
+            feet, rows = pipeline.feet[begin:end], slice(begin, end)
+            lock.write_feet(feet, age, rows)
+            set_clearance(pipeline.feet, pipeline.sample, pipeline.share, height, begin, end)
+            set_steps(feet, self._foot_offset[rows], lock.state[rows], age)
+
+        run_rows(part, len(lock.state), least=4 * RANGE)
 
     def _late_arms(self, rows: Int32 | None = None) -> Float32:
         """Return how late the hands of dancers in a free mood are in each of the four clips [samples], (4, A) or of

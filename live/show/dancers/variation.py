@@ -30,7 +30,7 @@ from live.base.picture_parameters import PART_COUNT
 from live.control.events.event import ControlEvent
 from live.graph.takes import NO_TAKE
 from live.motion.editing.time_warp import F_MAX, draw_measure_warps
-from live.motion.pose.gather_kernels import delay_phases
+from live.motion.pose.gather_kernels import MAX_SPEED_CHANGE, delay_phases
 from live.motion.pose.mood_pose import TIME
 from live.show.dancers.measure_state import MeasureState
 from live.show.dancers.rng import Purpose, generator_for
@@ -70,12 +70,8 @@ def group_values(patch: Patch) -> Float64:
     return values
 
 
-MAX_SPEED_CHANGE: Final = 0.9
-"""Largest change of a clip's speed by a time warp, as a share (T054: from 1 on it would run backwards)."""
 MOOD_TIME: Final = 0.4
 """Time constant with which dancers follow a mood [s]."""
-MAX_HOLD: Final = 0.55
-"""In the most sudden mood movements are slower at beats, and faster between them, by this share."""
 _MOOD_ROWS: Final = slice(MOODS[0].first, MOODS[-1].first + 1)
 MAX_DELAY: Final = 0.95
 """Largest delay, as a share of a measure."""
@@ -302,20 +298,10 @@ class Variation:
             warp, ahead, before, late = np.ascontiguousarray(warp[:, rows]), ahead[rows], before[rows], late[rows]
         if self._drifts:
             ahead = self.sequence_warp(fraction, rows)
-        held = self.mood[TIME]
-        if held.any():
-            ahead = ahead + self._mood_lead(fraction, held if rows is None else held[rows], warp)
-        return delay_phases(out, fraction, warp, self._window, ahead, before, late)
-
-    def _mood_lead(self, fraction: float, held: Float64, warp: Float64) -> Float64:
-        """Return how far movements are ahead at `fraction` of the measure, as a share of it, in a mood of time `held`
-        (n,).
-
-        Sudden movements are fast between beats and slow at them, sustained ones the other way; all are on the beat.
-        """
-        turns = 2.0 * np.pi * self._beats
-        room = np.maximum(MAX_SPEED_CHANGE - 2.0 * np.pi * warp[0] * warp[1], 0.0)
-        return np.asarray(-np.clip(MAX_HOLD * held, -room, room) * np.sin(turns * fraction) / turns)
+        sudden = self.mood[TIME]
+        turns = 2.0 * np.pi * self._beats if sudden.any() else 0.0
+        sudden = sudden if rows is None else sudden[rows]
+        return delay_phases(out, fraction, warp, self._window, ahead, before, late, sudden, turns)
 
     def update_delays(
         self,

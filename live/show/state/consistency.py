@@ -11,6 +11,7 @@ import numpy.typing as npt
 from live.agents.crowd.contact_kernels import CAPACITY
 from live.agents.crowd.crowd_step import CrowdStepper
 from live.agents.crowd.obstacles import Surroundings
+from live.agents.crowd.passage_kernels import PASSAGE_COLUMNS, PASSAGES
 from live.agents.elements import element_table_kernels
 from live.agents.elements.element import Element
 from live.agents.elements.element_table import GRID_SLOTS, ElementTable
@@ -77,9 +78,11 @@ def element(value: Element) -> bool:
 
 
 def surroundings(value: Surroundings) -> bool:
-    """Whether there is a name for each wall and obstacle."""
-    counts = value.flat[9 * CAPACITY :].tolist()
-    return bool(counts == [len(value.wall_names), len(value.obstacle_names)] and max(counts) <= CAPACITY)
+    """Whether there is a name for each wall and obstacle, and no passage too many."""
+    walls, obstacles, passages = value.flat[9 * CAPACITY : 9 * CAPACITY + 3].tolist()
+    named = [walls, obstacles] == [len(value.wall_names), len(value.obstacle_names)] and passages in range(PASSAGES + 1)
+    size = 9 * CAPACITY + 3 + PASSAGES * PASSAGE_COLUMNS
+    return bool(named and max(walls, obstacles) <= CAPACITY and len(value.flat) == size)
 
 
 def locomotion(value: Locomotion) -> bool:

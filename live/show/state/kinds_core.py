@@ -159,7 +159,7 @@ KINDS: Final = [
     """, factories={"_serials": dict}, after_read=ElementTable.rebuild_index, is_consistent=whole.element_table),
     Kind("element-field", ElementField, """
         _table:element-table influence:f4 _memory:f8 _sums:f8 _nearest:f8~ _spreading:f8 _places:f8 _audience:u8
-        _density:f8 _numbers:f8~ _area:f8 _mesh:f4 _cosines:f4 _start:i4 _order:i4
+        _density:f8 _numbers:f8~ _area:f8 _mesh:f4 _start:i4 _order:i4
     """),
     Kind("wants", AgentCommand, "rows:f4 _bits:u4 _kept:u4"),
     Kind("entrances", Entrances, """
@@ -264,6 +264,6 @@ KINDS: Final = [
     Kind("pose-pipeline", PosePipeline, """
         skeleton:constant-pose-skeleton sample:f8* placement:f8* share:f4* mean:i4(node)* amplitude:f4* bend:f4*
         late:f4* head:f4* feet:f4* lock:bool difference:f4* age:f4* difference_rows:i4(joint) position:f4* rotation:f4*
-        _soles:f4 _count:int _parts:list[tuple[int,int]]
-    """, factories={"_pool": no_value}, is_consistent=PosePipeline.has_valid_shapes),
+        _soles:f4 _count:int
+    """, is_consistent=PosePipeline.has_valid_shapes),
 ]  # fmt: skip

@@ -40,7 +40,7 @@ from live.show.selection.scheduler import Scheduler
 from live.show.selection.step_search import StepSearch
 from live.show.selection.step_targets import Headings, StepTargets
 from live.show.state import consistency as whole
-from live.show.state.kind import Kind
+from live.show.state.kind import Kind, no_value
 
 KINDS: Final = [
     Kind("addressees", GroupMasks, "_casting:casting _words:list[str|none] _follows_groups:list[bool] bits:u8"),
@@ -158,7 +158,8 @@ KINDS: Final = [
         _half:tuple[int,int]|none _decided:bool _step:i4(step) _unplanned:b1 _collision_avoidance:avoiding cue_count:int
     """),
     Kind("interrupts.cue", _Cue, "step:int who:b1 measures:int groups:row[int] words:str"),
-    Kind("mood-pose", MoodPose, "bend:f4 size:f4 drop:f4 gaze:f4 late:f8 _own:f8"),
+    Kind("mood-pose", MoodPose, "bend:f4 size:f4 drop:f4 gaze:f4 late:f8 _own:f8 _still:f4",
+         factories={"_set_for": no_value}),
     Kind("mocap", CaptureManager, """
         _patch:constant-patch _motion:group-motion _dancers:dancers _scheduler:scheduler performers:dict[str,captured]
         _driven:b1 _place:f8 _speed:f8 _forces:presence _time:float

@@ -35,14 +35,13 @@ from live.show.state.type_check import check_state
 
 Array = npt.NDArray[Any]
 
-FORMAT: Final = 5
-"""Format 1 was a pickle; formats 2 to 4 had other fields. These are refused."""
+FORMAT: Final = 6
+"""Format 1 was a pickle; formats 2 to 5 had other fields. These are refused."""
 CONSTANT_PATHS: Final = {
     "graph": "graph",
     "patch": "patch",
     "choosing": "scheduler.choosing",
     "foresight": "scheduler.targets.step_costs",
-    "cosines": "motion.elements._field._cosines",
     "score": "score_runner.score.written",
     "texture": "dancers.texture.bank",
     "skeleton": "dancers._pipeline.skeleton",
@@ -60,6 +59,8 @@ VARIABLE_PATHS: Final = ("scheduler.choosing.max_turns", "scheduler.choosing.fac
 SCRATCH_PATHS: Final = (
     "dancers._pipeline.position", "dancers._pipeline.rotation", "dancers._pipeline.feet",
     "dancers._legs.position", "dancers._legs.rotation", "dancers._legs.feet", "dancers._bare_legs",
+    "dancers._mood.bend", "dancers._mood.size", "dancers._mood.drop", "dancers._mood.gaze", "dancers._mood.late",
+    "dancers._mood._still",
     "motion.elements._field._mesh", "motion.elements._field._start", "motion.elements._field._sums",
     "motion.elements._field._nearest", "motion._advance._advance._rows", "motion._advance._advance._numbers",
 )  # fmt: skip

@@ -7,7 +7,7 @@ import pytest
 
 from live.agents.crowd.agent_state import Steering
 from live.agents.crowd.contact_kernels import CONTACT_MARGIN
-from live.agents.crowd.predictive_avoidance_kernels import sum_neighbours
+from live.agents.crowd.predictive_avoidance_kernels import PERSONAL_GAP, sum_neighbours
 from live.agents.crowd.spatial_grid_kernels import (
     AVOID_X,
     AVOID_Z,
@@ -62,12 +62,13 @@ def _one_pair(dx, dz, ux, uz, give, separation, horizon, steering):
     out[PUSH_X], out[PUSH_Z], out[WEIGHT] = push * dx, push * dz, seen**2
     out[FLOCK_X], out[FLOCK_Z] = -(seen**2) * (0.4 * ux + 0.2 * dx), -(seen**2) * (0.4 * uz + 0.2 * dz)
     tx, tz = dx + steering.side * dz, dz - steering.side * dx
-    closing, u2, c = -(tx * ux + tz * uz), ux * ux + uz * uz, max(d2 - 0.25, 1e-3)
+    closing, u2, reach2 = -(tx * ux + tz * uz), ux * ux + uz * uz, (0.5 + PERSONAL_GAP) ** 2
+    c = max(d2 - reach2, 1e-3)
     disc = closing**2 - u2 * c
     if closing > 0 and disc > 0:
         w = min((closing + math.sqrt(disc)) / c, 1 / 0.15)
         h = max(w - 1 / horizon, 0.0)
-        gate = give * min(4 * seen, 1.0) * math.sqrt(disc) / (disc + 0.05 * u2 * 0.25 + 1e-9)
+        gate = give * min(4 * seen, 1.0) * math.sqrt(disc) / (disc + 0.05 * u2 * reach2 + 1e-9)
         force = steering.strength * min(h * (2 * h + 1 / steering.horizon) * gate, 40.0)
         out[AVOID_X], out[AVOID_Z] = force * (tx * w + ux), force * (tz * w + uz)
     return out
@@ -98,7 +99,7 @@ def test_head_on_force_is_power_law_gradient(time):
     # Karamouzas, Skinner & Guy 2014: E = k exp(-t / t0) / t²; head on the gradient of t along the way is 1 / speed
     speed, k, t0 = 2.0, 4.0, 30.0
     steering = Steering(side=0.0, strength=k, horizon=t0)
-    position = np.array([[0.0, 0.0], [0.5 + speed * time, 0.0]], np.float32)
+    position = np.array([[0.0, 0.0], [0.5 + PERSONAL_GAP + speed * time, 0.0]], np.float32)
     velocity = np.array([[speed / 2, 0.0], [-speed / 2, 0.0]], np.float32)
     sums, _ = _sums(position, velocity, horizon=1e6, steering=steering)
     energy = lambda t: k * math.exp(-t / t0) / t**2  # noqa: E731

@@ -1,5 +1,7 @@
 """Spreading (T109): fast, even, without grid patterns, per group; the mesh potential against scipy."""
 
+import math
+
 import numpy as np
 import pytest
 from scipy.fft import dctn, idctn
@@ -17,20 +19,46 @@ def variance_to_mean_ratio(position, columns, rows, inset=(0.0, 0.0)):
     return counts.var() / counts.mean()
 
 
-def test_potential_solves_poisson_equation_with_reflecting_edges():
-    nx, nz, dx, dz, s = 12, 7, 0.9, 1.1, 0.8
-    mesh = np.zeros((3, kernels.MAX_MESH_NODES, kernels.MAX_MESH_NODES), np.float32)
+@pytest.mark.parametrize(("nx", "nz"), [(12, 7), (4, 3), (224, 160), (60, 4)])
+def test_potential_solves_poisson_equation_with_reflecting_edges(nx, nz):
+    dx, dz = 0.9, 1.1
+    unit = 1 << kernels.level_count(nx, nz)
+    nx, nz = -(-nx // unit) * unit, -(-nz // unit) * unit
+    mesh = np.zeros((3, 2 * nx * nz), np.float32)
     source = np.random.default_rng(0).normal(size=(nz, nx))
     source -= source.mean()
-    mesh[0, :nz, :nx] = source
-    cosines = np.zeros((2, kernels.MAX_MESH_NODES + 1, kernels.MAX_MESH_NODES, kernels.MAX_MESH_NODES), np.float32)
-    kernels.fill_cosines(cosines)
-    kernels.solve_poisson(mesh, nx, nz, cosines, dx, dz, s)
-    wave = np.add.outer((np.pi * np.arange(nz) / (nz * dz)) ** 2, (np.pi * np.arange(nx) / (nx * dx)) ** 2)
-    wave[0, 0] = 1.0
-    expected = dctn(source) * np.exp(-0.5 * s * s * wave) / wave
-    expected[0, 0] = 0.0
-    assert mesh[0, :nz, :nx] == pytest.approx(idctn(expected), abs=1e-4)
+    mesh[0, : nz * nx] = source.ravel()
+    kernels.solve_poisson(mesh, nx, nz, dx, dz)
+    along = (2.0 * np.sin(np.pi * np.arange(nx) / (2 * nx)) / dx) ** 2
+    across = (2.0 * np.sin(np.pi * np.arange(nz) / (2 * nz)) / dz) ** 2
+    laplace = np.add.outer(across, along)
+    laplace[0, 0] = np.inf
+    expected = idctn(dctn(source) / laplace)
+    found = mesh[1, : nz * nx].reshape(nz, nx)
+    assert np.std(found - found.mean() - expected) < 0.01 * np.std(expected)
+
+
+@pytest.mark.parametrize("variances", [(1.0, 1.0), (0.7, 2.3), (0.0, 0.0)])
+def test_blur_has_its_variances_and_keeps_the_sum(variances):
+    field, other = np.zeros((2, 41, 51), np.float32)
+    field[20, 25] = 1.0
+    kernels.blur(field.reshape(-1), other.reshape(-1), 51, 41, *variances)
+    assert field.sum() == pytest.approx(1.0, abs=1e-5)
+    spread = [(field.sum(axis) * (np.arange(n) - n // 2) ** 2).sum() for axis, n in ((0, 51), (1, 41))]
+    assert spread == pytest.approx(variances, abs=1e-3)
+
+
+@pytest.mark.parametrize(("width", "depth"), [(12.0, 8.0), (245.0, 163.0), (200.0, 0.5), (0.5, 30.0), (1e-3, 1e-3)])
+@pytest.mark.parametrize("members", [1, 48, 10_000])
+def test_mesh_fits_its_room(width, depth, members):
+    s = kernels.SMOOTHING * math.sqrt(width * depth / members)
+    capacity = kernels.NODES_PER_DANCER * members + kernels.SPARE_NODES
+    nx, nz = kernels.mesh_size(width, depth, s, capacity)
+    unit = 1 << kernels.level_count(nx, nz)
+    assert nx % unit == nz % unit == 0
+    assert sum(nx * nz >> (2 * level) for level in range(kernels.level_count(nx, nz) + 1)) <= capacity
+    if max(width, depth) < 2.0 * min(width, depth):
+        assert max(width / nx, depth / nz) <= 1.0001 * s
 
 
 @pytest.mark.parametrize("separation", [0.7, 1.5])
@@ -54,13 +82,11 @@ def test_mirrored_crowd_spreads_mirrored():
     area = np.array([-6.0, 6.0, -4.0, 4.0])
     wishes = []
     for sign in (1.0, -1.0):
-        mesh = np.zeros((3, kernels.MAX_MESH_NODES, kernels.MAX_MESH_NODES), np.float32)
-        cosines = np.zeros((2, kernels.MAX_MESH_NODES + 1, kernels.MAX_MESH_NODES, kernels.MAX_MESH_NODES), np.float32)
-        kernels.fill_cosines(cosines)
-        wish = np.zeros((20, 2))
-        start, order = np.zeros(kernels.MAX_CELLS**2 + 1, np.int32), np.zeros(20, np.int32)
+        nodes = kernels.NODES_PER_DANCER * 20 + kernels.SPARE_NODES
+        mesh, start = np.zeros((3, nodes), np.float32), np.zeros(nodes, np.int32)
+        wish, order = np.zeros((20, 2)), np.zeros(20, np.int32)
         position = np.ascontiguousarray(places * np.array([sign, 1.0], np.float32))
-        kernels.spread(position, np.arange(20, dtype=np.int32), 20, area, mesh, cosines, start, order, wish)
+        kernels.spread(position, np.arange(20, dtype=np.int32), 20, area, mesh, start, order, wish)
         wishes.append(wish)
     assert wishes[1] == pytest.approx(wishes[0] * [-1.0, 1.0], abs=1e-3)
 

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from live.agents.evolutions import evolution_kernels
+from live.agents.evolutions.incremental_assignment import run_to_end
+from live.agents.evolutions.paths import separate_in_pieces
 from live.agents.evolutions.trajectory import GroupState, Locomotion
 
 
@@ -66,7 +68,10 @@ def test_samples_match_positions_on_straight_paths():
 def test_nearest_approach_is_found_between_samples():
     sample = np.random.default_rng(3).uniform(-3, 3, (4, 5, 2)).astype(np.float32)
     distance, when = np.zeros((5, 5), np.float32), np.zeros((5, 5), np.float32)
-    evolution_kernels.nearest_approach(sample, 0, 5, distance, when)
+    step = np.zeros(5)
+    evolution_kernels.longest_moves(sample, 0, 5, step)
+    assert step == pytest.approx(np.hypot(*np.diff(sample, axis=0).T).max(axis=1), rel=1e-6)
+    evolution_kernels.nearest_approach(sample, step, np.inf, 0, 5, distance, when)
     at = np.linspace(0, 3, 3001)
     fine = np.stack([[np.interp(at, range(4), sample[:, d, a]) for a in range(2)] for d in range(5)])
     for i in range(5):
@@ -92,7 +97,7 @@ def test_colliding_pair_is_separated_in_opposite_directions_with_fixed_ends(free
     t = np.linspace(-1, 1, 33)
     sample = np.stack([np.stack([t * 3, t * 0], 1), np.stack([-t * 3, t * 0], 1)]).astype(np.float32)
     offset = np.zeros_like(sample)
-    assert evolution_kernels.separate_paths(sample, offset, 0.5, 1.0, freedom, 5) >= 1
+    assert run_to_end(separate_in_pieces(sample, offset, 0.5, 1.0, freedom, 5)) >= 1
     assert (offset[:, [0, -1]] == 0).all()
     assert offset[0] == pytest.approx(-offset[1], abs=1e-6)
     apart = np.hypot(*np.moveaxis(sample[0] + offset[0] - sample[1] - offset[1], -1, 0))
@@ -100,7 +105,7 @@ def test_colliding_pair_is_separated_in_opposite_directions_with_fixed_ends(free
     if freedom == 0.0:
         assert offset[:, 16, 0] == pytest.approx([0, 0], abs=1e-6)  # perpendicular to the path
     other = np.zeros_like(sample)
-    evolution_kernels.separate_paths(sample, other, 0.5, 1.0, freedom, 8)
+    run_to_end(separate_in_pieces(sample, other, 0.5, 1.0, freedom, 8))
     assert not np.allclose(offset, other)
 
 

@@ -4,7 +4,13 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.evolutions.evolution_kernels import count_collisions, longest_steps, nearest_approach, pair_collides
+from live.agents.evolutions.evolution_kernels import (
+    count_collisions,
+    longest_moves,
+    longest_steps,
+    nearest_approach,
+    pair_collides,
+)
 
 COUNT, TIMES = 12, 33
 
@@ -20,7 +26,18 @@ def random_paths(seed, speed):
 def test_colliding_pairs_match_nearest_approach(seed, speed, clear):
     ways, step = random_paths(seed, speed), np.zeros(COUNT)
     distance, when = np.zeros((2, COUNT, COUNT), np.float32)
-    nearest_approach(np.ascontiguousarray(ways.transpose(1, 0, 2)), 0, COUNT, distance, when)
+    sample = np.ascontiguousarray(ways.transpose(1, 0, 2))
+    longest_moves(sample, 0, COUNT, step)
+    nearest_approach(sample, step, np.inf, 0, COUNT, distance, when)
+    every, at = np.zeros((2, COUNT, COUNT), np.float32)
+    nearest_approach(
+        sample, np.full(COUNT, 1e9), np.inf, 0, COUNT, every, at
+    )  # as if they might be anywhere: no time skipped
+    assert np.array_equal(distance, every)
+    assert np.array_equal(when, at)
+    nearest_approach(sample, step, clear, 0, COUNT, every, at)
+    assert np.array_equal(np.where(distance < clear, distance, np.inf), np.where(every < clear, every, np.inf))
+    assert (every >= distance).all()
     longest_steps(ways, step)
     near = distance < np.float32(clear)
     for i in range(COUNT):

@@ -17,9 +17,14 @@ COUNTS = {
     "corridor-50": 50,
     "corridor-100": 100,
     "bottleneck-60": 60,
+    "door-20-20": 40,
+    "door-30-10": 40,
     "formation-hung": 50,
     "random-100": 100,
 }
+
+
+DURATIONS = {"headon-2": 30, "sym-4": 30, "bottleneck-60": 120, "door-20-20": 120, "door-30-10": 120}
 
 
 @pytest.mark.parametrize("name", SCENARIOS)
@@ -32,7 +37,7 @@ def test_scenario_has_specified_agents_without_initial_overlap(name):
         1.8,
         0.3,
     )
-    assert scenario.duration == {"headon-2": 30, "sym-4": 30, "bottleneck-60": 120}.get(name, 60)
+    assert scenario.duration == DURATIONS.get(name, 60)
     assert pdist(scenario.start).min() > 0.5
     again, other = SCENARIOS[name](0), SCENARIOS[name](1)
     np.testing.assert_array_equal(scenario.start, again.start)

@@ -45,18 +45,17 @@ def random_measures(seed):
     return result
 
 
-def gather_inputs(pipeline, own, then, phase, fraction, *, goes_on):
+def gather_inputs(pipeline, own, then, phase, fraction, *, goes_on, takes=True):
     """Gather the inputs of all dancers at `phase` of `own`, followed by `then`."""
     library, window = GRAPH.library, GRAPH.window
     gather_dancers(
-        np.arange(COUNT), phase, fraction, window, goes_on,
+        np.arange(COUNT), phase, fraction, window, goes_on, takes,
         own.node, own.placement, own.correction, own.aim_origin, own.on_support, own.take,
         own.take_share, own.amplitude,
         then.node, then.placement, then.take, then.take_share, then.amplitude,
         library.node_first, library.node_last, library.node_lead, GRAPH.node_start, GRAPH.node_facing_start,
-        GRAPH.node_turns, GRAPH.node_warp_curve, GRAPH.node_foot_curve, own.foot_aim, np.ones(COUNT),
+        GRAPH.node_turns, GRAPH.node_warp_curve,
         pipeline.sample, pipeline.placement, pipeline.share, pipeline.mean, pipeline.amplitude,
-        np.zeros((COUNT, 2, 3), np.float32),
     )  # fmt: skip
 
 
@@ -142,11 +141,27 @@ def test_feet_stand_if_all_clips_have_contact():
     share[LOWER, 3] = 0.4
     out = np.empty((4, 2), np.bool_)
     lifted = np.zeros((4, 2, 3), np.float32)
-    standing_feet(out, sample, share, contact, lifted)
+    standing_feet(out, sample, 0.0, share, contact, lifted, 0, 4)
     np.testing.assert_array_equal(out, [[1, 0], [0, 1], [0, 1], [0, 1]])
     lifted[0, 0, 2] = 0.03  # a foot that its plan lifts does not stand
-    standing_feet(out, sample, share, contact, lifted)
+    standing_feet(out, sample, 0.0, share, contact, lifted, 0, 4)
     np.testing.assert_array_equal(out, [[0, 0], [0, 1], [0, 1], [0, 1]])
+    standing_feet(out, sample, 1.0, share, contact, 0.0 * lifted, 1, 3)  # a sample later, and only some dancers
+    np.testing.assert_array_equal(out, [[0, 0], [0, 1], [0, 1], [0, 1]])
+    standing_feet(out, sample, 1.0, share, contact, 0.0 * lifted, 0, 1)
+    np.testing.assert_array_equal(out[0], [1, 1])
+
+
+def test_hips_need_neither_takes_nor_feet():
+    own, then, phase = random_measures(1), random_measures(2), np.random.default_rng(3).uniform(0.7, 1.0, COUNT)
+    hips = []
+    for takes in (True, False):
+        pipeline = PosePipeline(COUNT)
+        gather_inputs(pipeline, own, then, phase, 0.9, goes_on=True, takes=takes)
+        out = np.empty((COUNT, 2))
+        clip_hips(out, np.arange(COUNT), pipeline.sample, pipeline.placement, pipeline.share, GRAPH.library.clip_root)
+        hips.append(out)
+    np.testing.assert_array_equal(hips[0], hips[1])
 
 
 def test_phase_delay_is_limited_to_measure():
@@ -154,9 +169,9 @@ def test_phase_delay_is_limited_to_measure():
     warps = draw_measure_warps(chance, COUNT, window=0.2)
     table = np.array([warps.amplitude, warps.frequency, warps.start, warps.sign])
     ahead, before, late = chance.uniform(-0.1, 0.1, COUNT), *chance.uniform(0.0, 1.3, (2, COUNT))
-    out = np.empty(COUNT)
+    out, nobody = np.empty(COUNT), np.zeros(COUNT)
     for fraction in (0.0, 0.3, 1.0):
-        lowest, highest = delay_phases(out, fraction, table, 0.2, ahead, before, late)
+        lowest, highest = delay_phases(out, fraction, table, 0.2, ahead, before, late, nobody, 0.0)
         share = float(transition_weight(fraction))
         expected = measure_warp(fraction, *table, 0.2) + ahead - (1.0 - share) * before - share * late
         np.testing.assert_allclose(out, np.maximum(expected, -1.0), atol=1e-12)
@@ -198,7 +213,7 @@ def clearance_of(shares, heights):
     count = shares.shape[1]
     feet = np.full((count, 2, FEET_COLUMNS), 7.0, np.float32)
     sample = np.tile(np.arange(4.0)[:, None], (1, count))
-    set_clearance(feet, sample, shares.astype(np.float32), np.repeat(np.float32(heights)[:, None], 2, axis=1))
+    set_clearance(feet, sample, shares.astype(np.float32), np.repeat(np.float32(heights)[:, None], 2, axis=1), 0, count)
     np.testing.assert_array_equal(feet[:, :, :CLEARANCE], 7.0)
     np.testing.assert_array_equal(feet[:, 0], feet[:, 1])
     return feet[:, 0, CLEARANCE], feet[:, 0, CLEARANCE_SOFTNESS]
