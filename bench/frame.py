@@ -114,7 +114,8 @@ def _two_threads(loaded: LoadedShow, full: bool) -> Iterator[Row]:
     """How much quicker 10,000 dancers are on two threads: on the wall, in the quicker frames of each; and by the share
     of the CPU time that threads share, which counts on a machine with other work, too."""
     seconds = WARM_S + (20.0 if full else 4.0)
-    with row_runner(_Shared()) as runner:
+    runner = _Shared()
+    with row_runner(runner):
         shared = measured(10_000, loaded, seconds)
     share = runner.spent / (len(shared.spent) / (seconds - WARM_S) * seconds * float(shared.spent.mean()))
     passed = {}

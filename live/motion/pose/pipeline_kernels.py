@@ -78,7 +78,7 @@ def face_audience(world: Float32, share: Float32, chest: int, head: int, start: 
         world[head, 3, i] = c * z - s * x
 
 
-@inline_kernel
+@kernel("b1(f4[::1], f4, i8, i8)")
 def _any_but(values: Float32, value: float, start: int, stop: int) -> bool:
     """Whether any value of the block differs from `value`."""
     different = False
@@ -87,7 +87,7 @@ def _any_but(values: Float32, value: float, start: int, stop: int) -> bool:
     return different
 
 
-@inline_kernel
+@kernel("b1(f4[::1], f4, i8, i8)")
 def _any_below(values: Float32, value: float, start: int, stop: int) -> bool:
     """Whether any value of the block is below `value`."""
     found = False
