@@ -104,21 +104,32 @@ class WayPoints:
 Bools = npt.NDArray[np.bool_]
 
 
-def yielding_agents(position: npt.NDArray[np.floating], arrived: Bools, near: float) -> Bools:
-    """Return which of the `arrived` (A,) agents belong to a cluster with an agent that has not arrived, shape (A,).
+def _clusters(position: npt.NDArray[np.floating], near: float, target: npt.NDArray[np.floating] | None = None) -> Int32:
+    """Return the number of each agent's cluster, shape (A,): connected by distances of at most `near` [m].
 
-    A cluster is connected by distances of at most `near` [m]; so agents in the back rows make room for those in front.
+    `target` (A, 2): only agents with the same target are connected.
     """
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components
     from scipy.spatial import cKDTree
 
+    pairs = cKDTree(position).query_pairs(near, output_type="ndarray")
+    if target is not None:
+        pairs = pairs[np.linalg.norm(target[pairs[:, 0]] - target[pairs[:, 1]], axis=1) < SAME_TARGET]
+    links = coo_array((np.ones(len(pairs), np.bool_), (pairs[:, 0], pairs[:, 1])), shape=(len(position),) * 2)
+    numbers: Int32 = connected_components(links, directed=False)[1]
+    return numbers
+
+
+def yielding_agents(position: npt.NDArray[np.floating], arrived: Bools, near: float) -> Bools:
+    """Return which of the `arrived` (A,) agents belong to a cluster with an agent that has not arrived, shape (A,).
+
+    A cluster is connected by distances of at most `near` [m]; so agents in the back rows make room for those in front.
+    """
     count = len(position)
     if count < 2 or arrived.all() or not arrived.any():
         return np.zeros(count, np.bool_)
-    pairs = cKDTree(position).query_pairs(near, output_type="ndarray")
-    links = coo_array((np.ones(len(pairs), np.bool_), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    _, throng = connected_components(links, directed=False)
+    throng = _clusters(position, near)
     pressed = np.zeros(count, np.bool_)
     pressed[throng[~arrived]] = True
     there: Bools = arrived & pressed[throng]
@@ -137,9 +148,6 @@ def crowded_out_agents(
     shared: Bools = np.zeros(len(position), np.bool_)
     if not there.any() or there.all():
         return shared
-    pairs = cKDTree(position).query_pairs(2.0 * radius + CROWD_GAP, output_type="ndarray")
-    pairs = pairs[np.linalg.norm(target[pairs[:, 0]] - target[pairs[:, 1]], axis=1) < SAME_TARGET]
-    links = coo_array((np.ones(len(pairs), np.bool_), (pairs[:, 0], pairs[:, 1])), shape=(len(position),) * 2)
-    _, crowd = connected_components(links, directed=False)
+    crowd = _clusters(position, 2.0 * radius + CROWD_GAP, target)
     shared[np.isin(crowd, crowd[there]) & ~there] = True
     return shared
