@@ -9,6 +9,7 @@ from pydantic.fields import FieldInfo
 
 from live.app.bridges import installed_bridges
 from live.show.patch.patch import Patch
+from live.show.patch.patch_schema import field_docs
 from live.show.patch.section_base import Section
 
 OUT = Path(__file__).resolve().parents[1] / "docs" / "patch.md"
@@ -84,10 +85,11 @@ def _table(title: str, section: type[Section], *, top: bool = False) -> str:
         "| key | value | default | |",
         "|-|-|-|-|",
     ]
+    texts = field_docs(section)
     for name, field in section.model_fields.items():
         if top and _section(field.annotation) is not None:
             continue
-        text = " ".join((field.description or "").split())
+        text = " ".join((field.description or texts.get(name, "")).split())
         rows.append(f"| `{name}` | {_kind(field)} | {_default(field)} | {text} |")
     return "\n".join(row for row in rows if row) + "\n"
 

@@ -6,11 +6,14 @@ invalid values. A file names its schema in a line: `#:schema ../patch.schema.jso
 
 import ast
 import inspect
-import textwrap
+import sys
+from functools import cache
 from itertools import pairwise
 from typing import Any, Final
 
-from pydantic import TypeAdapter
+from pydantic import BaseModel, TypeAdapter
+from pydantic.json_schema import GenerateJsonSchema, JsonSchemaValue
+from pydantic_core import core_schema
 
 from live.agents.formations.formation_spec import FormationSpec
 from live.show.patch.patch import Patch
@@ -19,10 +22,21 @@ from live.show.patch.toml_model import BridgeTables
 DRAFT: Final = "http://json-schema.org/draft-07/schema#"
 
 
+class _DescribedSchema(GenerateJsonSchema):
+    """Schemas of models whose keys are described by the docstrings of their fields."""
+
+    def model_schema(self, schema: core_schema.ModelSchema) -> JsonSchemaValue:
+        """Return the schema of one model."""
+        found = super().model_schema(schema)
+        for key, text in field_docs(schema["cls"]).items():
+            found["properties"][key].setdefault("description", text)
+        return found
+
+
 def patch_schema(tables: BridgeTables = ()) -> dict[str, Any]:
     """Return the schema of a whole patch or of a file of its folder (so no key is required), with bridges' tables."""
-    found = _to_draft7(Patch.model_json_schema())
-    for own in (_to_draft7(section.model_json_schema()) for section in tables):
+    found = _to_draft7(Patch.model_json_schema(schema_generator=_DescribedSchema))
+    for own in (_to_draft7(table.model_json_schema(schema_generator=_DescribedSchema)) for table in tables):
         found["properties"] |= own["properties"]
         found["definitions"] |= own.get("definitions", {})
     found["properties"]["formation"]["items"] = _formation()
@@ -35,21 +49,33 @@ def _formation() -> dict[str, Any]:
     """Schema of a `[[formation]]`, which has a reader of its own."""
     spec: dict[str, Any] = _to_draft7(TypeAdapter(FormationSpec).json_schema())
     properties = {}
-    for name, told in _field_docs(FormationSpec).items():
+    for name, told in field_docs(FormationSpec).items():
         field = spec["properties"][name]
-        properties[name] = {"description": told, **{key: field[key] for key in ("default", "enum") if key in field}}
+        known = {key: field[key] for key in ("default", "enum") if key in field}
+        properties[name] = {"description": " ".join(told.split()), **known}
     return {"type": "object", "properties": properties, "additionalProperties": False, "required": ["name"]}
 
 
-def _field_docs(cls: type) -> dict[str, str]:
-    """The attribute docstring of each field of a dataclass."""
-    body = ast.parse(textwrap.dedent(inspect.getsource(cls))).body[0]
-    assert isinstance(body, ast.ClassDef)
+def field_docs(cls: type) -> dict[str, str]:
+    """Return the attribute docstring of each field of a class and its bases, as their sources have it.
+
+    Reading sources takes long, so it is done for a schema or a reference, not when models are made (an option of
+    pydantic's).
+    """
     found = {}
-    for field, after in pairwise(body.body):
-        if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(after, ast.Expr):
-            found[field.target.id] = " ".join(str(ast.literal_eval(after.value)).split())
+    for base in reversed(cls.__mro__):
+        if base in (object, BaseModel) or base.__qualname__ not in _classes(base.__module__):
+            continue  # made by the program, as `parameter_section` does, which describes its fields itself
+        for field, after in pairwise(_classes(base.__module__)[base.__qualname__].body):
+            if isinstance(field, ast.AnnAssign) and isinstance(field.target, ast.Name) and isinstance(after, ast.Expr):
+                found[field.target.id] = inspect.cleandoc(str(ast.literal_eval(after.value)))
     return found
+
+
+@cache
+def _classes(module: str) -> dict[str, ast.ClassDef]:
+    tree = ast.parse(inspect.getsource(sys.modules[module]))
+    return {node.name: node for node in tree.body if isinstance(node, ast.ClassDef)}
 
 
 def _to_draft7(schema: Any) -> Any:

@@ -39,9 +39,12 @@ class InvalidEntry(ValueError):
 
 
 class Section(BaseModel):
-    """A table of a patch: frozen, unknown keys refused."""
+    """A table of a patch: frozen, unknown keys refused.
 
-    model_config = ConfigDict(frozen=True, extra="forbid", use_attribute_docstrings=True)
+    A docstring below a field is its description in schemas and references: `live.show.patch.patch_schema` reads them.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
 
 
 def parameter_rows(table: str) -> dict[str, Parameter]:

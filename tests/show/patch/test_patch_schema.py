@@ -5,14 +5,16 @@ import re
 import tomllib
 
 import pytest
+from pydantic import ConfigDict
 from typer.testing import CliRunner
 
 from live.app.bridges import installed_bridges
 from live.cli.main import app
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import read_sources
-from live.show.patch.patch_schema import patch_schema
+from live.show.patch.patch_schema import field_docs, patch_schema
 from live.show.patch.patch_search_path import PATCHES
+from live.show.patch.section_base import Section
 
 SCHEMA = patch_schema(installed_bridges().patch_tables())
 KINDS = {"object": dict, "array": list, "string": str, "boolean": bool, "integer": int, "number": (int, float)}
@@ -112,3 +114,26 @@ def test_schema_command_prints_or_writes_the_schema(tmp_path):
     assert runner.invoke(app, ["schema", "--out", str(tmp_path / "s.json")]).exit_code == 0
     assert (tmp_path / "s.json").read_text() == printed.stdout
     assert runner.invoke(app, ["schema", "--out", str(tmp_path / "no" / "s.json")]).exit_code != 0
+
+
+class _Told(Section):
+    model_config = ConfigDict(use_attribute_docstrings=True)
+    one: int = 1
+    """A number.
+
+    Written on several lines.
+    """
+    two: int = 2
+    three: int = 3
+    """The
+    last."""
+
+
+def test_field_docs_are_what_pydantic_reads_from_the_same_source():
+    read = {name: field.description for name, field in _Told.model_fields.items() if field.description}
+    assert field_docs(_Told) == read == {"one": "A number.\n\nWritten on several lines.", "three": "The\nlast."}
+
+
+def test_models_are_made_without_reading_sources():
+    assert not Section.model_config.get("use_attribute_docstrings")
+    assert all(field.description is None for field in Patch.model_fields.values())
