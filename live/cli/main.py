@@ -11,7 +11,13 @@ import typer
 
 from live import __version__
 from live.app.bridges import installed_bridges
-from live.app.exit_codes import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, install_signal_handlers, show_person_error
+from live.app.exit_codes import (
+    EXIT_INTERRUPTED,
+    EXIT_PERSON_ERROR,
+    collect_garbage_rarely,
+    install_signal_handlers,
+    show_person_error,
+)
 from live.app.machine import kernel_warmup as warm
 from live.app.option_values import expand_audience_option
 from live.base.errors import PersonError
@@ -90,6 +96,7 @@ def _live(
 def main() -> None:
     """Run the command line and exit: 0 done, 1 a check failed, 2 a usage error, 130 Ctrl-C."""
     install_signal_handlers()
+    collect_garbage_rarely()
     sys.argv[1:] = expand_audience_option(sys.argv[1:])
     try:
         app()

@@ -18,7 +18,13 @@ from typing import TYPE_CHECKING, Final
 
 from rich.console import Console
 
-from live.app.exit_codes import EXIT_INTERRUPTED, EXIT_PERSON_ERROR, install_signal_handlers, show_person_error
+from live.app.exit_codes import (
+    EXIT_INTERRUPTED,
+    EXIT_PERSON_ERROR,
+    collect_garbage_rarely,
+    install_signal_handlers,
+    show_person_error,
+)
 from live.app.launch_options import LaunchOptions
 from live.app.machine.systemd_unit import check_name
 from live.base.errors import PersonError
@@ -89,6 +95,7 @@ def _run_engine_role(
 def main() -> None:
     """Run until the show ends; exit codes as for `live`."""
     install_signal_handlers()
+    collect_garbage_rarely()
     survive_terminal_close()
     try:
         run_role(SupervisorLink.inherited(int(sys.argv[1]), int(sys.argv[2])))
