@@ -32,7 +32,7 @@ from live.supervisor.supervisor_link import SupervisorLink
 
 if TYPE_CHECKING:
     from live.app.launch_options import LaunchOptions
-    from live.control.audio.analysis import MakeAnalysis, TrackerName
+    from live.control.audio.analysis import MakeAnalysis
     from live.control.audio.channel_mixer import Channels
 
 
@@ -147,34 +147,13 @@ def make_show_analysis(
     Each analysis replaces the one before (a device that came back, another sample rate, a failed analysis) and keeps
     the manual settings.
     """
+    from live.control.audio.analysis import make_analysis_factory
+
     seeds: deque[TrackerHint] = deque(maxlen=64)
     show.seed_tracker(seeds.append)
     clock = loaded.patch.clock
     model = BarPointerModel.expecting(clock.metres, likely_tempo(clock.likely_bpm, sound.path))
     return make_analysis_factory(clock.tracker, seeds, measures, model)
-
-
-def make_analysis_factory(
-    tracker: "TrackerName",
-    seeds: deque[TrackerHint],
-    measures: MapClock | None = None,
-    model: BarPointerModel | None = None,
-) -> "MakeAnalysis":
-    """Return a factory of analyses with that tracker, each replacing the one before; `seeds`: manual settings;
-    `measures`: the known measures of the music; `model`: the metres and tempi that the tracker expects."""
-    from live.control.audio.analysis import AudioAnalysis
-
-    former: AudioAnalysis | None = None
-
-    def make(rate: float) -> AudioAnalysis:
-        nonlocal former
-        analysis = AudioAnalysis(rate, tracker=tracker, seeds=seeds, energy=True, measures=measures, model=model)
-        if former is not None:
-            analysis.take_over(former)
-        former = analysis
-        return analysis
-
-    return make
 
 
 def audio_plan(sound: AudioChoice, loaded: LoadedShow) -> dict[str, Any]:

@@ -13,13 +13,13 @@ from collections import deque
 from pathlib import Path
 from typing import Any, Final
 
-from live.app.session_audio import make_analysis_factory
 from live.base.event_queue import EventQueue
 from live.clock.bar_pointer.state_space import BarPointerModel
 from live.clock.follower.manual_control import TrackerHint
 from live.clock.map_clock import MapClock
 from live.clock.measure_map import MeasureLine, MeasureMap
 from live.clock.time_source import SystemClock
+from live.control.audio.analysis import make_analysis_factory
 from live.control.audio.audio_input import AudioInput
 from live.control.audio.channel_mixer import Channels
 from live.control.audio.music_file import read_music

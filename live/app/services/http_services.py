@@ -15,7 +15,7 @@ import stat
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from live.app.option_values import parse_endpoint
 from live.app.services.listening_socket import listening_socket
@@ -23,8 +23,10 @@ from live.base.errors import PersonError
 from live.base.host_name import HOST_NAME_PATTERN
 from live.clock.time_source import Clock
 from live.control.helper_process import HelperProcess
-from live.control.registry.registry import Changes
 from live.show.patch.patch_search_path import user_settings_folder
+
+if TYPE_CHECKING:
+    from live.control.registry.registry import Changes
 
 ADDRESSES_PER_PACKET: Final = 64
 """Maximum number of addresses in one packet."""
@@ -82,7 +84,7 @@ class HttpService:
             self._socket.close()
             self._socket = None
 
-    def publish(self, changes: Changes) -> None:
+    def publish(self, changes: "Changes") -> None:
         """Queue changed values."""
         self._values.update(changes)
         self._unsent.update(changes)

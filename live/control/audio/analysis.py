@@ -221,3 +221,24 @@ class AudioAnalysis:
 
 MakeAnalysis = Callable[[float], AudioAnalysis]
 """Factory of the analysis for a sample rate [Hz]."""
+
+
+def make_analysis_factory(
+    tracker: TrackerName,
+    seeds: deque[TrackerHint],
+    measures: MapClock | None = None,
+    model: BarPointerModel | None = None,
+) -> MakeAnalysis:
+    """Return a factory of analyses with that tracker, each replacing the one before; `seeds`: manual settings;
+    `measures`: the known measures of the music; `model`: the metres and tempi that the tracker expects."""
+    former: AudioAnalysis | None = None
+
+    def make(rate: float) -> AudioAnalysis:
+        nonlocal former
+        analysis = AudioAnalysis(rate, tracker=tracker, seeds=seeds, energy=True, measures=measures, model=model)
+        if former is not None:
+            analysis.take_over(former)
+        former = analysis
+        return analysis
+
+    return make

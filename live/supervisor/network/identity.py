@@ -15,16 +15,14 @@ import secrets
 import stat
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import platformdirs
-from cryptography import x509
-from cryptography.exceptions import InvalidSignature
-from cryptography.hazmat.primitives import serialization
-from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
-from cryptography.x509.oid import NameOID
 
 from live.base.errors import PersonError
+
+if TYPE_CHECKING:
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
 
 VALID: Final = datetime.timedelta(days=3 * 365)
 """Validity of a certificate. An expired one is reported but still accepted: see `tls`."""
@@ -70,10 +68,16 @@ class Peer:
     @property
     def expires(self) -> datetime.datetime:
         """When its certificate expires."""
+        from cryptography import x509
+
         return x509.load_der_x509_certificate(self.certificate).not_valid_after_utc
 
     def verify(self, signature: bytes, data: bytes) -> bool:
         """Return whether it signed the data."""
+        from cryptography import x509
+        from cryptography.exceptions import InvalidSignature
+        from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
+
         key = x509.load_der_x509_certificate(self.certificate).public_key()
         if not isinstance(key, Ed25519PublicKey):
             return False
@@ -92,7 +96,7 @@ class Identity:
     """File with key and certificate, as `ssl` reads them."""
     certificate: bytes
     """DER."""
-    _key: Ed25519PrivateKey
+    _key: "Ed25519PrivateKey"
 
     @property
     def fingerprint(self) -> str:
@@ -110,6 +114,10 @@ class Identity:
 
 def load_identity(folder: Path | None = None) -> Identity:
     """Load this machine's key; created on first use. PersonError if it cannot be created, read or kept private."""
+    from cryptography import x509
+    from cryptography.hazmat.primitives import serialization
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+
     folder = folder or network_folder()
     path = folder / KEY_FILE
     try:
@@ -141,6 +149,11 @@ def renew_identity(folder: Path | None = None) -> Identity:
 
 def _create_identity(path: Path) -> None:
     """Create key and certificate atomically; if two processes do so, the first one wins."""
+    from cryptography import x509
+    from cryptography.hazmat.primitives import serialization
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+    from cryptography.x509.oid import NameOID
+
     key = Ed25519PrivateKey.generate()
     name = x509.Name([x509.NameAttribute(NameOID.COMMON_NAME, f"choreographics-live {secrets.token_hex(8)}")])
     now = datetime.datetime.now(datetime.UTC)
@@ -178,6 +191,9 @@ class Pairings:
         """Return all paired machines, sorted by name. PersonError for a file that is no certificate or not private."""
         found = []
         for path in sorted(self._folder.glob("*.pem"), key=lambda path: path.stem):
+            from cryptography import x509
+            from cryptography.hazmat.primitives import serialization
+
             try:
                 certificate = x509.load_pem_x509_certificate(_read_private(path))
             except OSError as error:
@@ -194,6 +210,10 @@ class Pairings:
 
         ValueError if it is not a certificate with an Ed25519 key.
         """
+        from cryptography import x509
+        from cryptography.hazmat.primitives import serialization
+        from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
+
         parsed = x509.load_der_x509_certificate(certificate)
         if not isinstance(parsed.public_key(), Ed25519PublicKey):
             raise ValueError("a certificate with an Ed25519 key expected")
