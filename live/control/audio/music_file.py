@@ -103,7 +103,9 @@ def _decode(container: Any, path: Path) -> Music:
         raise MusicFileError(
             f"{path} has a sample rate of {rate} Hz; {RATE_MIN_HZ:g} to {RATE_MAX_HZ:g} Hz can be followed"
         )
-    resampler = AudioResampler(format="flt", layout="stereo" if channels == 2 else "mono", rate=rate)
+    layout = "stereo" if channels == 2 else "mono"
+    # blocks of a second: short ones take twice as long
+    resampler = AudioResampler(format="flt", layout=layout, rate=rate, frame_size=rate)
     blocks: list[npt.NDArray[np.float32]] = []
     frames = 0
 
