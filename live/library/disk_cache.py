@@ -1,12 +1,6 @@
-"""Disk cache of step clips, with a key of the source data and the code; and safe reading of regular files.
+"""Disk cache of step clips, with a key of the source data and the code; and safe reading of regular files."""
 
-A stale entry is never read and is deleted when newer ones need its room. The cache only saves time: every error in it
-is ignored, and the clips are built again.
-"""
-
-import contextlib
 import errno
-import hashlib
 import json
 import os
 import stat
@@ -14,11 +8,11 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
-from typing import IO, Any, Final
+from typing import Any, Final
 
 import numpy as np
 
-from live.base.jit import cache_root
+from live.base.array_cache import ArrayCache, digest_of_code
 from live.motion.clip import Clip
 from live.motion.step_clip import StepClip
 
@@ -27,12 +21,8 @@ _PACKAGE: Final = Path(__file__).resolve().parents[1]
 
 
 @dataclass(frozen=True, slots=True)
-class ClipCache:
-    """A cache of one kind: files `kind-KEY.npz`; the newest `max_entries` stay, with at most `max_bytes` together."""
-
-    kind: str
-    max_entries: int
-    max_bytes: int = 4_000_000_000
+class ClipCache(ArrayCache):
+    """A cache of step clips of one kind."""
 
     def load_or_build(self, sources: Iterable[bytes], build: Callable[[], list[StepClip]]) -> list[StepClip]:
         """Return the clips for `sources` from the cache, or build and cache them.
@@ -40,50 +30,19 @@ class ClipCache:
         `sources` is all that the clips depend on besides the code, in a fixed order. An exception of `build` passes
         through, and nothing is cached.
         """
-        path = self._path(sources)
-        clips = _read_cached(path)
+        path = self.entry_path(_code_digest(), sources)
+        clips = self.load(path, clips_from_arrays)
         if clips is None:
             clips = build()
             if clips:
-                self._write(path, clips)
+                self.store(path, clips_to_arrays(clips))
         return clips
-
-    def _path(self, sources: Iterable[bytes]) -> Path:
-        digest = hashlib.sha256(_code_digest())
-        for source in sources:
-            digest.update(len(source).to_bytes(8, "little"))
-            digest.update(source)
-        return cache_root().parent / f"{self.kind}-{digest.hexdigest()[:16]}.npz"
-
-    def _write(self, path: Path, clips: list[StepClip]) -> None:
-        unfinished = path.with_suffix(f".{os.getpid()}.tmp")
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with unfinished.open("wb") as file:
-                write_clips(file, clips)
-            unfinished.replace(path)
-            self._evict(path.parent)
-        except OSError:
-            with contextlib.suppress(OSError):
-                unfinished.unlink()
-
-    def _evict(self, folder: Path) -> None:
-        caches = [(cache.stat(), cache) for cache in folder.glob(f"{self.kind}-*.npz")]
-        total = 0
-        for number, (state, old) in enumerate(sorted(caches, key=lambda one: one[0].st_mtime_ns, reverse=True)):
-            total += state.st_size
-            if number >= self.max_entries or (number > 0 and total > self.max_bytes):
-                old.unlink(missing_ok=True)
 
 
 @cache
 def _code_digest() -> bytes:
     """Digest of the code that turns files into clips."""
-    digest = hashlib.sha256()
-    for package in ("motion", "library"):
-        for source in sorted((_PACKAGE / package).rglob("*.py")):
-            digest.update(source.read_bytes())
-    return digest.digest()
+    return digest_of_code(_PACKAGE / package for package in ("motion", "library"))
 
 
 def _clip_header(step: StepClip) -> dict[str, Any]:
@@ -93,30 +52,6 @@ def _clip_header(step: StepClip) -> dict[str, Any]:
         "sample_rate": step.clip.sample_rate,
         "step": {name: getattr(step, name) for name in _STEP_FIELDS},
     }
-
-
-def _read_cached(path: Path) -> list[StepClip] | None:
-    """Read the clips cached at `path`, None if they are missing or unreadable; reading renews the file's time."""
-    try:
-        if not path.is_file():
-            return None
-        with path.open("rb") as file:
-            clips = read_clips(file)
-        os.utime(path)
-    except Exception:  # a damaged file makes zipfile, numpy, json and our own checks raise different errors
-        return None
-    return clips
-
-
-def write_clips(file: IO[bytes], clips: Sequence[StepClip]) -> None:
-    """Write clips losslessly as numpy's npz; at least one."""
-    np.savez(file, **clips_to_arrays(clips))
-
-
-def read_clips(file: IO[bytes]) -> list[StepClip]:
-    """Read the clips that `write_clips` wrote; any exception for other data."""
-    with np.load(file, allow_pickle=False) as data:
-        return clips_from_arrays(dict(data))
 
 
 def clips_to_arrays(clips: Sequence[StepClip]) -> dict[str, Any]:

@@ -4,12 +4,14 @@ A coarse cage is subdivided and projected onto the implicit surface of the body.
 it, so they are as smooth as the skin and never leak from one limb to another.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache
+from pathlib import Path
 from typing import Final
 
 import numpy as np
 
+from live.base.array_cache import ArrayCache, Arrays, digest_of_code
 from live.base.arrays import Float32, Float64, Int32, Int64
 from live.base.body_catalogue import DEFAULT_BODY
 from live.render.body.body_variants import bun_of, parts_of
@@ -33,6 +35,7 @@ _TRIANGLES: Final = {LIGHT: 1220, DISTANT: 640}
 _INFLUENCES: Final = 4
 _PROJECTIONS: Final = 4
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
+_CACHE: Final = ArrayCache("body", max_entries=64)
 _SHADOW_OFFSET: Final = 0.006
 """Offset of the coarse body's skin [m], so that its square limbs cast shadows as wide as round ones."""
 
@@ -103,11 +106,45 @@ def _openness(shape: Shape, points: Float64, normals: Float64) -> Float64:
 @cache
 def build_body(level: int, name: str = DEFAULT_BODY) -> BodyMesh:
     """Return the body of a name (`live.base.body_catalogue`) at one of `LEVELS` of detail. ValueError for an unknown
-    one. Built once per process, in a fraction of a second."""
+    one. Built once per machine and version, in a fraction of a second."""
     if level not in LEVELS:
         raise ValueError(
             f"level of detail {level}: {COARSE} (coarse), {LIGHT} (light), {FINE} (fine) or {DISTANT} (far)"
         )
+    entry = _CACHE.entry_path(_code_digest(), [name.encode(), bytes([level])])
+    mesh = _CACHE.load(entry, _unpack)
+    if mesh is None:
+        mesh = _build(level, name)
+        _CACHE.store(entry, {field.name: getattr(mesh, field.name) for field in fields(mesh)})
+    return mesh
+
+
+@cache
+def _code_digest() -> bytes:
+    """Digest of the code that builds bodies."""
+    here = Path(__file__).resolve().parent
+    package = here.parents[1]
+    return digest_of_code([here, package / "base" / "body_catalogue.py", package / "motion" / "skeleton.py"])
+
+
+def _unpack(arrays: Arrays) -> BodyMesh:
+    """Return the mesh of a cache entry; any exception for arrays that are no mesh."""
+    mesh = BodyMesh(**arrays)
+    vertices, triangles = len(mesh.position), len(mesh.triangle)
+    shapes = {
+        "position": (vertices, 3), "normal": (vertices, 3), "joint": (vertices, _INFLUENCES),
+        "weight": (vertices, _INFLUENCES), "openness": (vertices,), "triangle": (triangles, 3),
+    }  # fmt: skip
+    for name, shape in shapes.items():
+        kind = np.int32 if name in ("joint", "triangle") else np.float32
+        if arrays[name].shape != shape or arrays[name].dtype != kind:
+            raise ValueError(f"{name}: {shape} numbers of {kind.__name__} expected")
+    if mesh.triangle.min() < 0 or mesh.triangle.max() >= vertices:
+        raise ValueError("a triangle without its vertex")
+    return mesh
+
+
+def _build(level: int, name: str) -> BodyMesh:
     body, bun = Shape(parts_of(name)), Shape(bun_of(name))
     parts = [
         (body, _refine(build_cage(), body, _SUBDIVISIONS[level])),

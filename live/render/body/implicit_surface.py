@@ -9,7 +9,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
 
 from live.base.arrays import Float64
 
@@ -234,6 +233,8 @@ class _LoftTable:
 
 
 def _prepare(loft: Loft) -> _LoftTable:
+    from scipy.interpolate import PchipInterpolator  # not at the top: a body of the cache does without (0.4 s)
+
     start, end = np.array(loft.start), np.array(loft.end)
     length = float(np.linalg.norm(end - start))
     along = (end - start) / length

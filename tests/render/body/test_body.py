@@ -1,12 +1,15 @@
 """Generated body mesh: closed, symmetric, on the implicit surface, with smooth skin weights."""
 
 import time
+from dataclasses import fields
 
 import numpy as np
 import numpy.typing as npt
 import pytest
 
+from live.base.body_catalogue import DEFAULT_BODY
 from live.motion.skeleton import BODY_HEIGHT, MIRROR, SKELETON
+from live.render.body import body_mesh
 from live.render.body.body_mesh import COARSE, FINE, LIGHT, BodyMesh, build_body
 from live.render.body.implicit_surface import BODY, Shape
 
@@ -119,7 +122,7 @@ def test_body_is_built_within_one_second() -> None:
     seconds = []
     for _ in range(3):
         start = time.process_time()
-        build_body.__wrapped__(FINE)
+        body_mesh._build(FINE, DEFAULT_BODY)
         seconds.append(time.process_time() - start)
     assert min(seconds) < 1.0
 
@@ -127,3 +130,51 @@ def test_body_is_built_within_one_second() -> None:
 def test_unknown_levels_are_refused() -> None:
     with pytest.raises(ValueError, match="level of detail 9"):
         build_body(9)
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path))
+    return tmp_path
+
+
+def _arrays(mesh: BodyMesh) -> dict[str, npt.NDArray[np.generic]]:
+    return {field.name: getattr(mesh, field.name) for field in fields(mesh)}
+
+
+def test_cached_body_is_the_one_that_was_built(folder, monkeypatch) -> None:
+    built = _arrays(build_body.__wrapped__(COARSE))
+    monkeypatch.setattr(body_mesh, "_build", lambda level, name: pytest.fail("built although nothing changed"))
+    read = _arrays(build_body.__wrapped__(COARSE))
+    for name, array in built.items():
+        assert read[name].dtype == array.dtype
+        np.testing.assert_array_equal(read[name], array)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"triangle": np.full((2, 3), 9999, np.int32)},
+        {"weight": np.zeros((3, 4))},
+        {"weight": np.array([None])},
+        {"more": np.zeros(3)},
+    ],
+)
+def test_cache_entry_that_is_no_mesh_is_replaced(folder, change) -> None:
+    built = _arrays(build_body.__wrapped__(COARSE))
+    (entry,) = folder.glob("body-*.npz")
+    np.savez(entry, **(built | change))
+    for _ in range(2):
+        np.testing.assert_array_equal(build_body.__wrapped__(COARSE).position, built["position"])
+    with np.load(entry, allow_pickle=False) as data:
+        assert set(data) == set(built)
+
+
+def test_body_of_other_code_is_not_read(folder, monkeypatch) -> None:
+    monkeypatch.setattr(body_mesh, "_code_digest", lambda: b"another version")
+    monkeypatch.setattr(body_mesh, "_SHADOW_OFFSET", 0.1)
+    other = build_body.__wrapped__(COARSE)
+    monkeypatch.undo()
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(folder))
+    assert not np.array_equal(build_body.__wrapped__(COARSE).position, other.position)
+    assert len(list(folder.glob("body-*.npz"))) == 2
