@@ -6,9 +6,7 @@ The results are warnings, not errors: the show starts anyway.
 from collections.abc import Iterator
 from typing import Final
 
-import numpy as np
-from scipy.spatial import cKDTree
-
+from live.agents.formations.distances import closest_distance
 from live.base.errors import PersonError
 from live.graph.search.sequence import parse_sequence
 from live.show.group.group_motion import AGENT_RADIUS
@@ -171,9 +169,7 @@ def formation_warnings(show: Show) -> list[str]:
         except PersonError as error:
             notes.append(f"{section.formation}: {error}")
             continue
-        if len(slots) < 2:
-            continue
-        near = float(cKDTree(np.asarray(slots)).query(slots, k=2)[0][:, 1].min())
+        near = closest_distance(slots)
         if near < 2.0 * AGENT_RADIUS - 1e-6:
             notes.append(
                 f"{section.formation} for {count} dancers: the nearest two stand {near:.2f} m apart, bodies need "

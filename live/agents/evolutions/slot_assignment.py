@@ -5,7 +5,6 @@ from enum import StrEnum
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import linear_sum_assignment
 
 from live.base.arrays import Float64, Int32
 
@@ -89,6 +88,8 @@ def _weights(metres: Float64, cost: Cost, equal_weight: float, possible: Mask, o
 
 def _solve(weights: Float64, possible: Mask, order_price: Float64 | None) -> Int32:
     """Minimize the sum. Impossible pairs cost more than all others together, so they come last and are removed."""
+    from scipy.optimize import linear_sum_assignment
+
     if order_price is None and possible.all():
         rows, columns = linear_sum_assignment(weights)
         slot = np.full(weights.shape[0], -1, np.int32)

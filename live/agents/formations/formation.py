@@ -7,7 +7,6 @@ from typing import Final
 
 import numpy as np
 import numpy.typing as npt
-from scipy.spatial import cKDTree
 
 from live.agents.formations.casting import (
     clear_soloist_area,
@@ -17,6 +16,7 @@ from live.agents.formations.casting import (
     sections_in_area,
     soloist_places,
 )
+from live.agents.formations.distances import closest_distance
 from live.agents.formations.drawing import Drawing, drawing_of, places_by_hand
 from live.agents.formations.formation_spec import MAX_DANCERS, FormationSpec
 from live.agents.formations.line_placement import place_on_lines
@@ -98,7 +98,7 @@ def formation_of(spec: FormationSpec, count: int, seed: int = 0) -> Formation:
         on_axis = np.abs(line.signed_distance(slots)) < LINE_TOLERANCE
         slots[on_axis] = line.project(slots[on_axis])
     names = spec.section_names
-    closest = _min_distance(slots)
+    closest = closest_distance(slots)
     waiting, empty = max(0, count - places_wanted), max(0, places_wanted - count)
     formation = Formation(
         name=spec.name,
@@ -134,7 +134,7 @@ def _by_hand(spec: FormationSpec, count: int) -> Formation:
     section = np.full(size, NO_SECTION)
     if spec.sections:
         section[soloists:] = sections_along(section_sizes(spec.sections, size - soloists))
-    names, closest = spec.section_names, _min_distance(slots)
+    names, closest = spec.section_names, closest_distance(slots)
     found = [f"{waiting} dancers have no place: add places for them"] if waiting else []
     if closest < TOUCH_DISTANCE:
         found.append(f"two dancers are only {closest:.2f} m apart, bodies touch: move one of them")
@@ -224,12 +224,6 @@ def _lines(spec: FormationSpec) -> tuple[Float64, ...]:
     kept, on_line, _ = clip_drawing(spec, drawing, line)
     halves = [curve.points for curve in kept]
     return (*halves, *(curve.points for curve in on_line), *(line.reflect(points) for points in halves))
-
-
-def _min_distance(slots: Float64) -> float:
-    if len(slots) < 2:
-        return math.inf
-    return float(cKDTree(slots).query(slots, k=2)[0][:, 1].min())
 
 
 def _warnings(

@@ -6,8 +6,8 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from scipy.spatial import cKDTree
 
+from live.agents.formations.distances import close_pairs
 from live.agents.formations.drawing import SHARED_END, Curve, Drawing
 from live.agents.formations.formation_spec import FormationSpec
 from live.agents.formations.symmetry import SymmetryLine, clip_drawing, places_on_line, with_shared_ends
@@ -202,7 +202,7 @@ def _crowded_lines(places: list[Float64], curves: list[Curve], line: SymmetryLin
     owner = np.repeat(np.arange(len(curves)), [len(each) for each in places])
     owner = np.concatenate([np.full(len(taken), -1), owner, owner])
     spacing = sum(curve.length for curve in curves) / len(own)
-    near = cKDTree(everybody).query_pairs(CROWDED_SHARE * spacing, output_type="ndarray")
+    near = close_pairs(everybody, CROWDED_SHARE * spacing)
     return sorted({int(owner[pair[1]]) for pair in near} - {-1}, reverse=True)
 
 

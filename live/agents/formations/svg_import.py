@@ -1,11 +1,11 @@
 """SVG paths as polylines (T090): the `d` of a path, or all paths of an SVG file."""
 
 import re
-import warnings
 from typing import Final
 
 import numpy as np
 
+from live.agents.formations.svg_path import Segment, read_path
 from live.base.arrays import Float64
 from live.base.errors import PersonError
 
@@ -23,14 +23,12 @@ def path_lines(d: str, where: str) -> list[Float64]:
 
     PersonError, beginning with `where`, if it is not a path.
     """
-    import svgpathtools  # takes a second to import, and most formations do not need it
-
     if not _PATH_CHARACTERS.match(d):
         raise PersonError(f"{where}: not an SVG path: {d[:40]!r}", "example of a path: M 0 0 L 3 0 C 4 1 4 3 3 4 Z")
     try:
-        path = svgpathtools.parse_path(d)
-    except Exception as error:  # the parser may raise any error
-        raise PersonError(f"{where}: not an SVG path: {str(error)[:80] or d[:40]}") from None
+        path = read_path(d)
+    except (ValueError, ArithmeticError) as error:
+        raise PersonError(f"{where}: not an SVG path: {str(error)[:80]}") from None
     return _lines(path, where)
 
 
@@ -41,7 +39,7 @@ def svg_file_paths(text: str, where: str) -> tuple[str, ...]:
     """
     from xml.parsers.expat import ExpatError
 
-    import svgpathtools
+    import svgpathtools  # takes a second to import, and only files need it
 
     if len(text) > MAX_FILE_CHARACTERS:
         raise PersonError(f"{where}: larger than {MAX_FILE_CHARACTERS // 1_000_000} MB", "draw it with fewer points")
@@ -59,27 +57,22 @@ def svg_file_paths(text: str, where: str) -> tuple[str, ...]:
     return found
 
 
-def _lines(path: object, where: str) -> list[Float64]:
-    import svgpathtools
-
-    assert isinstance(path, svgpathtools.Path)
-    if not len(path):
+def _lines(path: list[Segment], where: str) -> list[Float64]:
+    if not path:
         raise PersonError(f"{where}: the path draws no line", "example of a path: M 0 0 L 3 0")
     if len(path) > MAX_SEGMENTS:
         raise PersonError(f"{where}: more than {MAX_SEGMENTS} pieces", "simplify the path in the drawing program")
-    lines: list[Float64] = []
-    with np.errstate(all="ignore"), warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        for piece in path.continuous_subpaths():
-            points: list[complex] = [piece[0].start]
-            for segment in piece:
-                ends = (
-                    np.array([1.0])
-                    if isinstance(segment, svgpathtools.Line)
-                    else np.arange(1, SAMPLES_PER_SEGMENT + 1) / SAMPLES_PER_SEGMENT
-                )
-                points += [complex(segment.point(float(t))) for t in ends]
-            lines.append(np.array([(point.real, point.imag) for point in points]))
-    if not lines or not all(np.isfinite(line).all() and np.abs(line).max() < 1e9 for line in lines):
+    lines: list[list[complex]] = []
+    with np.errstate(all="ignore"):
+        for number, segment in enumerate(path):
+            if number == 0 or segment.start != path[number - 1].end:
+                lines.append([segment.start])
+            if segment.point is None:
+                lines[-1].append(segment.end)
+            else:
+                shares = np.arange(1, SAMPLES_PER_SEGMENT + 1) / SAMPLES_PER_SEGMENT
+                lines[-1] += [segment.point(float(share)) for share in shares]
+    found = [np.array([(point.real, point.imag) for point in points]) for points in lines]
+    if not all(np.isfinite(line).all() and np.abs(line).max() < 1e9 for line in found):
         raise PersonError(f"{where}: the path has no points, or one that is not a finite number")
-    return lines
+    return found

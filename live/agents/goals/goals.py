@@ -8,9 +8,6 @@ from typing import Final
 
 import numpy as np
 import numpy.typing as npt
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
-from scipy.spatial import cKDTree
 
 from live.agents.agent_command import AgentCommand
 from live.agents.goals.goal_kernels import ARRIVE, advance_way_points, seek_goals
@@ -110,6 +107,10 @@ def yielding_agents(position: npt.NDArray[np.floating], arrived: Bools, near: fl
 
     A cluster is connected by distances of at most `near` [m]; so agents in the back rows make room for those in front.
     """
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+    from scipy.spatial import cKDTree
+
     count = len(position)
     if count < 2 or arrived.all() or not arrived.any():
         return np.zeros(count, np.bool_)

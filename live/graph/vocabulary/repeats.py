@@ -5,8 +5,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy.cluster.hierarchy import fcluster, linkage
-from scipy.spatial.distance import squareform
 
 from live.base.arrays import Float32, Int32
 from live.graph.vocabulary.measures import Measures
@@ -36,6 +34,9 @@ def alike_measures(distance: Float32, alike: float = ALIKE) -> Int32:
 
     Average linkage: clusters are joined while the mean distance between their measures is at most `alike`.
     """
+    from scipy.cluster.hierarchy import fcluster, linkage
+    from scipy.spatial.distance import squareform
+
     if len(distance) < 2:
         return np.zeros(len(distance), np.int32)
     square = distance.astype(np.float64)

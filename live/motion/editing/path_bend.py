@@ -10,7 +10,6 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 from live.base.arrays import Bool, Float
 from live.motion import quaternion
@@ -76,6 +75,8 @@ def bend_path(step: StepClip, *, scale: float, turn: float) -> StepClip:
 
     The place and heading at which it begins stay.
     """
+    from scipy.ndimage import gaussian_filter1d
+
     clip = step.clip
     root, rotation = clip.root_position.astype(np.float64), clip.rotation.astype(np.float64)
     position, world = forward_kinematics(root, rotation)

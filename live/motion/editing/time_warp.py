@@ -6,16 +6,18 @@ A_max = 7 and f_max = 2 for N = 100 frames are 0.07 and 2 here.
 """
 
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import CubicSpline
 
 from live.base.arrays import Float64
 from live.motion.clip import Clip, read_clip
 from live.motion.editing.turn_insertion import BLEND_WINDOW
 from live.motion.step_clip import StepClip
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 A_MAX: Final = 0.07
 F_MAX: Final = 2.0
@@ -191,7 +193,9 @@ class SequenceWarp:
         """Return max(|A'| + |A| φ'), computed numerically: the speed is at least 1 minus this (T056 as corrected)."""
         return _sequence_steepness(self.knots, self.amplitudes, self.frequencies)
 
-    def _splines(self) -> tuple[CubicSpline, CubicSpline]:
+    def _splines(self) -> "tuple[CubicSpline, CubicSpline]":
+        from scipy.interpolate import CubicSpline
+
         return CubicSpline(self.knots, self.amplitudes), CubicSpline(self.knots, self.frequencies)
 
 
@@ -209,6 +213,8 @@ def draw_sequence_warp(
     move; amplitudes are scaled, if necessary, so that time never runs backwards. ValueError for an empty sequence or
     values below 0.
     """
+    from scipy.interpolate import CubicSpline
+
     if not (measures > 0.0 and spacing > 0.0 and a_max >= 0.0 and f_max >= F_MIN):
         raise ValueError(f"measures {measures}, spacing {spacing}, a_max {a_max}, f_max {f_max}: too small")
     knots = np.linspace(0.0, measures, max(2, int(np.ceil(measures / spacing)) + 1))
@@ -227,6 +233,8 @@ def warp_sequence(step: StepClip, warp: SequenceWarp) -> StepClip:
 
 
 def _sequence_steepness(knots: Float64, amplitudes: Float64, frequencies: Float64) -> float:
+    from scipy.interpolate import CubicSpline
+
     count = int(np.ceil(knots[-1] - knots[0])) * _POINTS_PER_MEASURE + 1
     x = np.linspace(knots[0], knots[-1], count)
     a, f = CubicSpline(knots, amplitudes), CubicSpline(knots, frequencies)

@@ -6,7 +6,6 @@ from typing import Final
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import PchipInterpolator
 
 from live.base.arrays import Float64
 from live.base.scalar_kernels import ease
@@ -74,6 +73,8 @@ def draw_sequence_factors(
 
 def factor_at(places: Float64, factors: Float64, x: npt.ArrayLike) -> Float64:
     """Return r(x): PCHIP through the points, constant beyond the ends; it never leaves their range (T059)."""
+    from scipy.interpolate import PchipInterpolator
+
     held = np.clip(np.asarray(x, np.float64), places[0], places[-1])
     return np.asarray(PchipInterpolator(places, factors)(held))
 

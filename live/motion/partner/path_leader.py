@@ -8,7 +8,6 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from live.base.arrays import Float64
 from live.motion.clip import Clip
@@ -25,6 +24,8 @@ def frenet_cloud(time: Float64, place: Float64, rate: float, *, smooth: float = 
     mice and phones are jerky. Facing is along the path. Where the path rests, the last heading is held (at the
     beginning the first one).
     """
+    from scipy.ndimage import gaussian_filter1d
+
     count = max(int((time[-1] - time[0]) * rate + 1e-6) + 1, 2)
     at = time[0] + np.arange(count) / rate
     middle = np.interp(at, time, place[:, 1]) + 1j * np.interp(at, time, place[:, 0])
@@ -52,6 +53,8 @@ SMOOTHING_S: Final = 0.12
 
 def keep_near_path(clip: Clip, path: Cloud, max_distance: float = MAX_DISTANCE) -> Clip:
     """Return the clip, hips at most about `max_distance` [m] from the middle of `path`'s points; needs equal rates."""
+    from scipy.ndimage import gaussian_filter1d, maximum_filter1d
+
     count = min(clip.sample_count, path.count)
     middle = path.floor.mean(axis=1)
     middle = np.concatenate((middle[:count], np.full(clip.sample_count - count, middle[count - 1])))

@@ -10,8 +10,6 @@ from typing import Final
 
 import numpy as np
 import numpy.typing as npt
-from scipy.cluster.hierarchy import fcluster, linkage
-from scipy.spatial.distance import squareform
 
 from live.base.arrays import Float64, Int64
 from live.motion.clip import Clip, read_clip
@@ -157,6 +155,9 @@ def _squares(rows: Float64) -> Float64:
 
 def remove_duplicates(units: Units, threshold: float, *, seed: int) -> Units:
     """Return one unit, drawn with `seed`, from each cluster with pairwise distances up to `threshold` [m]."""
+    from scipy.cluster.hierarchy import fcluster, linkage
+    from scipy.spatial.distance import squareform
+
     if units.count < 2 or threshold <= 0.0:
         return units
     tree = linkage(squareform(unit_distances(units), checks=False), method="complete")

@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
 
 from live.base.arrays import Bool, Float, Float64, Int64
 from live.motion.editing.foot_correction import ANKLES, BALLS
@@ -31,6 +30,8 @@ def mean_speed(position: Float, rate: float) -> Float64:
 def motion_beats(speed: Float64, rate: float, begin: float = 0.0) -> Float64:
     """Return the times [s] of the local minima of the smoothed mean speed (T - 1,), which starts half a sample after
     `begin`."""
+    from scipy.ndimage import gaussian_filter1d
+
     if len(speed) < 3:
         return np.zeros(0)
     smooth = gaussian_filter1d(speed, BEAT_SMOOTHING * rate, mode="nearest")

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from live.base.arrays import Float64, Int64
 from live.base.errors import PersonError
@@ -242,6 +241,8 @@ def _apply_bands(sketched: PreparedSketch, corpus: TextureCorpus, settings: Text
 
 def _at_rate(tracks: Float64, sketch: Clip) -> Float64:
     """Resample tracks (T, C) from 24 Hz to the sketch's samples, by a cubic spline, because they lack band 1."""
+    from scipy.interpolate import CubicSpline
+
     if not tracks.shape[1]:
         return np.zeros((sketch.sample_count, 0))
     at = np.arange(sketch.sample_count) / sketch.sample_rate

@@ -8,8 +8,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy.sparse import coo_matrix
-from scipy.sparse.csgraph import connected_components
 
 from live.base.arrays import Float64, Int64
 from live.motion.skeleton import JOINT_COUNT, SKELETON
@@ -46,6 +44,9 @@ def simplify_to(
     position: Float64, weight: Float64, material: Int64, triangle: Int64, max_triangles: int
 ) -> SimplifiedMesh:
     """Return the finest level with at most `max_triangles` triangles; different `material` (V,) stays separate."""
+    from scipy.sparse import coo_matrix
+    from scipy.sparse.csgraph import connected_components
+
     ends = np.concatenate([triangle[:, [0, 1]], triangle[:, [1, 2]]])
     links = coo_matrix((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(len(position),) * 2)
     island = connected_components(links, directed=False)[1] * (int(material.max()) + 1) + material
