@@ -2,6 +2,7 @@
 
 import contextlib
 import gc
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Final
 
@@ -24,6 +25,7 @@ from live.clock.ticks import STALL
 from live.clock.time_source import Clock, ProcessorClock, SystemClock
 from live.control.events.events import ControlEvent, SetLatency
 from live.control.worker_thread import WorkerThread
+from live.show.background_work import import_late_modules
 from live.show.engine import Engine
 from live.show.loader import LoadedShow
 from live.show.patch.hot_reload import PatchWatch
@@ -170,6 +172,7 @@ class Session:
             refusal=lambda: self.notifier.refused,
         )
         self._tempo = tempo
+        self._late_imports: threading.Thread | None = None
         stall = max(STALL, 3.0 / options.film_fps)  # a low frame rate is not a stall
         self.engine = Engine(
             show, clock=self.clock, inbox=self.inbox, status=self.status, lead=self.latencies.lead, stall=stall
@@ -303,6 +306,10 @@ class Session:
 
     def after_frame(self, started: float, previous: float) -> None:
         """Update statistics, services and records after a frame, and collect the youngest garbage generation."""
+        if self._late_imports is None:
+            task = "importing what later frames need", import_late_modules
+            self._late_imports = threading.Thread(target=run_once, args=task, daemon=True)
+            self._late_imports.start()
         self.status.work_times.add(self.clock.now() - started)
         self.status.processor_times.add(self.cpu_clock.now() - self._frame_cpu_start)
         self.status.frame_times.add(started - previous)

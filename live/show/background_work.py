@@ -86,3 +86,12 @@ def short_switch_interval() -> Iterator[None]:
             _saved_intervals.pop()
             if not _saved_intervals:
                 sys.setswitchinterval(before)
+
+
+def import_late_modules() -> None:
+    """Import what frames may need, but not the first ones, so that no later frame has to: call it beside the show.
+
+    Dancers are assigned to places by scipy.optimize when a formation changes.
+    """
+    with short_switch_interval():
+        import scipy.optimize  # noqa: F401

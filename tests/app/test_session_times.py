@@ -38,6 +38,19 @@ def test_waiting_frame_takes_work_time_but_no_processor_time(tmp_path):
     assert 0.0 < told["cpu_ms"]["p50"] < 50.0
 
 
+def test_late_modules_are_imported_once_beside_the_show_after_its_first_frame(tmp_path, monkeypatch):
+    imports = []
+    monkeypatch.setattr("live.app.session.import_late_modules", lambda: imports.append(threading.current_thread()))
+    session = make_session(tmp_path)
+    with session.running():
+        assert imports == []
+        run_frame(session, 0.0)
+        session._late_imports.join()
+        run_frame(session, 0.0)
+    (thread,) = imports
+    assert thread is session._late_imports is not threading.main_thread()
+
+
 def test_overload_from_supervisor_is_reported_as_pressure(tmp_path):
     """From the supervisor's facts on the channel to the status and the renderer."""
     ours, theirs = socket.socketpair()

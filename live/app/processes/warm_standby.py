@@ -19,6 +19,7 @@ from live.app.session import Session
 from live.app.session_audio import AudioChoice, choose_audio
 from live.base.errors import PersonError
 from live.control.events.events import ChooseSource
+from live.show.background_work import import_late_modules
 from live.show.loader import LoadedShow
 from live.show.show import Show
 from live.show.venue.venue import Latencies, Venue
@@ -175,6 +176,7 @@ def prefork_engine(
     warm_kernels(console)
     for name in ("headless_loop", *(() if options.headless else ("window_loop",))):
         importlib.import_module(f"live.app.{name}")  # imports all that a standby needs
+    import_late_modules()
     if not options.headless:
         from live.render.body.body_mesh import COARSE, FINE, LIGHT, build_body
         from live.render.window.monitors import load_glfw
