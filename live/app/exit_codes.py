@@ -22,7 +22,7 @@ def show_person_error(error: PersonError) -> None:
         console.print(Text.assemble(("  try: ", "bold"), error.remedy))
 
 
-OBJECTS_PER_COLLECTION: Final = 200_000
+OBJECTS_PER_COLLECTION: Final = 500_000
 """New containers after which Python looks for reference cycles; 700 by default."""
 
 

@@ -104,18 +104,20 @@ def paces(graph: "MotionGraph", correction: float) -> Float64:
     give = PACE_MARGIN * np.minimum(graph.node_reach_margin, correction)
     angle = np.arange(PACE_DIRECTIONS) * (2.0 * np.pi / PACE_DIRECTIONS)
     goals = PACES[:, None, None] * np.stack([np.sin(angle), np.cos(angle)], axis=1)[None]
-    found = np.zeros(len(library.steps) + 1)
-    for s in range(len(found)):
-        misses = []
-        for node in _spread(np.flatnonzero(graph.edge_start[1:] > graph.edge_start[:-1]), PACE_NODES).tolist():
-            after = graph.edge_target[graph.edge_start[node] : graph.edge_start[node + 1]]
-            after = after if s == len(library.steps) else after[library.node_step[after] == s]
-            if len(after):
-                some = _spread(after, PACE_NODES)
-                off = np.hypot(*np.moveaxis(goals[:, :, None] - ways[some], -1, 0)) - give[some]
-                misses.append(np.maximum(off, 0.0).min(axis=2).mean(axis=1))
-        if misses:
-            miss = np.mean(misses, axis=0)
+    before = _spread(np.flatnonzero(graph.edge_start[1:] > graph.edge_start[:-1]), PACE_NODES).tolist()
+    after = [graph.edge_target[graph.edge_start[node] : graph.edge_start[node + 1]] for node in before]
+    choices = [
+        [_spread(some, PACE_NODES) for each in after if len(some := each[library.node_step[each] == s])]
+        for s in range(len(library.steps))
+    ]
+    choices.append([_spread(each, PACE_NODES) for each in after])
+    used = np.unique(np.concatenate([np.zeros(0, np.int64), *(some for step in choices for some in step)]))
+    off = np.hypot(*np.moveaxis(goals[:, :, None] - ways[used], -1, 0)) - give[used]
+    off = np.maximum(off, 0.0)  # (distances, directions, nodes)
+    found = np.zeros(len(choices))
+    for s, step in enumerate(choices):
+        if step:
+            miss = np.mean([off[:, :, np.searchsorted(used, some)].min(axis=2).mean(axis=1) for some in step], axis=0)
             good = np.flatnonzero(miss <= max(PACE_MISS, 1.1 * float(miss.min())))
             found[s] = PACES[good[-1]]
     return found
