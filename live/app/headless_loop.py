@@ -132,7 +132,7 @@ def play_show(options: LaunchOptions, *, lifeline: SupervisorLink | None = None)
         from live.app.adaptive_quality import use_shader_folder
 
         use_shader_folder(options.shaders, console)
-    sound = choose_audio(options, loaded, venue)
+    sound = choose_audio(options, loaded, venue, elsewhere=lifeline is not None and lifeline.sound is not None)
     chosen = find_screen(options.monitor)
     if options.headless:
         _headless(Session(options, loaded, sound, venue, lifeline=lifeline), console)
@@ -188,6 +188,6 @@ def _film(options: LaunchOptions, loaded: LoadedShow, sound: AudioChoice, consol
 def _welcome(session: Session) -> str:
     host, port = session.options.osc
     song = session.options.midi_file
-    heard = "music file" if session.sound.music else session.sound.device or "internal clock"
+    heard = "music file" if session.sound.file else session.sound.device or "internal clock"
     heard = heard if song is None else song.name
     return f"{session.loaded.patch.name}: {session.loaded.patch.dancer_count} dancers, {heard}, OSC at {host}:{port}"

@@ -6,6 +6,7 @@ The source is an input device or a music file. It runs in this process, or in a 
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -56,7 +57,7 @@ class AudioSource(Protocol):
 class AudioChoice:
     """Choice of audio source: a music file, an input device by name, or nothing (the internal clock)."""
 
-    music: Music | None = None
+    file: "MusicFile | None" = None
     device: str | None = None
     from_patch: bool = False
     """True for the patch's own music, whose tempo and first downbeat are in the patch."""
@@ -64,15 +65,51 @@ class AudioChoice:
     """Channels of the device."""
     output: str | None = None
     """Output device for music; None: the default."""
-    path: Path | None = None
-    """The music's file."""
+
+    @property
+    def path(self) -> Path | None:
+        """The music's file; None without music."""
+        return None if self.file is None else self.file.path
+
+    @property
+    def music(self) -> Music | None:
+        """The music, decoded when it is first asked for; None without music. PersonError if it cannot be."""
+        return None if self.file is None else self.file.music
 
 
-def choose_audio(options: "LaunchOptions", loaded: LoadedShow, venue: Venue | None = None) -> AudioChoice:
+class MusicFile:
+    """A music file that is there; another process may be the one that decodes it."""
+
+    def __init__(self, path: Path) -> None:
+        """PersonError if there is no such file."""
+        self.path = path
+        if not is_file(path):
+            self.music  # noqa: B018 - says why
+
+    @cached_property
+    def music(self) -> Music:
+        """The decoded music; PersonError if it cannot be decoded."""
+        try:
+            return read_music(self.path)
+        except MusicFileError as error:
+            raise PersonError(str(error)) from None
+
+
+def choose_audio(
+    options: "LaunchOptions", loaded: LoadedShow, venue: Venue | None = None, *, elsewhere: bool = False
+) -> AudioChoice:
     """Choose the source of `--audio` and `--bpm`, else the venue's device, else the patch's music.
 
-    Raise PersonError, which lists the devices, if the source does not exist.
+    `elsewhere`: another process plays the music, decodes it, and says if it cannot. Raise PersonError, which lists the
+    devices, if the source does not exist.
     """
+    chosen = _choose_audio(options, loaded, venue)
+    if not elsewhere:
+        chosen.music  # noqa: B018 - decodes it
+    return chosen
+
+
+def _choose_audio(options: "LaunchOptions", loaded: LoadedShow, venue: Venue | None) -> AudioChoice:
     audio = None if venue is None else venue.audio
     output = None if audio is None else audio.output
     own = "1,2" if audio is None or audio.channels is None else ",".join(map(str, audio.channels))
@@ -85,7 +122,7 @@ def choose_audio(options: "LaunchOptions", loaded: LoadedShow, venue: Venue | No
             raise PersonError(words, "leave out --audio or --tempo-share")
         path = Path(options.audio)
         if is_file(path):
-            return AudioChoice(music=_music(path), output=output, path=path)
+            return AudioChoice(file=MusicFile(path), output=output)
         what = "there is no such file, and " if path.suffix or "/" in options.audio else ""
         return AudioChoice(device=_device(options.audio, f"--audio {options.audio!r}", what), channels=channels)
     if options.bpm is not None or options.is_practice:
@@ -95,9 +132,7 @@ def choose_audio(options: "LaunchOptions", loaded: LoadedShow, venue: Venue | No
             device=_device(audio.device, f"the venue's audio.device {audio.device!r}"), channels=channels
         )
     music = loaded.music_path
-    return (
-        AudioChoice() if music is None else AudioChoice(music=_music(music), from_patch=True, output=output, path=music)
-    )
+    return AudioChoice() if music is None else AudioChoice(file=MusicFile(music), from_patch=True, output=output)
 
 
 def _channels(words: str) -> "Channels":
@@ -116,13 +151,6 @@ def _device(name: str, option: str, hint: str = "") -> str:
         raise PersonError(f"{option}: {hint}{error}") from None
     except SoundUnavailable as error:
         raise PersonError(f"{option}: {hint}{error}") from None
-
-
-def _music(path: Path) -> Music:
-    try:
-        return read_music(path)
-    except MusicFileError as error:
-        raise PersonError(str(error)) from None
 
 
 def make_map_clock(sound: AudioChoice, patch: Patch) -> MapClock | None:
@@ -237,14 +265,15 @@ class SessionAudio:
     ) -> None:  # fmt: skip
         """Make the source without starting it; raise PersonError if that fails."""
         self._sound = sound
-        self._measures = make_map_clock(sound, show.patch)
+        self._measures: MapClock | None = None
         self._remote: AudioClient | None = None
         self.source: AudioSource | None
         """The source; None for a show without audio."""
         self.handle: Callable[[ControlEvent], None]
         """Handler for events that concern the audio."""
         there = None if lifeline is None else lifeline.sound
-        if there is None or (sound.music is None and sound.device is None):
+        if there is None or (sound.file is None and sound.device is None):
+            self._measures = make_map_clock(sound, show.patch)
             self.source, self.handle = make_audio(sound, loaded, show, latencies, inbox, clock, self._measures)
             return
         plan = audio_plan(sound, loaded)

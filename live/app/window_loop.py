@@ -62,13 +62,13 @@ class FrameSinks:
     ) -> None:
         """Make those of the options; raise PersonError if one fails. `sharing`: already made, closed elsewhere."""
         self._shared_sink = sharing
-        options, music, fps = session.options, session.sound.music, live_fps(session.options, ctx)
+        options, sound, fps = session.options, session.sound, live_fps(session.options, ctx)
         self._calls = Bulkhead()
         self._sinks: list[LiveRecording | LiveSharing | LivePages] = []
         if options.record is not None:
-            self._sinks.append(LiveRecording(options.record, ctx, size, fps, music))
+            self._sinks.append(LiveRecording(options.record, ctx, size, fps, sound.music))
         if options.share:
-            sharing = sharing or LiveSharing(options.share, ctx, size, fps, music)
+            sharing = sharing or LiveSharing(options.share, ctx, size, fps, sound.music)
             self._sinks.append(sharing)
             session.status.notices.append(sharing.problem_text)
             session.status.extra_figures["shared"] = sharing.facts

@@ -7,7 +7,10 @@ from typing import Any, cast
 import numpy as np
 import pytest
 
-from live.app.session_audio import AudioChoice, likely_tempo, make_audio, make_show_analysis
+from live.app import session_audio
+from live.app.launch_options import LaunchOptions
+from live.app.session_audio import AudioChoice, choose_audio, likely_tempo, make_audio, make_show_analysis
+from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
 from live.clock.bar_pointer.state_space import BarPointerModel
 from live.clock.follower.manual_control import TrackerHint
@@ -76,3 +79,30 @@ def test_manual_restart_keeps_only_patch_settings(monkeypatch: pytest.MonkeyPatc
     tell(RestartAudio(time=2.0, source="key"))
     source.poll()
     assert manual_settings(source._open_stream.analysis) == (0.0, 3)
+
+
+def test_music_played_elsewhere_is_not_decoded_here(tmp_path, monkeypatch) -> None:
+    decoded = []
+    monkeypatch.setattr(session_audio, "read_music", lambda path: decoded.append(path) or object())
+    song = tmp_path / "song.ogg"
+    song.write_bytes(b"not looked at")
+    options = LaunchOptions(audio=str(song))
+    elsewhere, here = choose_audio(options, LOADED, elsewhere=True), choose_audio(options, LOADED)
+    assert decoded == [song]
+    assert elsewhere.path == here.path == song
+    assert elsewhere.music is elsewhere.music
+    assert decoded == [song, song]  # once each
+
+
+@pytest.mark.parametrize("elsewhere", [False, True])
+def test_music_of_patch_that_is_missing_is_refused_before_the_show(tmp_path, elsewhere) -> None:
+    loaded = cast(Any, SimpleNamespace(music_path=tmp_path / "gone.ogg"))
+    with pytest.raises(PersonError, match=r"gone\.ogg: there is no such file"):
+        choose_audio(LaunchOptions(), loaded, elsewhere=elsewhere)
+
+
+def test_music_that_is_none_is_refused_where_it_is_decoded(tmp_path) -> None:
+    song = tmp_path / "song.ogg"
+    song.write_bytes(b"no music")
+    with pytest.raises(PersonError, match="cannot be read as music"):
+        choose_audio(LaunchOptions(audio=str(song)), LOADED)

@@ -133,7 +133,7 @@ def _follow_until_order(loaded: LoadedShow, lifeline: SupervisorLink) -> tuple[d
 def available_audio(options: LaunchOptions, loaded: LoadedShow, venue: Venue | None) -> AudioChoice:
     """Return the show's audio source; no source if it is not available any more."""
     try:
-        return choose_audio(options, loaded, venue)
+        return choose_audio(options, loaded, venue, elsewhere=True)
     except PersonError:
         return AudioChoice()
 

@@ -24,9 +24,7 @@ def loaded() -> LoadedShow:
 
 def test_sheet_contains_one_described_picture_per_measure(loaded: LoadedShow) -> None:
     show = loaded.start(seed=1, tempo=240.0)
-    found = [
-        taken for _, taken in moments_of_patch(loaded, show, AudioChoice(None, None, None), 8.0, 2) if taken is not None
-    ]
+    found = [taken for _, taken in moments_of_patch(loaded, show, AudioChoice(), 8.0, 2) if taken is not None]
     assert [taken.measure for taken in found] == list(range(1, 2 * len(found), 2))
     assert len(found) >= 3
     assert {taken.beat for taken in found} == {3}
