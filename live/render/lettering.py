@@ -14,6 +14,8 @@ from PIL import Image, ImageDraw, ImageFont
 
 from live.base.arrays import Float32
 
+Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
+
 _REPLACEMENTS: Final = {
     "ß": "ss", "ø": "o", "Ø": "O", "æ": "ae", "Æ": "AE", "œ": "oe", "Œ": "OE", "ł": "l", "Ł": "L",
 }  # fmt: skip
@@ -23,8 +25,15 @@ _REPLACEMENTS: Final = {
 @cache
 def has_glyph(letter: str) -> bool:
     """Whether the font has this letter; a missing one would be drawn as a box."""
+    font, box = _font_and_box()
+    return letter.isprintable() and (letter == " " or _glyph_mask(font, letter) != box)
+
+
+@cache
+def _font_and_box() -> tuple[Font, tuple[tuple[int, int], bytes]]:
+    """Return the font, and the mask of the box that it draws for a missing letter."""
     font = ImageFont.load_default(size=20)
-    return letter.isprintable() and (letter == " " or _glyph_mask(font, letter) != _glyph_mask(font, "\uffff"))
+    return font, _glyph_mask(font, "\uffff")
 
 
 def without_accents(words: str) -> str:
@@ -37,7 +46,7 @@ def _without_accent(letter: str) -> str:
     return plain if all(map(has_glyph, plain)) else "?"
 
 
-def _glyph_mask(font: "ImageFont.FreeTypeFont | ImageFont.ImageFont", letter: str) -> tuple[tuple[int, int], bytes]:
+def _glyph_mask(font: Font, letter: str) -> tuple[tuple[int, int], bytes]:
     mask = font.getmask(letter)
     return mask.size, bytes(mask)
 

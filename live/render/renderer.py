@@ -44,9 +44,11 @@ class Renderer:
         steps: bool = False,
         blocking_video: bool = False,
         transparent: bool = False,
+        warm_up: bool = True,
     ) -> None:
         """`steps`: also create what the lower quality steps need; see `set_step`.
-        `transparent`: without a stage, in pictures with alpha (needs samples)."""
+        `transparent`: without a stage, in pictures with alpha (needs samples). `warm_up`: draw with everything once, so
+        that no later picture has to wait for the driver; a film may wait."""
         self._ctx, self._scene, self._size = ctx, scene, _clamped_size(size)
         self.quality = quality or (
             _transparent_quality(ctx) if transparent else choose_quality(ctx, scene.dancer_count)
@@ -75,7 +77,10 @@ class Renderer:
         self._scaled_target: tuple[moderngl.Texture, moderngl.Framebuffer] | None = None
         self._last_beat = 0.0  # of the last picture
         self._moment = Moment(StageView.allocate(0, 1), self._uniforms, self._batch, self._pipeline.floor.texture)
-        self._warm_up()
+        if warm_up:
+            self._warm_up()
+        self._pipeline.set_stage(scene.stage_size, scene.items)
+        self._moment.cut = True
 
     def _set_camera(self, camera: Camera) -> None:
         """Update everything that depends on the camera, except the uniform block."""
@@ -98,8 +103,6 @@ class Renderer:
             for styles in (_warm_up_row(self._scene, passes=len(self.steps) > 1), None) if step == 0 else (None,):
                 view.picture = styles
                 self.draw(view, framebuffer)
-        self._pipeline.set_stage(self._scene.stage_size, self._scene.items)
-        self._moment.cut = True
         release_all(framebuffer, scratch)
 
     @property

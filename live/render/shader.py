@@ -123,6 +123,7 @@ def set_override_folder(folder: Path | None) -> None:
     """
     _override_folders[:] = [] if folder is None else [folder]
     _read.cache_clear()
+    _lines.cache_clear()
 
 
 @cache
@@ -136,6 +137,14 @@ def _read(name: str) -> str:
         except OSError as error:
             raise PersonError(f"{folder / name}: {error.strerror}") from None
     return builtin_text(name)
+
+
+@cache
+def _lines(name: str) -> tuple[list[str], list[str], list[int]]:
+    """Return the lines of a file, the place of each for messages, and the indices of those that include a file."""
+    lines = _read(name).splitlines()
+    places = [f"shaders/{name}, line {number}" for number in range(1, len(lines) + 1)]
+    return lines, places, [at for at, line in enumerate(lines) if line.startswith("#include")]
 
 
 def source(name: str, constants: tuple[tuple[str, int | float], ...] = ()) -> str:
@@ -156,12 +165,15 @@ def _assemble(name: str, constants: tuple[tuple[str, int | float], ...]) -> tupl
         if file in seen:
             return
         seen.add(file)
-        for number, line in enumerate(_read(file).splitlines(), start=1):
-            if line.startswith("#include"):
-                add(_include_name(line, file, number))
-            else:
-                lines.append(line)
-                places.append(f"shaders/{file}, line {number}")
+        own, own_places, includes = _lines(file)
+        begin = 0
+        for at in includes:
+            lines.extend(own[begin:at])
+            places.extend(own_places[begin:at])
+            add(_include_name(own[at], file, at + 1))
+            begin = at + 1
+        lines.extend(own[begin:])
+        places.extend(own_places[begin:])
 
     add(name)
     return "\n".join(lines) + "\n", places

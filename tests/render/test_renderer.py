@@ -212,6 +212,24 @@ def test_same_moment_gives_same_picture(gl_context: moderngl.Context, quality: Q
 
 
 @pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+def test_warm_up_changes_no_picture(gl_context: moderngl.Context, quality: Quality) -> None:
+    films = []
+    for warm_up in (False, True):
+        renderer = Renderer(gl_context, scene(12), size=SIZE, quality=quality, warm_up=warm_up)
+        target = gl_context.simple_framebuffer(SIZE)
+        pictures = []
+        for beat in (0.0, 0.25, 0.5):
+            view = crowd()
+            view.beat = beat
+            renderer.draw(view, target)
+            pictures.append(read(target).astype(int))
+        films.append(np.array(pictures))
+        renderer.release()
+        target.release()
+    assert np.abs(films[0] - films[1]).max() <= (0 if is_software(gl_context) else 2)
+
+
+@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
 def test_resized_renderer_matches_new_renderer(gl_context: moderngl.Context, draw: Draw, quality: Quality) -> None:
     renderer = Renderer(gl_context, scene(12), size=(200, 200), quality=quality)
     view = crowd()

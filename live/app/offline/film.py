@@ -154,8 +154,9 @@ def make_renderer(
         stack.callback(target.release)
         quality = HARDWARE if fine and not alpha else None
         renderer = Renderer(
-            ctx, loaded.scene(), size=options.size, quality=quality, blocking_video=True, transparent=alpha
-        )
+            ctx, loaded.scene(), size=options.size, quality=quality, blocking_video=True, transparent=alpha,
+            warm_up=False,
+        )  # fmt: skip
     except ValueError as error:
         raise PersonError(f"{error}") from None
     stack.callback(renderer.release)
