@@ -14,6 +14,7 @@ from live.app.bridges import installed_bridges
 from live.app.headless_picture import HeadlessPicture
 from live.app.launch_options import LaunchOptions
 from live.app.machine.kernel_warmup import warm_kernels
+from live.app.processes.audio_client import prepare_music
 from live.app.session import Session
 from live.app.session_audio import AudioChoice, choose_audio
 from live.base.errors import PersonError
@@ -132,7 +133,10 @@ def play_show(options: LaunchOptions, *, lifeline: SupervisorLink | None = None)
         from live.app.adaptive_quality import use_shader_folder
 
         use_shader_folder(options.shaders, console)
-    sound = choose_audio(options, loaded, venue, elsewhere=lifeline is not None and lifeline.sound is not None)
+    there = None if lifeline is None else lifeline.sound
+    sound = choose_audio(options, loaded, venue, elsewhere=there is not None)
+    if there is not None and sound.path is not None:
+        prepare_music(there, sound.path)
     chosen = find_screen(options.monitor)
     if options.headless:
         _headless(Session(options, loaded, sound, venue, lifeline=lifeline), console)

@@ -12,6 +12,7 @@ import socket
 import time
 from collections import deque
 from dataclasses import asdict
+from pathlib import Path
 from typing import Any, Final
 
 from live.app.processes.resume_state import ResumeState
@@ -32,6 +33,16 @@ ROWS_PER_PACKET: Final = 500
 """Measure lines in a packet."""
 LOST_TIMEOUT: Final = 1.0
 """Seconds without a message after which the source counts as lost: the process reports five times a second."""
+
+
+def prepare_music(descriptor: int, path: Path) -> None:
+    """Have the audio process decode music that will be played, while the show is still built.
+
+    `descriptor`: of the engine's end of its socket. If the message is lost, the music is decoded when it starts.
+    """
+    with contextlib.suppress(OSError), socket.socket(fileno=os.dup(descriptor)) as there:
+        there.setblocking(False)
+        there.send(json.dumps({"prepare": str(path.resolve())}).encode())
 
 
 class AudioClient:

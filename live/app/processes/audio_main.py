@@ -22,7 +22,7 @@ from live.clock.time_source import SystemClock
 from live.control.audio.analysis import make_analysis_factory
 from live.control.audio.audio_input import AudioInput
 from live.control.audio.channel_mixer import Channels
-from live.control.audio.music_file import read_music
+from live.control.audio.music_file import Music, read_music
 from live.control.audio.music_player import MusicPlayer
 from live.control.events.event_json import event_from_json, event_to_json
 from live.control.events.events import ControlEvent
@@ -61,9 +61,12 @@ class AudioWorker:
         self._source: AudioInput | MusicPlayer | None = None
         self._rows: list[list[Any]] = []
         self._measures: MapClock | None = None  # of the music, once it plays
+        self._prepared: dict[str, Music] = {}  # by the file's path
 
     def handle_order(self, order: dict[str, Any]) -> None:
         """Carry out one order."""
+        if "prepare" in order and self._source is None:
+            self._prepare(order["prepare"])
         if "start" in order and self._source is None:
             self._start(order["start"])
         if "stop" in order:
@@ -99,12 +102,19 @@ class AudioWorker:
         if len(self._rows) == order["of"] and self._measures is not None:
             self._measures.replace(MeasureMap([MeasureLine(*row) for row in self._rows]) if self._rows else None)
 
+    def _prepare(self, path: str) -> None:
+        """Decode music while the engine still builds the show."""
+        with contextlib.suppress(Exception):  # the start says what is wrong
+            self._prepared = {path: read_music(Path(path))}
+
     def _start(self, plan: dict[str, Any]) -> None:
         clock = SystemClock(plan["origin"])
         into, out = plan["latency"]
         begun = plan["begun"]
         try:
-            music = None if plan["music"] is None else read_music(Path(plan["music"]))
+            path, prepared = plan["music"], self._prepared
+            self._prepared = {}
+            music = None if path is None else prepared[path] if path in prepared else read_music(Path(path))
             self._measures = None if music is None else MapClock(None, music.duration)
             model = BarPointerModel.expecting(plan["metres"], plan["likely_bpm"])
             analysis = make_analysis_factory(plan["tracker"], self._seeds, self._measures, model)
