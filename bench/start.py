@@ -28,9 +28,9 @@ Cost = tuple[float, float]
 
 
 def run(full: bool, shared: Path | None) -> list[Row]:
-    """Measure `live render` of one frame at 320x180 as whole processes, and `live play --headless` until it dances.
+    """Measure `live render` of one frame at 320x180 as whole processes, and `live play --headless` to its first frame.
 
-    The median of several warm starts. The first frame of a show is a second before its first line of status.
+    The median of several warm starts. The first frame of a show comes a second before its first line of status.
     """
     repeats = 5 if full else 3
     with tempfile.TemporaryDirectory() as name:
@@ -46,7 +46,7 @@ def run(full: bool, shared: Path | None) -> list[Row]:
         Row("warm start to the first frame", warm[0], "s", WARM_BAR_S),
         Row("warm start to the first frame, processor", warm[1], "s", WARM_BAR_CPU_S),
         Row("warm start of live play to its first frame", play[0], "s", WARM_BAR_S),
-        Row("warm start of live play with one second of dance, processor", play[1], "s", WARM_BAR_CPU_S),
+        Row("warm start of live play to its first frame, processor", play[1], "s", WARM_BAR_CPU_S),
     ]
 
 
@@ -71,23 +71,24 @@ def _ended_children_seconds() -> float:
 
 
 def _play(status: Path, environment: dict[str, str]) -> Cost:
-    """Return the time until the first frame, and what all processes have used when the first second is danced."""
+    """Return the time until the first frame, and what all processes have used until then."""
     status.unlink(missing_ok=True)
     command = [
         sys.executable, "-m", "live", "play", "--headless", "--osc", "127.0.0.1:0", "--status-json", str(status),
     ]  # fmt: skip
+    used: list[Cost] = []
     begin = time.perf_counter()
     with subprocess.Popen(command, env=environment, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as show:
         try:
             while not (status.exists() and status.stat().st_size):
-                if show.poll() is not None or time.perf_counter() - begin > TIMEOUT_S:
+                used.append((time.perf_counter() - begin, _tree_seconds(psutil.Process(show.pid))))
+                if show.poll() is not None or used[-1][0] > TIMEOUT_S:
                     raise RuntimeError(f"live play did not start; it ended with {show.poll()}")
                 time.sleep(POLL_S)
-            wall = time.perf_counter() - begin - 1.0
-            processor = _tree_seconds(psutil.Process(show.pid))
+            first = time.perf_counter() - begin - 1.0
         finally:
             show.send_signal(signal.SIGTERM)
-    return wall, processor
+    return first, max(processor for wall, processor in used if wall <= first)
 
 
 def _tree_seconds(root: psutil.Process) -> float:

@@ -77,6 +77,7 @@ class Supervisor:
         self._confirmed: tuple[LineChannel, WriteProgress, int] | None = None
         self._writing_engine: Child | None = None
         self._osc_reading_engine: Child | None = None  # an adopted engine that still has its own OSC reader process
+        self._osc_reader_due = bool(config.osc_reader)  # once an engine runs: messages wait in the socket until then
         if adoption is not None:
             self._adopt(adoption)
         elif interrupted is not None:
@@ -93,8 +94,6 @@ class Supervisor:
                 self.audio.begin(now)
             if self._config.fallback_window:
                 self.fallback_window.begin(now)
-            if self._config.osc_reader and self._osc_reading_engine is None:
-                self.osc_reader.begin(now)
             while self.engines.code is None:
                 self._turn()
             return self.engines.code
@@ -117,6 +116,8 @@ class Supervisor:
             self._resume_journal()
         if self._osc_reading_engine is not None and self._osc_reading_engine is not self.engines.engine:
             self._osc_reading_engine = None
+        if self._osc_reader_due and self._osc_reading_engine is None and self.engines.has_run:
+            self._osc_reader_due = False
             self.osc_reader.begin(now)
         if now >= self._confirm_at:
             self._confirm_at = now + CONFIRM_EVERY

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from live.supervisor.heartbeat import Phase
 from live.supervisor.process import ProcessManager
 from live.supervisor.restart_policy import RestartLimit
 from live.supervisor.supervisor import Supervisor
@@ -157,6 +158,27 @@ def test_auxiliary_process_start_failure_is_retried_while_show_runs(tmp_path, mo
     assert event_numbers(lines) == list(range(1, 151))
     assert sorted(refused) == ["OSC", "audio", "guard"]
     assert (supervisor.audio.restarts, supervisor.fallback_window.restarts, supervisor.osc_reader.restarts) == (1, 1, 1)
+
+
+def test_osc_reader_takes_no_processor_from_an_engine_that_starts(tmp_path, monkeypatch):
+    started, phases = ProcessManager.start, []
+    engines = []
+
+    def start(self, role, *arguments, **how):
+        child = started(self, role, *arguments, **how)
+        if role == "engine":
+            engines.append(child)
+        elif role == "OSC":
+            phases.append(engines[0].phase)
+        return child
+
+    monkeypatch.setattr(ProcessManager, "start", start)
+    sleeper = [sys.executable, "-c", "import time; time.sleep(60)"]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as port:
+        reader = {"osc": port, "osc_reader": sleeper}
+        code, *_ = run_supervisor(tmp_path, {"ticks": 60, "pace": 0.02}, spare=False, **reader)
+    assert code == 0
+    assert phases == [Phase.RUNNING]
 
 
 def test_engine_without_heartbeat_is_killed_and_replaced(tmp_path):

@@ -126,6 +126,7 @@ def yielding_agents(position: npt.NDArray[np.floating], arrived: Bools, near: fl
 
     A cluster is connected by distances of at most `near` [m]; so agents in the back rows make room for those in front.
     """
+
     count = len(position)
     if count < 2 or arrived.all() or not arrived.any():
         return np.zeros(count, np.bool_)
