@@ -23,8 +23,10 @@ settings.register_profile("steady", derandomize=True, deadline=None, max_example
 settings.register_profile("search", deadline=None, max_examples=1000, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("steady")
 
-# Children start sooner if they need not compile the package anew.
+# Children start sooner if they need not compile the package anew; so does pytest, to which compiling all tests
+# is more than half of the time of collecting them.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
 
 BEGAN = pytest.StashKey[float]()
 """Time of the first test [s], for `--budget`."""

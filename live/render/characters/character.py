@@ -14,7 +14,7 @@ from live.base.body_catalogue import DEFAULT_BODY, MAX_CHARACTERS, CharacterFile
 from live.base.errors import PersonError
 from live.motion.formats.file_error import MotionFileError
 from live.motion.skeleton import SKELETON
-from live.render.body.body_mesh import COARSE, FINE, LIGHT, BodyMesh, strongest_weights
+from live.render.body.body_mesh import COARSE, DISTANT, FINE, LIGHT, BodyMesh, strongest_weights
 from live.render.body.body_variants import parts_of
 from live.render.body.implicit_surface import Shape
 from live.render.characters.lod import simplify_to
@@ -24,7 +24,7 @@ from live.render.characters.model_reader import read_model
 from live.render.characters.skeleton_fit import FittedCharacter, find_joints, fit
 
 TRIANGLES: Final = {COARSE: 1200, LIGHT: 3600, FINE: 60_000}
-"""Maximum number of triangles of each level."""
+"""Maximum number of triangles of each level that is made."""
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
 
 
@@ -50,7 +50,7 @@ class Character:
     """The character's node for each of the engine's joints."""
     fitted: FittedCharacter
     levels: Mapping[int, CharacterMesh]
-    """By `COARSE`, `LIGHT`, `FINE`."""
+    """By each of `LEVELS`; far away a character is the light one."""
     layers: npt.NDArray[np.uint8]
     """Images, shape (L, S, S, 4): square roots of linear RGB, and opacity."""
     two_sided: bool
@@ -95,6 +95,7 @@ def _load(character_file: CharacterFile, stamp: tuple[int, int]) -> Character:
     )
     openness = _openness(fitted)
     levels = {level: _level(fitted, surface, openness, triangle, wanted) for level, wanted in TRIANGLES.items()}
+    levels[DISTANT] = levels[LIGHT]
     two_sided = any(materials[part.material][0].two_sided for part in model.parts)  # type: ignore[index]
     return Character(model, joints, fitted, levels, layers, two_sided, _reach(fitted), extras)
 

@@ -153,6 +153,19 @@ def test_character_is_drawn_next_to_generated_bodies(draw_characters):
     assert red.sum() == red[:, middle].sum()
 
 
+def test_character_is_drawn_with_the_far_body(draw_characters):
+    """One dancer too many for the near bodies wears it: as large as near, and red."""
+    near, far = (
+        draw_characters(glb_of(colour=(0.9, 0.0, 0.0, 1.0)), replace(SOFTWARE, near_count=count, far_from=0.0)).astype(
+            int
+        )
+        for count in (3, 0)
+    )
+    for picture in (near, far):
+        assert ((picture[..., 0] > 2 * picture[..., 1] + 30) & (picture[..., 0] > 2 * picture[..., 2] + 30)).sum() > 600
+    assert (np.abs(near - far).max(axis=2) > 30).mean() < 0.01
+
+
 def solid_colour_png(*rgb):
     """A PNG of one colour."""
     out = io.BytesIO()
