@@ -20,7 +20,7 @@ sys.path.insert(0, str(ROOT))
 
 from live import __version__  # noqa: E402
 from live.base import jit  # noqa: E402
-from live.base.kernel_store import SHIPPED_PACKAGE, KernelStore, processor_levels  # noqa: E402
+from live.base.disk.kernel_store import SHIPPED_PACKAGE, KernelStore, processor_levels  # noqa: E402
 
 PROJECT: Final = """
 [project]

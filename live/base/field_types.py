@@ -1,4 +1,4 @@
-"""Conversion of plain values to dataclasses, checked by their annotations."""
+"""Conversion of plain values to dataclasses, checked by their annotations, and patterns of texts."""
 
 import contextlib
 import types
@@ -9,6 +9,9 @@ from pathlib import Path
 from typing import Any, Final, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 Kind = TypeVar("Kind")
+
+HOST_NAME_PATTERN: Final = r"^[A-Za-z0-9]([A-Za-z0-9.-]{0,190}[A-Za-z0-9])?(:[0-9]{1,5})?$"
+"""Regular expression for NAME or NAME:PORT, as in `show.example` or `show.example:443`."""
 
 
 def build_dataclass(cls: type[Kind], values: dict[str, Any]) -> Kind:

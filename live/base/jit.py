@@ -23,7 +23,7 @@ from typing import Any, Final, TypeVar
 import llvmlite.binding as llvm
 import numpy as np
 
-from live.base.kernel_store import KernelStore, content_name, processor_levels, shipped_folder, writable_root
+from live.base.disk.kernel_store import KernelStore, content_name, processor_levels, shipped_folder, writable_root
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 

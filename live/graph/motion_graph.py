@@ -12,11 +12,8 @@ from live.graph.build.transitions import Boundaries, Joins, JoinSettings, find_j
 from live.graph.distance_kernels import count_hops, reverse_edges
 from live.graph.node_features import Moments, NodeFacts, node_facts
 from live.graph.step_library import StepLibrary
-from live.graph.structure_rules import unmatched_poses
+from live.graph.structure_rules import UNREACHABLE, unmatched_poses
 from live.graph.takes import Takes, find_takes
-
-UNREACHABLE = 1 << 20
-"""Hops to a step that cannot be reached."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

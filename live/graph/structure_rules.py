@@ -12,6 +12,9 @@ import numpy as np
 from live.base.arrays import Bool, Int32, Int64
 from live.motion.step_clip import StepClip
 
+UNREACHABLE = 1 << 20
+"""Hops to a step that cannot be reached."""
+
 if TYPE_CHECKING:
     from live.graph.step_library import StepLibrary
 

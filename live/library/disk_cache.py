@@ -12,7 +12,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from live.base.array_cache import ArrayCache, digest_of_code
+from live.base.disk.array_cache import ArrayCache, digest_of_code
 from live.motion.clip import Clip
 from live.motion.step_clip import StepClip
 

@@ -238,7 +238,7 @@ def test_setup_as_root_installs_everything_once(debian: Machine) -> None:
     assert python[3].startswith("uv sync --frozen --inexact")
     assert python[3].endswith("--extra=link --extra=fast --no-dev")
     assert python[4] == "python -m compileall -q live"
-    assert python[5].startswith("live warm --stamp")
+    assert len(python) == 5  # a show compiles what it needs when it starts
 
     debian.run("play")
     assert debian.log() == []
@@ -329,13 +329,13 @@ def test_changed_lock_file_is_synced_again(debian: Machine, name: str) -> None:
 
 def test_changed_or_deleted_kernels_are_warmed_again(debian: Machine) -> None:
     _make_root(debian)
-    debian.run("play")
-    debian.log()
+    debian.run("test")
+    assert debian.log()[-1].startswith("live warm --stamp")
     (debian.home / "show" / "live" / "base" / "scalar_kernels.py").write_text("changed")
-    debian.run("play")
-    assert debian.log()[0] == "python -m compileall -q live"
+    debian.run("test")
+    assert [line.split(" --")[0] for line in debian.log()] == ["python -m compileall -q live", "live warm"]
     shutil.rmtree(debian.home / "kernels")
-    debian.run("play")
+    debian.run("test")
     assert [line.split()[0] for line in debian.log()] == ["live"]
 
 

@@ -11,7 +11,8 @@ import pytest
 
 from live.app.machine import kernel_build
 from live.app.machine.kernel_build import FIRST_KERNELS, KernelBuild, all_kernels, kernel_name
-from live.base import jit, kernel_store
+from live.base import jit
+from live.base.disk import kernel_store
 from tests.cli.command import WITHOUT_TERMINAL
 
 compiled_only = pytest.mark.skipif(jit.JIT_DISABLED, reason="NUMBA_DISABLE_JIT=1: nothing is compiled")
@@ -19,10 +20,10 @@ compiled_only = pytest.mark.skipif(jit.JIT_DISABLED, reason="NUMBA_DISABLE_JIT=1
 FEW = """
 from pathlib import Path
 from live.app.machine import kernel_build
-from live.base import kernel_store
+from live.base.disk import kernel_store
 from live.cli.main import main
 files = ("base/scalar_kernels.py", "motion/yaw_kernels.py")
-found = [Path(kernel_store.__file__).parents[1] / name for name in files]
+found = [Path(kernel_store.__file__).parents[2] / name for name in files]
 kernel_store.kernel_files = kernel_build.kernel_files = lambda: found
 main()
 """
@@ -134,6 +135,6 @@ def test_the_first_kernels_are_those_that_the_default_show_uses() -> None:
     done = subprocess.run(
         [sys.executable, "-c", "import sys; sys.path.insert(0, 'tools')\nfrom write_first_kernels import used_kernels\n"
          "print('\\n'.join(used_kernels()))"],
-        capture_output=True, text=True, check=True, cwd=Path(kernel_store.__file__).parents[2],
+        capture_output=True, text=True, check=True, cwd=Path(kernel_store.__file__).parents[3],
     )  # fmt: skip
     assert done.stdout.split() == FIRST_KERNELS.read_text(encoding="utf-8").split()

@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from live.base import array_cache
-from live.base.array_cache import ArrayCache, digest_of_code
+from live.base.disk import array_cache
+from live.base.disk.array_cache import ArrayCache, digest_of_code
 
 CACHE = ArrayCache("made", max_entries=3)
 VALUES = {"a": np.arange(1000, dtype=np.float32).reshape(-1, 4), "b": np.array([1, 2, 3], np.int32)}

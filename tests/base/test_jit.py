@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from live.base import jit
-from live.base import kernel_store as store
 from live.base import scalar_kernels as kernels
+from live.base.disk import kernel_store as store
 from live.motion.pose.foot_lock_kernels import farthest_shift
 
 compiled_only = pytest.mark.skipif(jit.JIT_DISABLED, reason="NUMBA_DISABLE_JIT=1: nothing is compiled")

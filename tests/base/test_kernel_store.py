@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from live.base import kernel_store
-from live.base.kernel_store import KernelStore, content_name, make_private, processor_levels, writable_root
+from live.base.disk import kernel_store
+from live.base.disk.kernel_store import KernelStore, content_name, make_private, processor_levels, writable_root
 
 as_other_user = pytest.mark.skipif(not hasattr(os, "getuid"), reason="files have no owner here")
 

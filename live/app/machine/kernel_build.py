@@ -18,8 +18,8 @@ from typing import Any, Final
 
 import psutil
 
+from live.base.disk.kernel_store import kernel_files
 from live.base.jit import KERNEL_STORE, Kernel, kernels
-from live.base.kernel_store import kernel_files
 
 FIRST_KERNELS: Final = Path(__file__).with_name("first_kernels.txt")
 """Names of the kernels that the default show uses, written by `tools/write_first_kernels.py`."""

@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Final
 
 from live.app.machine.kernel_build import KernelBuild, all_kernels, kernel_modules, worker_count
 from live.app.machine.kernel_warmup import is_warm
+from live.base.disk.kernel_store import ShowLock
 from live.base.event_queue import EventQueue
 from live.base.jit import JIT_DISABLED, KERNEL_STORE, Kernel, kernels
-from live.base.kernel_store import ShowLock
 from live.clock.time_source import ManualClock
 from live.control.events.events import ControlEvent
 from live.show.engine import Engine

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 
 import typer
 
-from live.base.kernel_store import SHIPPED_PACKAGE
+from live.base.disk.kernel_store import SHIPPED_PACKAGE
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -157,8 +157,8 @@ def compile_between_shows() -> None:
     Ends as soon as a show begins; a later call goes on from there.
     """
     from live.app.machine.kernel_build import KernelBuild, all_kernels
+    from live.base.disk.kernel_store import ShowLock
     from live.base.jit import KERNEL_STORE
-    from live.base.kernel_store import ShowLock
 
     kernels = all_kernels()
     with _defer_signals() as end_if_asked, KernelBuild(kernels, workers=1, background=True) as build:

@@ -210,8 +210,8 @@ def check_midi() -> Iterator[Check]:
 def check_kernels() -> Check:
     """Check whether compiled kernels are cached in a writable folder."""
     from live.app.machine.kernel_warmup import is_warm
+    from live.base.disk.kernel_store import cache_root
     from live.base.jit import KERNEL_STORE, KERNEL_TARGET
-    from live.base.kernel_store import cache_root
 
     wished, used = cache_root(), KERNEL_STORE.own
     if used.parent != wished:

@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, Final
 from live.app.option_values import parse_endpoint
 from live.app.services.listening_socket import listening_socket
 from live.base.errors import PersonError
-from live.base.host_name import HOST_NAME_PATTERN
+from live.base.field_types import HOST_NAME_PATTERN
 from live.clock.time_source import Clock
 from live.control.helper_process import HelperProcess
 from live.show.patch.patch_search_path import user_settings_folder

@@ -11,9 +11,9 @@ from typing import Final
 
 import numpy as np
 
-from live.base.array_cache import ArrayCache, Arrays, digest_of_code
 from live.base.arrays import Float32, Float64, Int32, Int64
 from live.base.body_catalogue import DEFAULT_BODY
+from live.base.disk.array_cache import ArrayCache, Arrays, digest_of_code
 from live.render.body.body_variants import bun_of, parts_of
 from live.render.body.cage import Cage, build_bun_cage, build_cage
 from live.render.body.implicit_surface import Shape

@@ -5,7 +5,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from live.graph.motion_graph import UNREACHABLE
+from live.graph.structure_rules import UNREACHABLE
 from live.show.desk.launcher import Launched
 from live.show.desk.pad import KINDS, Pad
 from live.show.show import Show

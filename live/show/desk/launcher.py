@@ -15,7 +15,7 @@ from live.base.arrays import Int32
 from live.base.errors import PersonError
 from live.control.events import events
 from live.control.events.event import ControlEvent
-from live.graph.motion_graph import UNREACHABLE
+from live.graph.structure_rules import UNREACHABLE
 from live.show.dancers.rng import Purpose, generator_for
 from live.show.desk.pad import FOLLOWS, Pad, Pads
 from live.show.desk.refusals import Refusals

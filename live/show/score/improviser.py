@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterator
 from copy import copy
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -16,8 +16,8 @@ import numpy.typing as npt
 from live.base.errors import PersonError, error_context
 from live.control.events.events import ControlEvent
 from live.control.registry.registry import REGISTRY
-from live.graph.motion_graph import UNREACHABLE, MotionGraph
 from live.graph.search.sequence_spec import SequenceEntry
+from live.graph.structure_rules import UNREACHABLE
 from live.show.patch.section_score import ImproviseSection
 from live.show.score.music_reactions import Mood
 from live.show.score.playhead import END, Place
@@ -25,6 +25,9 @@ from live.show.score.score import Score
 from live.show.score.sequence_lookup import describe_place
 from live.show.score.step_history import StepHistory
 from live.show.score.step_names import UnknownStep, find_step, is_in_place, near_tempo, step_measures
+
+if TYPE_CHECKING:
+    from live.graph.motion_graph import MotionGraph
 
 NO_INDEX: Final = -1
 EntrySpan = tuple[int, float, float, tuple[str | int, ...]]
@@ -60,7 +63,7 @@ class ImproviseTable:
 def resolve_table(
     section: ImproviseSection,
     score: Score,
-    graph: MotionGraph,
+    graph: "MotionGraph",
     own: list[int],
     groups: list[str],
     group: int,
@@ -115,7 +118,7 @@ class Improviser:
 
     def __init__(
         self, tables: list[ImproviseTable], default_table: ImproviseTable, score: Score, history: StepHistory,
-        mood: Mood, *, group: int, seed: int, graph: MotionGraph,
+        mood: Mood, *, group: int, seed: int, graph: "MotionGraph",
     ) -> None:  # fmt: skip
         """`default_table`: the table used when improvisation is requested where the score has none."""
         self._tables, self._default_table = tables, default_table
@@ -131,7 +134,7 @@ class Improviser:
         self._tables, self._default_table = fresh._tables, fresh._default_table
         self._history.capacity = max(self._history.capacity, fresh._history.capacity)
 
-    def set_graph(self, graph: MotionGraph) -> None:
+    def set_graph(self, graph: "MotionGraph") -> None:
         """Use a graph that contains all nodes and steps of the old one."""
         self._graph = graph
 

@@ -7,9 +7,10 @@ from typing import Literal
 import numpy as np
 import numpy.typing as npt
 
-from live.graph.motion_graph import UNREACHABLE, MotionGraph
+from live.graph.motion_graph import MotionGraph
 from live.graph.search.live_sequence import HORIZON
 from live.graph.search.sequence_spec import SequenceEntry
+from live.graph.structure_rules import UNREACHABLE
 from live.show.patch.section_motion import GroupSection, parse_entry
 from live.show.score.improviser import DrawState
 from live.show.score.part import ANY_STEP, ScorePart

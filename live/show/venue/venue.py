@@ -11,7 +11,7 @@ from pydantic import Field, field_validator
 from tomlkit.exceptions import TOMLKitError
 
 from live.base.errors import PersonError
-from live.base.host_name import HOST_NAME_PATTERN
+from live.base.field_types import HOST_NAME_PATTERN
 from live.clock.ticks import TICK
 from live.show.patch.patch_search_path import PATCHES, is_file, user_settings_folder
 from live.show.patch.section_base import Name, Section, WholeFile

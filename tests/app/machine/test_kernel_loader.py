@@ -7,8 +7,8 @@ import pytest
 from live.app.machine import kernel_build, kernel_loader, kernel_warmup
 from live.app.machine.kernel_loader import KernelLoader, rehearse_show
 from live.base import jit
+from live.base.disk.kernel_store import KernelStore, ShowLock, writable_root
 from live.base.jit import KERNEL_SET, Kernel, kernels
-from live.base.kernel_store import KernelStore, ShowLock, writable_root
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 

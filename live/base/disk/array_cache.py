@@ -15,7 +15,7 @@ from typing import IO, Any, TypeVar
 
 import numpy as np
 
-from live.base.kernel_store import cache_root
+from live.base.disk.kernel_store import cache_root
 
 Arrays = dict[str, np.ndarray[Any, Any]]
 Value = TypeVar("Value")

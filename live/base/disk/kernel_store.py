@@ -24,7 +24,7 @@ try:
 except ImportError:  # Windows: processes may compile the same kernel at the same time
     fcntl = None  # type: ignore[assignment]
 
-_PACKAGE = Path(__file__).resolve().parent.parent
+_PACKAGE = Path(__file__).resolve().parents[2]
 _MAGIC: Final = b"live kernel 1\n"
 _KEEP_S: Final = 30 * 86_400.0
 """Kernels of other sources stay so long after they were written [s]: other checkouts may use them."""

@@ -1,0 +1,1 @@
+"""Files that only save time: compiled kernels, and arrays that take long to compute."""
