@@ -14,7 +14,8 @@ Bool = npt.NDArray[np.bool_]
 @kernel("void(i4[::1],i4[::1],i4[::1],i4[::1])")
 def reverse_edges(edge_source: Int32, edge_target: Int32, in_start: Int32, in_source: Int32) -> None:
     """Sort the sources of E edges by target into in_source (E,); those of node v begin at in_start[v] (N + 1,)."""
-    in_start[:] = 0
+    for v in range(in_start.shape[0]):
+        in_start[v] = 0
     for e in range(edge_target.shape[0]):
         in_start[edge_target[e]] += 1
     total = 0

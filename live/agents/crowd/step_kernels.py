@@ -268,7 +268,8 @@ def advance_crowd(
     n = sort_agents(state, wanted, fixed[: 2 * a], sorted_, slot_agent, numbers[1:3].reshape(2 * width), cells, grid)
     passage_count = int(surroundings[9 * CAPACITY + 2])
     if passage_count > 0 or params[2] > 0.0:
-        asked[:] = wanted
+        for k in range(8 * a):
+            asked[k] = wanted[k]
         wanted = asked
     if passage_count > 0:
         passages = surroundings[9 * CAPACITY + 3 :].reshape(PASSAGES, PASSAGE_COLUMNS)

@@ -169,7 +169,8 @@ def solve_poisson(mesh: Float32, nx: int, nz: int, step_x: float, step_z: float)
     nx and nz can be halved as often as `level_count` says. mesh[2] is scratch.
     """
     levels = level_count(nx, nz)
-    mesh[1, : nx * nz] = np.float32(0.0)
+    for node in range(nx * nz):
+        mesh[1, node] = 0.0
     for _ in range(CYCLES if levels else 1):
         at, w, h = 0, nx, nz
         kx, kz = 1.0 / (step_x * step_x), 1.0 / (step_z * step_z)
@@ -182,7 +183,8 @@ def solve_poisson(mesh: Float32, nx: int, nz: int, step_x: float, step_z: float)
             relax(other, phi, rhs, w, h, kx, kz, 0.0, 1.0)
             at, w, h, kx, kz = to, w // 2, h // 2, 0.25 * kx, 0.25 * kz
             restrict(mesh[0, to : to + n], other, w, h)
-            mesh[1, to : to + n] = np.float32(0.0)
+            for node in range(to, to + n):
+                mesh[1, node] = 0.0
         solve_coarsest(mesh[1, at : at + w * h], mesh[0, at : at + w * h], w, h, kx, kz, 1 if levels else 3)
         for _ in range(levels):
             to, at, w, h, kx, kz = at, at - 4 * w * h, 2 * w, 2 * h, 4.0 * kx, 4.0 * kz
@@ -216,7 +218,9 @@ def deposit(
     scale: float,
 ) -> None:
     """Distribute the members minus their mean onto `population` (nz nx), bilinearly; a dancer is `scale`."""
-    population[: nz * nx] = -scale * members / (nx * nz)
+    mean = -scale * members / (nx * nz)
+    for node in range(nz * nx):
+        population[node] = mean
     for k in range(members):
         i = member[k]
         c0, c1, u = bracketing_nodes(position[i, 0] - left, step_x, nx)

@@ -53,7 +53,8 @@ def predict_collisions(
     (M,): the first `thing_count` other objects. Two meet when they are `slack` [m] nearer than the sum of their radii:
     dancers at the first moment, things at any. Of two dancers, the one who moves farther towards the other evades.
     """
-    out[:] = 0.0
+    for i in range(out.shape[0]):
+        out[i] = 0.0
     for a in range(order.shape[0]):
         i = order[a]
         if not present[i]:

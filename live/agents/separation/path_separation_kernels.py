@@ -206,7 +206,8 @@ def separate_paths(
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
     path_bounds(path, share, goal, aim_origin, first, middle, extent)
     sort_into_cells(middle, half_width, half_depth, NEIGHBOUR_RANGE, cell_start, order)
-    shortfall[:] = np.float32(-1.0)
+    for i in range(path.shape[0]):
+        shortfall[i] = -1.0
     for i in range(path.shape[0]):
         if yields[i] < 0.0:
             continue
@@ -358,7 +359,8 @@ def push_apart(
     """
     columns, rows = cell_count(2.0 * half_width, NEIGHBOUR_RANGE), cell_count(2.0 * half_depth, NEIGHBOUR_RANGE)
     sort_into_cells(now, half_width, half_depth, NEIGHBOUR_RANGE, cell_start, order)
-    moved[:] = 0.0
+    for i in range(moved.shape[0]):
+        moved[i, 0] = moved[i, 1] = 0.0
     away = _largest_moves(now, soon)
     for i in range(now.shape[0]):
         if yields[i] < 0.0:

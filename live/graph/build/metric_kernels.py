@@ -187,16 +187,17 @@ def nearest_in_block(  # noqa: C901 - one pass over a row
     return product.shape[0], found
 
 
-@kernel("void(i8[::1],i4[::1],f8[::1],i4[::1],i4[::1],i8,i8,i8,b1[::1])")
+@kernel("void(i8[::1],i4[::1],f8[::1],i8[::1],i4[::1],i4[::1],i8,i8,i8,b1[::1])")
 def keep_nearest(  # noqa: C901
-    first: Int64, column: Int32, distance: Float64, variation: Int32, step: Int32, per_node: int, per_variation: int,
-    into: int, out: Bool,
+    first: Int64, column: Int32, distance: Float64, order: Int64, variation: Int32, step: Int32, per_node: int,
+    per_variation: int, into: int, out: Bool,
 ) -> None:  # fmt: skip
     """Choose among pairs in order of row, then column: those of row r are first[r] to first[r + 1]; out (E,).
 
-    Of a row: first the nearest of each `step` (M,), then the nearest of each `variation` (M,), then the second nearest
-    of each, up to `per_variation`; within each rank the nearer first, `per_node` in all. Of a column: the `into`
-    nearest. Equal distances count in order of column, and of row.
+    `order` (E,): the pairs of each row, the nearer first. Of a row: first the nearest of each `step` (M,), then the
+    nearest of each `variation` (M,), then the second nearest of each, up to `per_variation`; within each rank the
+    nearer first, `per_node` in all. Of a column: the `into` nearest. Equal distances count in order of column, and of
+    row.
     """
     columns = variation.shape[0]
     seen, steps = np.zeros(columns, np.int32), np.zeros(columns, np.int32)  # codes are below M
@@ -206,11 +207,10 @@ def keep_nearest(  # noqa: C901
         begin, size = first[r], first[r + 1] - first[r]
         if size == 0:
             continue
-        order = np.argsort(distance[begin : begin + size], kind="mergesort")
         rank = np.empty(size, np.int32)
         number = np.zeros(per_variation + 2, np.int64)
         for n in range(size):
-            j = column[begin + order[n]]
+            j = column[order[begin + n]]
             v = variation[j]
             seen[v] += 1
             rank[n] = min(seen[v], per_variation + 1)
@@ -224,7 +224,7 @@ def keep_nearest(  # noqa: C901
             left -= number[k]
         number[per_variation + 1] = 0
         for n in range(size):
-            e = begin + order[n]
+            e = order[begin + n]
             j = column[e]
             seen[variation[j]] = 0
             steps[step[j]] = 0

@@ -125,7 +125,8 @@ def kept_edges(
     first = np.searchsorted(row, np.arange(rows + 1)).astype(np.int64)
     most = min(limits.per_variation, len(variation))
     keep_nearest(
-        first, column, distance, _compact(variation), _compact(step), limits.per_node, most, limits.into, out
+        first, column, distance, np.lexsort((distance, row)), _compact(variation), _compact(step), limits.per_node,
+        most, limits.into, out,
     )  # fmt: skip
     return out
 

@@ -52,7 +52,9 @@ def single_supports(  # noqa: C901
                 if out[at, 1] - out[at, 0] >= s - begin:
                     at = -1
                 else:
-                    out[at : count - 1] = out[at + 1 : count].copy()
+                    for n in range(at, count - 1):
+                        for c in range(3):
+                            out[n, c] = out[n + 1, c]
                     at = count = count - 1
             if at >= 0:
                 out[at, 0], out[at, 1], out[at, 2] = begin, s, state - 1
@@ -82,8 +84,9 @@ def support_rows(
         found[n] = count > 0
         if count == 0:
             continue
-        rows[n] = 0.0
-        rows[n, :, 0] = rows[n, :, 1] = 1.0
+        for k in range(rows.shape[1]):
+            for c in range(8):
+                rows[n, k, c] = 1.0 if c < 2 else 0.0
         total = 0
         for k in range(count):
             total += supports[k, 1] - supports[k, 0]

@@ -330,7 +330,8 @@ def set_clearance(feet: Float32, sample: Float64, share: Float32, height: Float3
         into, lower, coming = share[INTO_NEXT, n], share[LOWER, n], share[NEXT_LOWER, n] * (share[INTO_NEXT, n] > 0.0)
         weight[PRESENT], weight[PRESENT_TAKE] = (1.0 - into) * (1.0 - lower), (1.0 - into) * lower
         weight[NEXT], weight[NEXT_TAKE] = into * (1.0 - coming), into * coming
-        mixed = ease((1.0 - weight.max()) / MINOR_SHARE)
+        most = max(max(weight[0], weight[1]), max(weight[2], weight[3]))
+        mixed = ease((1.0 - most) / MINOR_SHARE)
         for foot in range(2):
             feet[n, foot, CLEARANCE] = feet[n, foot, CLEARANCE_SOFTNESS] = 0.0
             if mixed == 0.0:
