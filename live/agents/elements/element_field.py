@@ -1,4 +1,8 @@
-"""The active elements and their effect on every agent per tick (T105-T110, T132)."""
+"""The active elements and their effect on every agent per tick (T083, T105-T110, T132).
+
+Behaviours are blended (a weighted sum, at most the top speed) or switched: urgent behaviours use their part of the
+speed first, the others share the rest (Reynolds 1987: prioritized acceleration allocation).
+"""
 
 from dataclasses import replace
 from typing import Literal, Protocol
@@ -6,8 +10,14 @@ from typing import Literal, Protocol
 import numpy as np
 
 from live.agents.agent_command import AgentCommand
-from live.agents.elements.audience_attractor_kernels import MAX_AUDIENCES, MAX_PLACES, PLACE_COLUMNS, find_places
-from live.agents.elements.crossing_kernels import MEMORY_COLUMNS, assign_goals
+from live.agents.elements.audience_attractor_kernels import (
+    MAX_AUDIENCES,
+    MAX_PLACES,
+    PLACE_COLUMNS,
+    fair_attraction,
+    find_places,
+)
+from live.agents.elements.crossing_kernels import MEMORY_COLUMNS, assign_goals, cross_over
 from live.agents.elements.element import Element
 from live.agents.elements.element_table import ElementTable
 from live.agents.elements.element_table_kernels import (
@@ -21,13 +31,30 @@ from live.agents.elements.element_table_kernels import (
     SWITCHED,
     TIME,
     copy_active_elements,
+    reset_sums,
 )
-from live.agents.elements.field_kernels import apply_elements
+from live.agents.elements.field_kernels import blend_sums, flow_fields
+from live.agents.elements.leader_kernels import follow_leaders, pursue_or_evade
 from live.agents.elements.polyline_flow import GRID_COLUMNS, GRID_ROWS
-from live.agents.elements.shape_kernels import NEAR_COLUMNS
+from live.agents.elements.shape_kernels import NEAR_COLUMNS, nearest_sources
 from live.agents.elements.spread_kernels import NODES_PER_DANCER, SPARE_NODES
+from live.agents.elements.wander_kernels import follow_paths, spread_agents, wander_agents
 from live.base.arrays import Float32, Float64, UInt64
-from live.base.element_kinds import CROSSING, FLOW, GRID, PARTICIPANT
+from live.base.element_kinds import (
+    ATTRACTOR,
+    CROSSING,
+    EVADE,
+    FLOCK,
+    FLOW,
+    FOLLOW,
+    GRID,
+    PARTICIPANT,
+    PATH,
+    PURSUE,
+    REPULSOR,
+    SPREADER,
+    WANDER,
+)
 from live.base.errors import PersonError
 from live.base.stage_snapshot import ELEMENT_CAPACITY, StageView
 
@@ -205,14 +232,41 @@ class ElementField:
             out[:] = 0.0
             return out
         self._numbers[TIME] = time
-        apply_elements(
-            (state.position, state.velocity, commands.rows, groups, self._memory),
-            (table.rows, table.masks, table.vertices, table.active, table.grids, self._places, self._audience,
-             self._numbers),
-            (self._area, self._mesh, self._start, self._order, self._spreading),
-            self._sums, self._nearest, out,
-        )  # fmt: skip
+        self._sum_kinds(commands.rows, state, groups)
+        blend_sums(commands.rows, self._sums, out)
         return out
+
+    def _sum_kinds(self, commands: Float32, state: Kinematics, groups: UInt64) -> None:
+        """Add the wishes of each kind that acts to the sums (A, 5), urgent kinds first: a pass over the agents each."""
+        table, numbers, sums, acts = self._table, self._numbers, self._sums, self._table.is_active
+        rows, masks, vertices, active = table.rows, table.masks, table.vertices, table.active
+        position, velocity, near = state.position, state.velocity, self._nearest
+        reset_sums(rows, masks, active, commands, groups, sums)
+        if acts(REPULSOR):
+            nearest_sources(rows, masks, vertices, active, REPULSOR, True, position, groups, numbers, sums, near)
+        if acts(EVADE):
+            pursue_or_evade(rows, masks, active, True, position, velocity, commands, groups, numbers, sums)
+        if acts(CROSSING):
+            cross_over(rows, masks, active, position, groups, self._memory, numbers, sums)
+        if acts(FOLLOW):
+            follow_leaders(rows, masks, active, position, velocity, commands, groups, numbers, sums)
+        if acts(PURSUE):
+            pursue_or_evade(rows, masks, active, False, position, velocity, commands, groups, numbers, sums)
+        if acts(PATH):
+            follow_paths(rows, masks, vertices, active, position, velocity, commands, groups, numbers, sums)
+        if acts(ATTRACTOR):
+            nearest_sources(rows, masks, vertices, active, ATTRACTOR, False, position, groups, numbers, sums, near)
+        if acts(PARTICIPANT):
+            fair_attraction(self._places, self._audience, position, groups, numbers, sums)
+        if acts(FLOW):
+            flow_fields(rows, masks, vertices, active, table.grids, position, velocity, groups, numbers, sums)
+        if acts(SPREADER):
+            spread_agents(
+                rows, masks, active, position, commands, groups, self._area, self._mesh, self._start, self._order,
+                self._spreading, numbers, sums,
+            )  # fmt: skip
+        if acts(WANDER) or acts(FLOCK) or acts(SPREADER):
+            wander_agents(rows, masks, active, position, velocity, groups, numbers, sums)
 
     # -- drawing -----------------------------------------------------------------------------------------------
 

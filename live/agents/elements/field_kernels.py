@@ -1,7 +1,4 @@
-"""Effect of the elements on every agent: one pass over the agents for each acting kind (T083, T105-T110).
-
-Behaviours are blended (a weighted sum, at most the top speed) or switched: urgent behaviours use their part of the
-speed first, the others share the rest (Reynolds 1987: prioritized acceleration allocation).
+"""Flow fields, and the blend of all elements' wishes over the plan (T083, T105-T110).
 
 Flow fields (T082) align the motion with the tangent of a uniform, radial, vortex, drawn or grid field.
 """
@@ -12,8 +9,6 @@ import numpy as np
 import numpy.typing as npt
 
 from live.agents.agent_command import FIRM, SPEED, VX, VZ
-from live.agents.elements.audience_attractor_kernels import fair_attraction
-from live.agents.elements.crossing_kernels import cross_over
 from live.agents.elements.element_table_kernels import (
     ACTIVE_START,
     ADDRESSED_LEVEL,
@@ -33,28 +28,14 @@ from live.agents.elements.element_table_kernels import (
     Z,
     add_velocity,
     addresses,
-    reset_sums,
 )
-from live.agents.elements.leader_kernels import follow_leaders, pursue_or_evade
-from live.agents.elements.shape_kernels import nearest_sources, signed_distance
-from live.agents.elements.wander_kernels import follow_paths, spread_agents, wander_agents
+from live.agents.elements.shape_kernels import signed_distance
 from live.agents.steering_kernels import LOOK_AHEAD, flow_grid, flow_radial, flow_vortex, unit
 from live.base.element_kinds import (
-    ATTRACTOR,
-    CROSSING,
-    EVADE,
-    FLOCK,
     FLOW,
-    FOLLOW,
-    PARTICIPANT,
-    PATH,
-    PURSUE,
     RADIAL,
-    REPULSOR,
-    SPREADER,
     UNIFORM,
     VORTEX,
-    WANDER,
 )
 from live.base.jit import inline_kernel, kernel
 
@@ -119,21 +100,6 @@ def flow_fields(
         add_velocity(sums, i, wish_x, wish_z, influence, switched)
 
 
-AgentArrays = tuple[Float32, Float32, Float32, UInt64, Float64]
-"""Position, velocity (A, 2), commands (A, 8), groups (A,) of the agents, targets of crossings (A, 3)."""
-ElementArrays = tuple[Float64, UInt64, Float32, Int32, Float32, Float64, UInt64, Float64]
-"""Table, masks, vertices, acting rows, grids of flows, the audience's places and masks, numbers of the call: as in
-`ElementField`."""
-MeshArrays = tuple[Float64, Float32, Int32, Int32, Float64]
-"""Scratch of spreaders: area, mesh, starts, order, wanted velocity (A, 2)."""
-
-
-@inline_kernel
-def is_active(active: Int32, kind: int) -> bool:
-    """Whether an element of a kind acts."""
-    return bool(active[kind] < active[kind + 1])
-
-
 @kernel("void(f4[:,::1],f8[:,::1],f4[::1])")
 def blend_sums(commands: Float32, sums: Float64, influence: Float32) -> None:
     """Blend the sums over the plan: (1 - influence) of the plan plus the elements' velocity, at most the top speed."""
@@ -147,63 +113,3 @@ def blend_sums(commands: Float32, sums: Float64, influence: Float32) -> None:
         commands[i, VZ] = keep * commands[i, VZ] + scale * sums[i, SUM_Z]
         commands[i, FIRM] *= keep
         influence[i] = sums[i, INFLUENCE]
-
-
-@kernel(
-    "void(Tuple((f4[:,::1],f4[:,::1],f4[:,::1],u8[::1],f8[:,::1])),"
-    "Tuple((f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],f4[:,:,:,::1],f8[:,::1],u8[::1],f8[::1])),"
-    "Tuple((f8[::1],f4[:,::1],i4[::1],i4[:,::1],f8[:,::1])),f8[:,::1],f8[:,::1],f4[::1])"
-)
-def apply_elements(
-    agents: AgentArrays,
-    elements: ElementArrays,
-    mesh_arrays: MeshArrays,
-    sums: Float64,
-    near: Float64,
-    influence: Float32,
-) -> None:
-    """Blend all acting elements into the agents' commands, and write each agent's influence.
-
-    sums (A, 5), near (A, 4): scratch; influence (A,), 0 to 1: 0 keeps the plan, 1 replaces it by the elements.
-    """
-    position, velocity, commands, groups, memory = agents
-    table, masks, vertices, active, grids, places, audience, numbers = elements
-    area, mesh, start, order, spreading = mesh_arrays
-    reset_sums(table, masks, active, commands, groups, sums)
-    if is_active(active, REPULSOR):
-        nearest_sources(table, masks, vertices, active, REPULSOR, True, position, groups, numbers, sums, near)
-    if is_active(active, EVADE):
-        pursue_or_evade(table, masks, active, True, position, velocity, commands, groups, numbers, sums)
-    if is_active(active, CROSSING):
-        cross_over(table, masks, active, position, groups, memory, numbers, sums)
-    if is_active(active, FOLLOW):
-        follow_leaders(table, masks, active, position, velocity, commands, groups, numbers, sums)
-    if is_active(active, PURSUE):
-        pursue_or_evade(table, masks, active, False, position, velocity, commands, groups, numbers, sums)
-    if is_active(active, PATH):
-        follow_paths(table, masks, vertices, active, position, velocity, commands, groups, numbers, sums)
-    if is_active(active, ATTRACTOR):
-        nearest_sources(table, masks, vertices, active, ATTRACTOR, False, position, groups, numbers, sums, near)
-    if is_active(active, PARTICIPANT):
-        fair_attraction(places, audience, position, groups, numbers, sums)
-    if is_active(active, FLOW):
-        flow_fields(table, masks, vertices, active, grids, position, velocity, groups, numbers, sums)
-    if is_active(active, SPREADER):
-        spread_agents(
-            table,
-            masks,
-            active,
-            position,
-            commands,
-            groups,
-            area,
-            mesh,
-            start,
-            order,
-            spreading,
-            numbers,
-            sums,
-        )
-    if is_active(active, WANDER) or is_active(active, FLOCK) or is_active(active, SPREADER):
-        wander_agents(table, masks, active, position, velocity, groups, numbers, sums)
-    blend_sums(commands, sums, influence)
