@@ -31,6 +31,7 @@ from live.agents.crowd.spatial_grid_kernels import (
     NEIGHBOUR_RANGE,
     PER_HORIZON,
     PER_SEPARATION2,
+    PERSONAL,
     PUSH_X,
     PUSH_Z,
     RADIUS,
@@ -55,15 +56,12 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 
 _F = np.float32
-PERSONAL_GAP = 0.03
-"""Gap between bodies [m] below which avoidance counts a meeting as a collision."""
 _ZERO: Any = _F(0.0)
 _ONE: Any = _F(1.0)
 _TWO: Any = _F(2.0)
 _FOUR: Any = _F(4.0)
 _GRAZING: Any = _F(0.05)
 _MARGIN: Any = _F(CONTACT_MARGIN)
-_PERSONAL: Any = _F(PERSONAL_GAP)
 _CAP: Any = _F(40.0)
 _PER_RANGE2: Any = _F(1.0 / NEIGHBOUR_RANGE**2)
 _MOST_W: Any = _F(1.0 / 0.15)
@@ -105,7 +103,7 @@ def _sum_all_but_avoidance(
             tx, tz = dx + side * dz, dz - side * dx
             closing = -_ROUNDING_MARGIN * (tx * ux + tz * uz)
             reach = block[RADIUS, j] + rk
-            kept = reach + _PERSONAL
+            kept = reach + block[REQUESTS + PERSONAL, j]
             c = max(d2 - kept * kept, _LEAST_C)
             disc = closing * closing - (ux * ux + uz * uz) * c
             soon = _TWO * closing - block[REQUESTS + PER_HORIZON, j] * c
@@ -134,7 +132,7 @@ def _sum_avoidance(sorted_: Float32, block: Float32, meets: Int32, count: int, s
             tx, tz = dx + side * dz, dz - side * dx
             closing = max(-(tx * ux + tz * uz), _ZERO)
             u2 = ux * ux + uz * uz
-            reach = block[RADIUS, j] + rk + _PERSONAL
+            reach = block[RADIUS, j] + rk + block[REQUESTS + PERSONAL, j]
             reach2 = reach * reach
             c = max(d2 - reach2, _LEAST_C)
             disc = max(closing * closing - u2 * c, _ZERO)
@@ -169,9 +167,9 @@ def sum_neighbours(
     """Compute all sums (SUM_ROWS, n) of all sorted agents; return the number of contact pairs written into `pairs`.
 
     asks (REQUEST_ROWS, n): the square of 1 / separation distance [1/m²], 1 / horizon [1/s], weights of alignment and
-    cohesion of each sorted agent. awake (cells + 1,): number of awake agents in the preceding cells; if all agents
-    around a cell sleep, its sums are 0. Scratch: near, meets, touches (n + 1,). All rows of agents have LANES spare
-    entries.
+    cohesion, and the gap [m] that avoidance keeps, of each sorted agent. awake (cells + 1,): number of awake agents in
+    the preceding cells; if all agents around a cell sleep, its sums are 0. Scratch: near, meets, touches (n + 1,). All
+    rows of agents have LANES spare entries.
     """
     block = np.empty((BLOCK_ROWS, LANES), np.float32)
     for j in range(LANES):

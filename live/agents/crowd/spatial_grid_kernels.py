@@ -186,7 +186,7 @@ def sort_agents(
 LANES = 8
 
 # rows of an agent's request to the neighbour pass
-PER_SEPARATION2, PER_HORIZON, ALIGNMENT, COHESION, REQUEST_ROWS = 0, 1, 2, 3, 4
+PER_SEPARATION2, PER_HORIZON, ALIGNMENT, COHESION, PERSONAL, REQUEST_ROWS = 0, 1, 2, 3, 4, 5
 
 # rows of the sums of an agent
 PUSH_X, PUSH_Z = 0, 1
@@ -200,7 +200,7 @@ AVOID_X, AVOID_Z = 5, 6
 SUM_ROWS = 7
 
 # rows of a block: X to RADIUS, the lane number, the requests, the sums
-LANE, REQUESTS, SUMS, BLOCK_ROWS = 5, 6, 10, 17
+LANE, REQUESTS, SUMS, BLOCK_ROWS = 5, 6, 11, 18
 
 _RANGE2: Any = np.float32(NEIGHBOUR_RANGE**2 * 1.0001)
 _1, _2, _3, _4, _5, _6, _7 = (np.uint64(j) for j in range(1, LANES))  # unsigned: no check for negative indices

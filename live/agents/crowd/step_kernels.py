@@ -33,8 +33,10 @@ from live.agents.crowd.spatial_grid_kernels import (
     NEIGHBOUR_RANGE,
     PER_HORIZON,
     PER_SEPARATION2,
+    PERSONAL,
     PUSH_X,
     PUSH_Z,
+    RADIUS,
     SLEEP_TIME,
     WEIGHT,
     X,
@@ -68,10 +70,15 @@ _PEAK: Any = _F(SEPARATION_PEAK)
 _FIRM_AVOIDANCE_TIME: Any = _F(FIRM_AVOIDANCE_TIME)
 _LEAST: Any = _F(1e-3)
 _MOST: Any = _F(NEIGHBOUR_RANGE)
+PERSONAL_GAP = 0.03
+"""Gap between bodies [m] below which avoidance counts a meeting as a collision."""
+_PERSONAL: Any = _F(PERSONAL_GAP)
 
 
-@kernel("void(f4[:,::1], f4[::1], i4[::1], i8, f4[::1])")
-def fill_requests(requests: Float32, commands: Float32, slot_agent: Int32, n: int, params: Float32) -> None:
+@kernel("void(f4[:,::1], f4[:,::1], f4[::1], i4[::1], i8, f4[::1])")
+def fill_requests(
+    requests: Float32, sorted_: Float32, commands: Float32, slot_agent: Int32, n: int, params: Float32
+) -> None:
     """Fill `requests`, the request of each sorted agent to the neighbour pass. `commands` (8 A,): AgentCommand.rows."""
     horizon, firm_horizon = params[6], _F(FIRM_HORIZON)
     for s in range(n):
@@ -81,6 +88,9 @@ def fill_requests(requests: Float32, commands: Float32, slot_agent: Int32, n: in
         requests[PER_SEPARATION2, s] = _ONE / (separation * separation)
         requests[PER_HORIZON, s] = _ONE / ahead
         requests[ALIGNMENT, s], requests[COHESION, s] = commands[i + 4], commands[i + 5]
+        room = commands[i + _SEPARATION] - sorted_[RADIUS, s] - sorted_[RADIUS, s]
+        close = commands[i + _SEPARATION] > _ZERO and room < _PERSONAL  # partners: asked to be nearer than that
+        requests[PERSONAL, s] = _ZERO if close else _PERSONAL
 
 
 @inline_kernel
@@ -190,7 +200,7 @@ def steer_agents(
             moved[0, s], moved[1, s] = block[_NEW_X, j], block[_NEW_Z, j]
 
 
-ROWS, NUMBERS, CELL_ROWS, SPARE_COLUMNS = 32, 16, 2, 32
+ROWS, NUMBERS, CELL_ROWS, SPARE_COLUMNS = 33, 16, 2, 32
 """Rows of the scratch arrays `rows`, `numbers` and `cells`, and their spare columns beyond the agents."""
 _VELOCITY, _ACCELERATION, _REST, _REST_SEPARATION = 2, 4, 6, 7
 
@@ -262,7 +272,7 @@ def advance_crowd(
     grid = np.empty(4)
     wanted = commands.reshape(8 * a)
     sorted_, sums, moved, change = rows[0:6], rows[6:13], rows[13:17], rows[17:20]
-    asks, asked = rows[20:24], rows[24:32].reshape(8 * width)[: 8 * a]
+    asks, asked = rows[20:25], rows[25:33].reshape(8 * width)[: 8 * a]
     slot_agent = numbers[0]
     pairs = numbers[4:16].reshape(12 * width)
     n = sort_agents(state, wanted, fixed[: 2 * a], sorted_, slot_agent, numbers[1:3].reshape(2 * width), cells, grid)
@@ -274,7 +284,7 @@ def advance_crowd(
     if passage_count > 0:
         passages = surroundings[9 * CAPACITY + 3 :].reshape(PASSAGES, PASSAGE_COLUMNS)
         give_way(wanted, sorted_, slot_agent, n, passages, passage_count)
-    fill_requests(asks, wanted, slot_agent, n, params)
+    fill_requests(asks, sorted_, wanted, slot_agent, n, params)
     pair_count = sum_neighbours(
         sorted_, cells[0], grid, asks, sums, params, cells[1], numbers[1], numbers[2], numbers[3], pairs
     )

@@ -46,11 +46,12 @@ class PartnerAgents:
             state.velocity[follow] = state.velocity[lead]
 
     def set_commands(self, commands: AgentCommand, state: AgentState) -> None:
-        """Steer seeking dancers to their answer, and reduce separation between leaders and followers."""
+        """Steer seeking dancers to their answer, and reduce separation of leaders and of those who follow or seek."""
         answering = self._partner_response
         if answering is None:
             return
-        near = answering.path.leading | answering.path.following
+        path = answering.path
+        near = path.leading | path.following | path.seeking  # who seeks is soon as near as who follows
         commands.separation[near] = np.minimum(commands.separation[near], 2.0 * self._default_radius + FOLLOWER_GAP)
         for row in np.flatnonzero(answering.path.seeking).tolist():
             way = answering.path.goal[row] - state.position[row]

@@ -13,6 +13,7 @@ from itertools import count
 from queue import SimpleQueue
 from typing import Final
 
+from live.base.fault_isolation import run_once
 from live.base.row_ranges import Part, row_runner
 
 MAX_THREADS: Final = 8
@@ -60,7 +61,8 @@ class RowThreads:
         self._calls: SimpleQueue[bool] = SimpleQueue()  # True: there may be work, False: the end
         self._busy = threading.Lock()
         self._workers = [
-            threading.Thread(target=self._work, name=f"rows {number}", daemon=True) for number in range(1, threads)
+            threading.Thread(target=run_once, args=("rows", self._work), name=f"rows {number}", daemon=True)
+            for number in range(1, threads)
         ]
         for worker in self._workers:
             worker.start()

@@ -7,7 +7,6 @@ import pytest
 
 from live.agents.crowd.agent_state import Steering
 from live.agents.crowd.contact_kernels import CONTACT_MARGIN
-from live.agents.crowd.predictive_avoidance_kernels import PERSONAL_GAP, sum_neighbours
 from live.agents.crowd.spatial_grid_kernels import (
     AVOID_X,
     AVOID_Z,
@@ -23,7 +22,7 @@ from live.agents.crowd.spatial_grid_kernels import (
     WEIGHT,
     sort_agents,
 )
-from live.agents.crowd.step_kernels import CELL_ROWS, SPARE_COLUMNS
+from live.agents.crowd.step_kernels import CELL_ROWS, PERSONAL_GAP, SPARE_COLUMNS, sum_neighbours
 
 
 def _sums(position, velocity, give=None, separation=1.2, horizon=3.0, steering=None, asleep=()):
@@ -43,7 +42,7 @@ def _sums(position, velocity, give=None, separation=1.2, horizon=3.0, steering=N
     n = sort_agents(state, wants.ravel(), model.ravel(), rows, slots, np.zeros(2 * width, np.int32), cells, grid)
     assert n == a
     asks = np.zeros((REQUEST_ROWS, width), np.float32)
-    asks[0], asks[1], asks[2], asks[3] = 1.0 / separation**2, 1.0 / horizon, 0.4, 0.2
+    asks[:] = np.array([1.0 / separation**2, 1.0 / horizon, 0.4, 0.2, PERSONAL_GAP])[:, None]
     sums, pairs = np.zeros((SUM_ROWS, width), np.float32), np.zeros(12 * width, np.int32)
     params = (steering or Steering()).vector()
     count = sum_neighbours(rows, cells[0], grid, asks, sums, params, cells[1], *np.zeros((3, width), np.int32), pairs)

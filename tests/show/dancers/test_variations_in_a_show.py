@@ -74,8 +74,9 @@ def test_dancers_of_one_step_differ_from_each_other():
 
 def test_show_is_the_same_with_variations_made_anew(varied, monkeypatch, tmp_path):
     """The law of determinism: patch, steps and seed give the same bits, from the cache and without it."""
-    monkeypatch.setattr(step_folder.VARIATIONS.__class__, "_path", lambda cache, sources: tmp_path / "none.npz")
-    monkeypatch.setattr(step_folder.VARIATIONS.__class__, "_write", lambda cache, path, clips: None)
+    cache = step_folder.VARIATIONS.__class__
+    monkeypatch.setattr(cache, "entry_path", lambda cache, code, sources: tmp_path / "none.npz")
+    monkeypatch.setattr(cache, "store", lambda cache, path, arrays: None)
     assert danced(load())[2] == varied[2]
 
 
