@@ -17,12 +17,14 @@ import numpy.typing as npt
 
 from bench import _hostile as hostile
 from bench._show import crowd
+from live.app.machine.kernel_warmup import load_kernels
 from live.base.event_queue import EventQueue
 from live.base.row_ranges import Part, row_runner
 from live.cli.bench import Row
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events.events import ControlEvent, PlaceElement
+from live.show.background_work import import_late_modules
 from live.show.engine import Engine
 from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
@@ -61,6 +63,8 @@ class Frames:
 
 def run(full: bool, shared: Path | None) -> list[Row]:
     """Median and 99th percentile of the CPU time of frames at 60 frames/s, attractors and spreaders acting."""
+    load_kernels()  # a show does so within its first seconds, see `KernelLoader`
+    import_late_modules()
     loaded = load_show(DEFAULT_PATCH)
     rows: list[Row] = []
     found = {}
