@@ -175,8 +175,9 @@ class StartCancelled(Exception):
 
 
 def _load(options: LaunchOptions, console: Console, start: contextlib.ExitStack) -> LoadedShow:
-    """Load the show. On a first start compile what its first frames need, and say so in a window while there is no
-    other one; `start` closes it. Raise StartCancelled if somebody else does.
+    """Load the show. On a first start compile what its first frames need; a window, which `start` closes, shows it.
+
+    Raise StartCancelled if the user closes that window.
     """
     if is_warm():
         return options.load()

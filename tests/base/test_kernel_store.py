@@ -65,7 +65,7 @@ def test_full_and_read_only_disks_are_no_error(tmp_path: Path, monkeypatch: pyte
     blocked.write_text("not a folder")
     store = KernelStore((blocked / "kernels",))
     store.write("a", b"x")
-    store.mark_complete()
+    store.mark_complete([])
     with store.compiling("a"):
         pass
     assert store.read("a") is None
@@ -118,7 +118,10 @@ def test_old_kernels_of_other_sources_go_and_present_ones_stay(tmp_path: Path) -
         store.write(name, b"")
         if not name.startswith("new"):
             os.utime(tmp_path / name, (long_ago, long_ago))
-    store.mark_complete()
+    store.mark_complete([present, "lacks"])
+    assert not store.is_complete()
+    store.mark_complete([present])
+    store.drop_old()
     assert store.is_complete()
     assert {path.name for path in tmp_path.iterdir()} == {present, "new-0123456789abcdef.f", store.complete_mark.name}
 

@@ -14,7 +14,7 @@ from live.app.machine.kernel_build import KernelBuild, all_kernels, kernel_modul
 from live.app.machine.kernel_warmup import is_warm
 from live.base.disk.kernel_store import ShowLock
 from live.base.event_queue import EventQueue
-from live.base.jit import JIT_DISABLED, KERNEL_STORE, Kernel, kernels
+from live.base.jit import JIT_DISABLED, KERNEL_STORE, kernels
 from live.clock.time_source import ManualClock
 from live.control.events.events import ControlEvent
 from live.show.engine import Engine
@@ -78,8 +78,7 @@ class KernelLoader:
             if not self._build.update(0.0):
                 return
             self._end_build()
-            if not self._missing():
-                KERNEL_STORE.mark_complete()
+            KERNEL_STORE.mark_complete(each.file_name for each in all_kernels())
         next(self._loading, None)
 
     def close(self) -> None:
@@ -91,9 +90,6 @@ class KernelLoader:
         if self._build is not None:
             self._build.close()
             self._build = None
-
-    def _missing(self) -> list[Kernel]:
-        return [each for each in all_kernels() if not KERNEL_STORE.has(each.file_name)]
 
     def _load_each(self) -> Iterator[None]:
         if JIT_DISABLED:

@@ -121,7 +121,7 @@ def warm_kernels(console: "Console", tell: Tell | None = None) -> None:
 
 
 def load_kernels() -> None:
-    """Load every kernel into this process; wait while the engine's helpers compile some of them.
+    """Load every kernel into this process; wait while the engine's workers compile some of them.
 
     For processes that take over a show at once. Where nobody compiles, or nothing can be kept, compile here.
     """
@@ -146,8 +146,8 @@ def compile_all(console: "Console") -> int:
     kernels = [] if JIT_DISABLED else all_kernels()
     if kernels and not is_warm():
         _compile(kernels, console)
-        if all(KERNEL_STORE.has(each.file_name) for each in kernels):
-            KERNEL_STORE.mark_complete()
+        KERNEL_STORE.mark_complete(each.file_name for each in kernels)
+        KERNEL_STORE.drop_old()
     return len(kernels)
 
 
@@ -168,8 +168,8 @@ def compile_between_shows() -> None:
                 return
             finished = build.update(_WAIT_S)
             end_if_asked()
-    if all(KERNEL_STORE.has(each.file_name) for each in kernels):
-        KERNEL_STORE.mark_complete()
+    KERNEL_STORE.mark_complete(each.file_name for each in kernels)
+    KERNEL_STORE.drop_old()
 
 
 def start_native_build() -> None:

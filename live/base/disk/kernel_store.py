@@ -11,7 +11,7 @@ import re
 import stat
 import tempfile
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -229,14 +229,15 @@ class KernelStore:
         """Whether `mark_complete` was called for the present sources, in any of the folders."""
         return any((folder / self.complete_mark.name).exists() for folder in self.folders)
 
-    def mark_complete(self) -> None:
-        """Say that all kernels of the present sources are there, and drop old ones of other sources."""
-        with contextlib.suppress(OSError):
-            make_private(self.own)
-            self.complete_mark.touch()
-        self._drop_old()
+    def mark_complete(self, names: Iterable[str]) -> None:
+        """Say that all kernels of the present sources, `names`, are there, if they are."""
+        if all(self.has(name) for name in names):
+            with contextlib.suppress(OSError):
+                make_private(self.own)
+                self.complete_mark.touch()
 
-    def _drop_old(self) -> None:
+    def drop_old(self) -> None:
+        """Remove kernels of other sources that were written long ago."""
         current = {content_name(path) for path in kernel_files()} | {self.complete_mark.name}
         before = time.time() - _KEEP_S
         with contextlib.suppress(OSError):
