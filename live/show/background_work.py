@@ -38,6 +38,11 @@ class TaskQueue:
         self._waiting.extend(pieces)
         self.remaining = sum(weight for weight, _ in self._waiting)
 
+    def insert(self, pieces: Iterable[Task]) -> None:
+        """Put pieces before those that wait."""
+        self._waiting.extendleft(reversed(list(pieces)))
+        self.remaining = sum(weight for weight, _ in self._waiting)
+
     def run_share(self, ticks: int) -> None:
         """Do this tick's share, with `ticks` left for all pieces, this one included."""
         share, done = self.remaining / max(ticks, 1), 0.0

@@ -28,6 +28,10 @@ PAIRS_PER_PIECE = 60_000
 """Pairs examined in one piece."""
 SWEEPS = 40
 """Maximum sweeps over all pairs; five to ten are usually needed."""
+MAX_PAIRS = 60_000_000
+"""Pairs examined in all, some 70 ms of work: the best assignment of up to 3,000 dancers, a good one of more."""
+MAX_URGENT_PAIRS = 2_000_000
+"""Pairs that are still examined in a hurry: 300 dancers get their best slots even then."""
 
 
 class IncrementalAssignment:
@@ -61,7 +65,8 @@ class IncrementalAssignment:
         self._dancer_section = np.zeros(dancers, np.int32) if dancer_section is None else dancer_section
         self._slot_section = np.zeros(places, np.int32) if slot_section is None else slot_section
         self.slot = np.full(dancers, -1, np.int32)
-        self._sweep, self._row, self._swapped = 0, 0, 0
+        self._sweep, self._row, self._swapped, self._pairs_left = 0, 0, 0, MAX_PAIRS
+        self._section: Int32 | None = None
         self._pieces = []
         named = [int(s) for s in np.unique(self._dancer_section) if s != UNRESERVED]
         # the list is a stack: named sections are done first, then the remaining dancers with the unmarked slots
@@ -80,6 +85,10 @@ class IncrementalAssignment:
         """Do one piece, at most a millisecond or two."""
         if self._pieces:
             self._pieces.pop()()
+
+    def hurry(self) -> None:
+        """Take what is found soon: the swaps of thousands of dancers are cut short."""
+        self._pairs_left = min(self._pairs_left, MAX_URGENT_PAIRS)
 
     def finish(self) -> Int32:
         """Complete the assignment at once and return it."""
@@ -137,11 +146,14 @@ class IncrementalAssignment:
         while last < count and (pairs == 0 or pairs + count - last <= PAIRS_PER_PIECE):
             pairs += count - last
             last += 1
-        section = np.where(self._slot_section[self.slot] == UNRESERVED, UNRESERVED, self._dancer_section).astype(
-            np.int32
-        )
-        self._swapped += swap_pairs(self._start, self._slots, self.slot, section, self._row, last)
+        if self._section is None:  # swaps are within sections, and do not change it
+            free = self._slot_section[self.slot] == UNRESERVED
+            self._section = np.where(free, UNRESERVED, self._dancer_section).astype(np.int32)
+        self._swapped += swap_pairs(self._start, self._slots, self.slot, self._section, self._row, last)
         self._row = last
+        self._pairs_left -= pairs
+        if self._pairs_left <= 0:
+            return
         if last >= count:
             self._sweep += 1
             if self._swapped == 0 or self._sweep >= SWEEPS:

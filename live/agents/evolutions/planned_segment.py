@@ -17,7 +17,7 @@ MAX_LATE_CALLS: Final = 96
 """Maximum calls of late planning work after a segment has begun: about a second and a half at one per tick."""
 PAIRS_PER_CALL: Final = 2500
 """Pairs of dancers that are processed in about half a millisecond."""
-DANCERS_PER_PIECE: Final = 60
+DANCERS_PER_PIECE: Final = 200
 """Until slots are assigned, one small piece is done per this many dancers at a time. Otherwise the largest groups
 would have no slots when the measure begins."""
 
@@ -71,7 +71,8 @@ class PlannedSegment:
                 self._shift_start()
 
     def make_usable(self) -> None:
-        """Plan until every dancer has a goal."""
+        """Plan until every dancer has a goal, of thousands not the best one."""
+        self._draft.urgent = True
         while not self.usable:
             self.work()
 

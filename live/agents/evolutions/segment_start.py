@@ -61,3 +61,5 @@ class MotionDraft:
     """The journey as soon as slots are assigned, before collision repair."""
 
     motion: PlannedMotion | None = None
+    urgent: bool = False
+    """Whether the segment begins now: places are given at once, if need be not the best ones."""

@@ -5,7 +5,7 @@ import numpy.typing as npt
 
 from live.agents.evolutions.incremental_assignment import IncrementalAssignment, Pieces
 from live.agents.evolutions.intention import AssignmentMethod, Matching
-from live.agents.evolutions.segment_start import SegmentStart
+from live.agents.evolutions.segment_start import MotionDraft, SegmentStart
 from live.agents.evolutions.slot_assignment import by_id, sections
 from live.base.arrays import Float64
 
@@ -41,9 +41,9 @@ def edge_places(
 
 def _nearest(places: Float64, others: Float64) -> Float64:
     """Return the distance of each of `places` (n, 2) to the nearest of `others` (m, 2) [m], (n,)."""
-    x, z = np.ascontiguousarray(others.T)
-    square = np.subtract.outer(places[:, 0], x) ** 2 + np.subtract.outer(places[:, 1], z) ** 2
-    return np.asarray(np.sqrt(square.min(axis=1)))
+    from scipy.spatial import KDTree
+
+    return np.asarray(KDTree(others).query(places)[0])
 
 
 def _ring(ring: int, half: tuple[float, float], gap: float) -> Float64:
@@ -66,7 +66,7 @@ CLEAR_GAP = 1.0
 
 
 def assign_places(
-    matching: Matching, slots: Float64, marks: object, departure: SegmentStart
+    matching: Matching, slots: Float64, marks: object, departure: SegmentStart, draft: MotionDraft
 ) -> Pieces[tuple[npt.NDArray[np.int32], Float64]]:
     """Return each dancer's row of the places, and the places: the slots, then places for dancers without a slot."""
     count = len(departure.dancer_indices)
@@ -91,6 +91,8 @@ def assign_places(
         slot_section=slot_section,
     )
     while not solver.done:
+        if draft.urgent:
+            solver.hurry()
         solver.work()
         yield
     return solver.slot, places

@@ -62,7 +62,7 @@ def _evolve(
     facing = np.asarray(formation.heading, np.float64).reshape(-1)
     if segment.mirror is not None:
         slots, facing = mirror_places(slots, segment.mirror), mirror_headings(facing, segment.mirror)
-    slot, places = yield from assign_places(evolve.matching, slots, formation.marks, departure)
+    slot, places = yield from assign_places(evolve.matching, slots, formation.marks, departure, draft)
     goal = places[slot]
     after = np.concatenate([facing, np.zeros(len(places) - len(facing))])[slot]
     slot = np.where(slot < len(slots), slot, -1).astype(np.int32)

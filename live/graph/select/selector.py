@@ -37,6 +37,9 @@ SIDE_COST: Final = 20.0
 """... of a mirror image where the group wants none: more than any place, less than another step, ..."""
 MIXTURE_COST: Final = 0.003
 """... of a mixture, because 5 cm of place do not justify blurring a clip, ..."""
+COSTS: Final = (PLACE_COST, CORRECTION_COST, HEADING_COST, TURN_COST, POSE_COST, WRONG_COST, SIDE_COST)
+PROHIBITIVE_COST: Final = 1e9
+"""Cost of a mixture where there should be none."""
 DETOUR_COST: Final = 0.2
 """... and of the squared deviation [m²] of the hips from the straight line, to avoid detours."""
 TEMPO_COST: Final = 12.0
@@ -57,7 +60,7 @@ class StepSelector:
     """x, z, yaw, its cosine and sine, distance of the poses of each edge, shape (E, 6)."""
     clip: Float64
     """Hips x, z [m] and heading at each candidate's end, cosine and sine, difference of the measure's mean heading to
-        it, shape (K, 6)."""
+        it, the largest distance of its end from that of the node's own clip [m], shape (K, 7)."""
     turn_offsets: Float64
     """Displacement that a turn adds to each node [m], shape (N, ANGLES, 2)."""
     max_turns: Float64
@@ -71,6 +74,8 @@ class StepSelector:
     """Duration of each node's measure as recorded [s]; 0 for sketched steps, which fit any tempo, shape (N,)."""
     weights: Float64
     """Shape (8,)."""
+    unmixed_weights: Float64
+    """The same with a prohibitive cost of mixtures."""
     scratch: Float64
     """Scratch of the kernel."""
 
@@ -87,7 +92,8 @@ class StepSelector:
         for n, angle in enumerate(angles):
             moved[:, n] = candidates.turns.displacement(1.0, np.full(len(moved), angle))
         facts = np.zeros((len(moved), 4))
-        facts[:, 1] = _mixture_spread(candidates, moved, angles)
+        spread = _mixture_spread(candidates, moved, angles)
+        np.maximum.at(facts[:, 1], node, spread)
         detour = DETOUR_COST * _detours(graph) ** 2
         facts[:, 2] = detour
         return StepSelector(
@@ -96,16 +102,15 @@ class StepSelector:
             reach_table=ReachTable.of(graph, candidates),
             edge=np.ascontiguousarray(np.column_stack([transform, c, s, graph.edge_cost])),
             clip=np.ascontiguousarray(
-                np.column_stack([candidates.end, facing, np.cos(facing), np.sin(facing), mean])
+                np.column_stack([candidates.end, facing, np.cos(facing), np.sin(facing), mean, spread])
             ),
             turn_offsets=moved,
             max_turns=np.zeros((len(moved), 3)),
             facts=facts,
             detour_cost=detour,
             recorded_seconds=recorded_seconds(graph.library),
-            weights=np.array(
-                [PLACE_COST, CORRECTION_COST, HEADING_COST, TURN_COST, POSE_COST, WRONG_COST, SIDE_COST, MIXTURE_COST]
-            ),
+            weights=np.array([*COSTS, MIXTURE_COST]),
+            unmixed_weights=np.array([*COSTS, PROHIBITIVE_COST]),
             scratch=np.zeros((int(np.diff(graph.edge_start).max(initial=0)) + 1, 2)),
         )  # fmt: skip
 
@@ -129,14 +134,20 @@ class StepSelector:
         side: Int32,
         options: Float64,
         out: tuple[Int32, Int32, Float64, Float64],
+        *,
+        mixed: bool = True,
     ) -> None:
-        """Choose for the dancers `rows`: arguments and results `out` (edge, candidate, terms, end) as in the kernel."""
+        """Choose for the dancers `rows`: arguments and results `out` (edge, candidate, terms, end) as in the kernel.
+
+        `mixed`: among mixtures of measures, too.
+        """
         graph = self.graph
         edge, candidate, terms, end = out
         choose_measures(
             rows.start, rows.stop, node, placement, target, row, ahead, side, options,
             graph.edge_start, graph.edge_target, self.edge, self.candidates.first, self.clip, self.turn_offsets,
-            self.max_turns, self.facts, graph.node_reach_margins, graph.library.node_side, self.weights, self.scratch,
+            self.max_turns, self.facts, graph.node_reach_margins, graph.library.node_side,
+            self.weights if mixed else self.unmixed_weights, self.scratch,
             edge, candidate, terms, end,
         )  # fmt: skip
 
@@ -168,7 +179,7 @@ def tempo_cost(recorded: Float64, seconds: float) -> Float64:
 
 
 def _mixture_spread(candidates: Candidates, moved: Float64, angles: Float64) -> Float64:
-    """Return the largest distance of the ends of a node's mixtures from its own clip's end, for any heading, (N,) [m].
+    """Return the largest distance of each candidate's end from its node's own clip's end, for any heading, (K,) [m].
 
     A mixture's end differs by the difference of the two ends, and by the difference of the turns that the headings
     need: a turn moves an end by a bounded distance per radian.
@@ -180,9 +191,7 @@ def _mixture_spread(candidates: Candidates, moved: Float64, angles: Float64) -> 
     per_radian = 1.05 * (swing[node] + np.maximum(arm, arm[own][node]))
     off = np.hypot(*(candidates.end - candidates.end[own][node]).T)
     turned = np.abs(wrap_angle(candidates.facing - candidates.facing[own][node]))
-    apart = np.zeros(len(moved))
-    np.maximum.at(apart, node, off + per_radian * turned)
-    return apart
+    return np.asarray(off + per_radian * turned)
 
 
 def _detours(graph: "MotionGraph") -> Float64:

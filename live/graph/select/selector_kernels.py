@@ -184,8 +184,9 @@ def choose_measures(  # noqa: C901 - one search, best measures first
     danced next, row (A,) the row of it to use; side (A,) and node_side (N,) -1 original, 1 mirrored, 0 any; manner (A,
     3): 0 if the body is turned separately, the share of the mean heading that counts (T122), the share of a measure's
     possible correction that is used. Edges as CSR with edge (E, 6): x, z, yaw, cosine, sine, distance of the poses;
-    candidates of node v from first[v] to first[v + 1], its own clip first, with clip (K, 6): hips at its end in its own
-    axes x, z, heading there, its cosine and sine, difference of the mean heading to that; moved (N, T, 2): displacement
+    candidates of node v from first[v] to first[v + 1], its own clip first, with clip (K, 7): hips at its end in its own
+    axes x, z, heading there, its cosine and sine, difference of the mean heading to that, largest distance of its end
+    from that of the own clip [m]; moved (N, T, 2): displacement
     [m] added by a turn on the supporting foot, at T angles from -π to π; most (N, 3): the largest turn, its cosine and
     sine; facts (N, 4): maximum correction of a measure in any direction [m], largest distance of its mixtures' ends
     from its own [m], its own cost, the largest correction at all [m]; margins (N, DIRECTIONS): how far it can be
@@ -229,6 +230,8 @@ def choose_measures(  # noqa: C901 - one search, best measures first
                 continue
             laid = clip_placement(placement, n, edge, e)
             for k in range(first[v] + 1, first[v + 1]):
+                if base + place_cost(max(scratch[e - low, 1] - clip[k, 6], 0.0), give, weights) >= scratch[last, 1]:
+                    continue
                 end = candidate_end(laid, n, v, k, target, options, clip, turn_offsets, max_turns)
                 off = place_error(end, target, n)
                 cost = base + place_cost(off, give, weights) + turn_cost(end, weights)

@@ -6,7 +6,7 @@ graph for some dancers at a time, and draft the chosen measures.
 
 import math
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
@@ -20,13 +20,17 @@ from live.show.dancers.measure_state import MeasureState
 from live.show.patch.patch import Patch
 from live.show.selection.choices import StepChoices
 from live.show.selection.measure_draft import MeasureDraft
-from live.show.selection.step_search import BATCH_SIZE, StepSearch
+from live.show.selection.step_search import StepSearch, batch_size, batches
 from live.show.stages.measure_span import MeasureSpan
 
 if TYPE_CHECKING:
     from live.show.dancers.dancers import Dancers
     from live.show.group.group_motion import GroupMotion
     from live.show.selection.step_targets import StepTargets
+
+
+PAIRS_PER_PIECE: Final = 48
+"""Most pairs whose followers choose in one piece."""
 
 
 class MeasurePlan:
@@ -87,7 +91,8 @@ class MeasurePlan:
         Their weights estimate their time in about hundredths of a millisecond: a constant and a part per dancer.
         """
         count, variation, search = len(self._group), self._dancers.variation, self._search
-        rows = [slice(row, min(row + BATCH_SIZE, count)) for row in range(0, count, BATCH_SIZE)]
+        rows = batches(count, batch_size(count))
+        pairs = batches(len(self._motion.partners.leader), PAIRS_PER_PIECE)
         return [
             *[(3 + 0.055 * count, partial(self._motion.run_lookahead, 1))] * steps,
             (32 + 0.2 * count, self._set_wishes),
@@ -96,9 +101,10 @@ class MeasurePlan:
                 for index in self._targets.assign(measure)
             ],
             (32 + 0.15 * count, search.prepare),
-            *[(5 + 0.65 * (some.stop - some.start), partial(search.choose, some)) for some in rows],
+            *[(5 + 0.4 * (some.stop - some.start), partial(search.choose, some)) for some in rows],
+            (1, self._turn_those_behind),
             (2, search.set_follower_targets),
-            *[(45, partial(search.choose_followers, slice(row, row + BATCH_SIZE))) for row in self._pairs_by_pieces()],
+            *[(45, partial(search.choose_followers, some)) for some in pairs],
             (5, search.choose_replaced),
             (40 + 0.05 * count, partial(self._drafter.vary, measure)),
             (22 + 0.03 * count, self._mix),
@@ -106,9 +112,12 @@ class MeasurePlan:
             (15, partial(variation.drift.draw_knots, measure + 3)),
         ]
 
-    def _pairs_by_pieces(self) -> range:
-        """Return the first pair of each piece in which followers choose."""
-        return range(0, len(self._motion.partners.leader), BATCH_SIZE)
+    def _turn_those_behind(self) -> None:
+        """Insert the pieces in which those choose again who would not get where they should."""
+        search = self._search
+        self.pieces.insert(
+            (10 + 2.5 * len(rows), partial(search.choose_turned, rows)) for rows in search.turned_batches()
+        )
 
     def _set_wishes(self) -> None:
         self._motion.run_lookahead(1 << 20)

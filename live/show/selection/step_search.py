@@ -1,6 +1,7 @@
 """Search of the motion graph for each dancer's next measure, some dancers at a time (T068-T070)."""
 
 import math
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -30,15 +31,19 @@ TURNED_COST: Final = 0.12
 """... and of a squared radian from the wanted heading, ..."""
 TURNED_GAIN: Final = 0.8
 """... if it all costs less by this: 0.2 m."""
-BATCH_SIZE: Final = 48
-"""Most dancers whose measures are chosen in one piece."""
+MAX_BATCH: Final = 256
+"""Most dancers whose measures are chosen in one piece; ..."""
+MIN_BATCH: Final = 6
+"""... for fewer a piece of its own costs more than their search."""
+BATCHES: Final = 20
+"""So many pieces at least are the dancers of a large show."""
 
 
 class StepSearch:
     """Search for A dancers; the results are written to `choices`.
 
-    Call `prepare`, then `choose` for all dancers, `set_follower_targets`, and `choose_followers` for all pairs;
-    `choose_replaced` at any time after that.
+    Call `prepare`, then `choose` for all dancers, `choose_turned` for the `turned_batches`, `set_follower_targets`, and
+    `choose_followers` for all pairs; `choose_replaced` at any time after that.
     """
 
     def __init__(
@@ -50,6 +55,7 @@ class StepSearch:
         self._search_nodes = np.full(len(targets.step), -1, np.int32)
         self._arguments: tuple[Any, ...] = ()
         self._following: tuple[Int32, Int32] = np.zeros(0, np.int32), np.zeros(0, np.int32)
+        self._behind: list[npt.NDArray[np.intp]] = []
         self.seconds = 2.0
         """Duration of a measure [s]."""
 
@@ -71,6 +77,7 @@ class StepSearch:
     def clear(self) -> None:
         """Clear the arguments of the search."""
         self._arguments = ()
+        self._behind.clear()
 
     @property
     def axes(self) -> Float64:
@@ -105,14 +112,19 @@ class StepSearch:
         )
 
     def choose(self, rows: slice) -> None:
-        """Choose the next measures of these dancers; those who would not get where they should may turn any way."""
+        """Choose the next measures of these dancers. Those who would not get where they should are kept for
+        `turned_batches`."""
         self._choosing.choose(rows, *self._arguments)
         behind = rows.start + np.flatnonzero(self._choices.edge[rows, 0] >= 0)
         within = self._corrected(self._choices.target[behind], self._choices.outputs, behind)
         short = self._shortfalls(behind, within, self._choices.end[behind])
-        behind = behind[short > self._targets.turn_shortfall[behind]]
-        if len(behind):
-            self._choose_turned(behind)
+        self._behind.append(behind[short > self._targets.turn_shortfall[behind]])
+
+    def turned_batches(self) -> list[npt.NDArray[np.intp]]:
+        """Return those for whom `choose_turned` is to be called, in pieces."""
+        behind = np.concatenate([*self._behind, np.zeros(0, np.intp)])
+        self._behind.clear()
+        return [behind[some] for some in batches(len(behind), batch_size(len(self._search_nodes)))]
 
     def _corrected(self, target: Float64, out: tuple[Any, ...], at: npt.NDArray[np.intp]) -> Float64:
         """Return how far measures in the rows `at` (n,) of `out`, chosen for `target` (n, 2) [m], are corrected [m]."""
@@ -125,34 +137,45 @@ class StepSearch:
         """Return how far from their wishes dancers `rows` (n,) get who are `corrected` (n,) [m] from `end` (n, 4)."""
         return np.asarray(np.maximum(np.hypot(*(self._choices.wish[rows] - end[:, :2]).T) - corrected, 0.0))
 
-    def _choose_turned(self, rows: npt.NDArray[np.intp]) -> None:
-        """Choose again for the dancers `rows` (n,), who may turn along their ways, against them or across."""
-        node, placement, wish, row, ahead, side, manner, out = self._arguments
-        choices, targets, place = self._choices, self._targets, np.arange(len(rows))
-        goal = choices.wish[rows]
+    def choose_turned(self, rows: npt.NDArray[np.intp]) -> None:
+        """Choose again for the dancers `rows` (n,), who may turn along their ways, against them or across.
+
+        The turn is that of the best unmixed measure; then all are searched for this turn.
+        """
+        choices, targets, out = self._choices, self._targets, self._arguments[-1]
+        goal, wanted = choices.wish[rows], targets.heading[rows]
         way = goal - choices.start_position[rows]
-        path, wanted = np.arctan2(way[:, 0], way[:, 1]), targets.heading[rows].copy()
+        path = np.arctan2(way[:, 0], way[:, 1])
+        every = np.tile(rows, len(TURNS))
+        turned = np.add.outer(TURNS, path).ravel()
+        found = self._search_turned(every, turned, mixed=False)
+        costs = found.cost + TURNED_COST * wrap_angle(turned - np.tile(wanted, len(TURNS))) ** 2
+        heading = turned.reshape(len(TURNS), -1)[costs.reshape(len(TURNS), -1).argmin(axis=0), np.arange(len(rows))]
+
         short = self._shortfalls(rows, self._corrected(choices.target[rows], out, rows), choices.end[rows])
         cost = _cost(short, choices.terms[rows, 0]) - TURNED_GAIN
-        for turn in TURNS:
-            heading = path + turn
-            fresh = with_direction(np.column_stack([goal, heading]))
-            results: Any = tuple(np.ascontiguousarray(array[rows]) for array in out)
-            self._choosing.choose(
-                slice(0, len(rows)), node[rows], placement[rows], fresh, row[rows], ahead, side[rows], manner[rows],
-                results,
-            )  # fmt: skip
-            within, end = self._corrected(goal, results, place), results[3]
-            short = self._shortfalls(rows, within, end)
-            found = _cost(short, results[2][:, 0]) + TURNED_COST * wrap_angle(heading - wanted) ** 2
-            better = found < cost
-            cost[better], who = found[better], rows[better]
-            targets.heading[who] = heading[better]
-            reached = (within / np.maximum(within + short, 1e-9))[:, None]
-            choices.target[who] = (end[:, :2] + reached * (goal - end[:, :2]))[better]
-            for array, result in zip(out, results, strict=True):
-                array[who] = result[better]
-        wish[rows] = with_direction(np.column_stack([choices.target[rows], targets.heading[rows]]))
+        found = self._search_turned(rows, heading, mixed=True)
+        better = found.cost + TURNED_COST * wrap_angle(heading - wanted) ** 2 < cost
+        who, end = rows[better], found.results[3]
+        targets.heading[who] = heading[better]
+        reached = (found.corrected / np.maximum(found.corrected + found.shortfall, 1e-9))[:, None]
+        choices.target[who] = (end[:, :2] + reached * (goal - end[:, :2]))[better]
+        for array, result in zip(out, found.results, strict=True):
+            array[who] = result[better]
+        self._arguments[2][rows] = with_direction(np.column_stack([choices.target[rows], targets.heading[rows]]))
+
+    def _search_turned(self, rows: npt.NDArray[np.intp], heading: Float64, *, mixed: bool) -> "_Found":
+        """Search the measures with which the dancers `rows` (n,) get to their wishes with `heading` (n,) [rad]."""
+        node, placement, _, row, ahead, side, manner, out = self._arguments
+        goal = self._choices.wish[rows]
+        results: Any = tuple(np.ascontiguousarray(array[rows]) for array in out)
+        self._choosing.choose(
+            slice(0, len(rows)), node[rows], placement[rows], with_direction(np.column_stack([goal, heading])),
+            row[rows], ahead, side[rows], manner[rows], results, mixed=mixed,
+        )  # fmt: skip
+        corrected = self._corrected(goal, results, np.arange(len(rows)))
+        shortfall = self._shortfalls(rows, corrected, results[3])
+        return _Found(results, corrected, shortfall, _cost(shortfall, results[2][:, 0]))
 
     def set_follower_targets(self) -> None:
         """Set the followers' targets from the ends of their leaders' measures, which are chosen already."""
@@ -180,7 +203,33 @@ class StepSearch:
         self._arguments[1][changed] = with_direction(self._dancers.present.end_placement())[changed]
         for row in changed.tolist():
             self.choose(slice(row, row + 1))
+        for rows in self.turned_batches():
+            self.choose_turned(rows)
         return True
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Found:
+    """Measures of n dancers that a search found."""
+
+    results: Any
+    """As `StepChoices.outputs`."""
+    corrected: Float64
+    """How far they are corrected [m], (n,)."""
+    shortfall: Float64
+    """How far from their wishes they end [m], (n,)."""
+    cost: Float64
+    """Without that of their headings, (n,)."""
+
+
+def batch_size(dancers: int) -> int:
+    """Return of how many dancers at a time a show of so many chooses the measures."""
+    return min(max(dancers // BATCHES, MIN_BATCH), MAX_BATCH)
+
+
+def batches(count: int, size: int) -> list[slice]:
+    """Return slices of at most `size` that together are the rows 0 to `count` - 1."""
+    return [slice(row, min(row + size, count)) for row in range(0, count, size)]
 
 
 def _cost(shortfall: Float64, terms: Float64) -> Float64:

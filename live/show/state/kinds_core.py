@@ -83,7 +83,7 @@ KINDS: Final = [
         dancer_indices:i4(dancer)* position:f8* heading:f8* attributes:row[frozenset[str]] begin:float end:float
         measure_beats:float radius:f8* half_stage:tuple[float,float] seed:int
     """, is_consistent=whole.departure),
-    Kind("departure.draft", MotionDraft, "motion:journey|none"),
+    Kind("departure.draft", MotionDraft, "motion:journey|none", {"urgent": bool}),
     Kind("journey", PlannedMotion, """
         locomotion:locomotion slot:i4(dancer)* retimed:int bent:bool remaining:row[approach] checked:bool
     """, is_consistent=whole.journey),

@@ -194,7 +194,7 @@ KINDS: Final = [
         _patch:constant-patch _dancers:dancers _motion:group-motion _targets:aims _choices:choices
         _search_nodes:i4(node) _arguments:row[any] _following:tuple[i4(dancer)*,i4(dancer)*] seconds:float
         _choosing:constant-choosing _give:f8 _usual_give:float
-    """),
+    """, {"_behind": list}),
     Kind("taken-along", ResponsePath, """
         level:f8 weight:f8 following:b1 answering:b1 leading:b1 seeking:b1 goal:f8 displacement:f8 answer_position:f8
         last_position:f8 turn:f8 _last_target:f8 _amount:f8 _waited:f8 _has_last:b1

@@ -7,7 +7,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from live.agents.evolutions.incremental_assignment import IncrementalAssignment
+from live.agents.evolutions import incremental_assignment
+from live.agents.evolutions.evolution_kernels import swap_pairs
+from live.agents.evolutions.incremental_assignment import MAX_URGENT_PAIRS, PAIRS_PER_PIECE, IncrementalAssignment
 from live.agents.evolutions.slot_assignment import Cost, Fill, assign, by_id, distances, sections
 
 
@@ -141,3 +143,25 @@ def test_incremental_assignment_handles_unequal_counts(dancers, slots, fill):
     assert len(taken) == len(set(taken)) == 200
     if fill is Fill.IN_ORDER and dancers < slots:
         assert sorted(taken) == list(range(200))
+
+
+@pytest.mark.parametrize(("count", "complete"), [(300, True), (5000, False)])
+def test_assignment_in_a_hurry_gives_every_dancer_a_place_within_little_work(count, complete, monkeypatch):
+    examined = []
+
+    def counted(start, slots, slot, section, first, last):
+        examined.append(sum(len(start) - row for row in range(first, last)))
+        return swap_pairs(start, slots, slot, section, first, last)
+
+    monkeypatch.setattr(incremental_assignment, "swap_pairs", counted)
+    start, goal = places(count, 1, 60.0), places(count, 2, 60.0)
+    matching = IncrementalAssignment()
+    matching.begin(start, goal)
+    matching.hurry()
+    slot = matching.finish()
+    assert sorted(slot) == list(range(count))
+    assert sum(examined) < MAX_URGENT_PAIRS + 2 * PAIRS_PER_PIECE
+    way = np.hypot(*(start - goal[slot]).T).mean()
+    assert way < 0.25 * np.hypot(*(start - goal).T).mean()  # halving alone brings dancers to places near them
+    gain = (start[:400, None] - start[None]) * (goal[slot][:400, None] - goal[slot][None])
+    assert (gain.sum(axis=2).min() > -1e-6) == complete

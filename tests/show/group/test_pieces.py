@@ -45,3 +45,18 @@ def test_cleared_tasks_never_run():
     assert pieces.remaining == 3.0
     pieces.run_all()
     assert done == [0, "new"]
+
+
+def test_inserted_pieces_come_before_those_that_wait_and_count_in_the_share():
+    done, queue = [], TaskQueue()
+    queue.extend([(1.0, lambda: queue.insert([(4.0, lambda: done.append("a")), (4.0, lambda: done.append("b"))]))])
+    queue.extend([(1.0, lambda: done.append("last"))])
+    queue.run_share(2)
+    assert not done
+    assert queue.remaining == 9.0
+    queue.run_share(2)
+    assert done == ["a"]
+    assert queue.remaining == 5.0
+    queue.run_all()
+    assert done == ["a", "b", "last"]
+    assert queue.remaining == 0.0
