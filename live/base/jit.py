@@ -79,6 +79,7 @@ import numba  # noqa: E402 - its processor has to be set first
 from numba.core import sigutils, types, typing  # noqa: E402
 from numba.core.codegen import CPUCodeLibrary  # noqa: E402
 from numba.core.compiler import CompileResult  # noqa: E402
+from numba.core.compiler_lock import global_compiler_lock  # noqa: E402
 from numba.core.environment import Environment, lookup_environment  # noqa: E402
 from numba.core.funcdesc import PythonFunctionDescriptor  # noqa: E402
 from numba.core.registry import CPUDispatcher  # noqa: E402
@@ -133,23 +134,28 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
 
     def load(self) -> bool:
         """Take the compiled code from disk, if it is there and whole; return whether the kernel is ready."""
-        if self.overloads:
+        with global_compiler_lock:  # several threads may call a kernel for the first time
+            if self.overloads:
+                return True
+            data = KERNEL_STORE.read(self.file_name)
+            if data is None:
+                return False
+            try:
+                result, self._bitcode = _from_bytes(self, data)
+            except Exception:  # code of a numba that was built otherwise: compile anew
+                return False
+            self.add_overload(result)
+            self.disable_compile()
             return True
-        data = KERNEL_STORE.read(self.file_name)
-        if data is None:
-            return False
-        try:
-            result, self._bitcode = _from_bytes(self, data)
-        except Exception:  # code of a numba that was built otherwise: compile anew
-            return False
-        self.add_overload(result)
-        self.disable_compile()
-        return True
 
     def prepare(self) -> None:
         """Make the kernel ready: load it, or compile it unless another process is just doing so."""
-        if self.load():
-            return
+        with global_compiler_lock:
+            if not self.load():
+                self._compile()
+
+    def _compile(self) -> None:
+        """Compile the kernel; wait if another process is just doing so."""
         with KERNEL_STORE.compiling(self.file_name):
             if self.load():
                 return

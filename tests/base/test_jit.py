@@ -49,6 +49,37 @@ def test_wrong_array_raises_type_error_without_compilation(lock: np.ndarray, pre
     assert farthest_shift(np.zeros((1, 2, 16), np.float32)) == 0.0
 
 
+THREADS = """
+import sys, threading
+from live.base import jit
+from live.base.scalar_kernels import damper
+sys.setswitchinterval(1e-6)
+start, values = threading.Barrier(8), []
+def call():
+    start.wait()
+    values.append(damper(0.25, 1.5, 0.3, 0.1))
+threads = [threading.Thread(target=call) for _ in range(8)]
+for thread in threads:
+    thread.start()
+for thread in threads:
+    thread.join()
+print(len(values), len(set(values)))
+"""
+
+
+@compiled_only
+@pytest.mark.parametrize("compiled", [False, True])
+def test_several_threads_may_call_a_kernel_for_the_first_time(tmp_path: Path, compiled: bool) -> None:
+    if compiled:
+        run_damper(tmp_path)
+    for _ in range(3):
+        done = subprocess.run(
+            [sys.executable, "-c", THREADS], capture_output=True, text=True, check=True,
+            env={**os.environ, "LIVE_CACHE_DIR": str(tmp_path)},
+        )  # fmt: skip
+        assert done.stdout.split() == ["8", "1"], done.stderr
+
+
 @compiled_only
 def test_a_kernel_is_compiled_at_its_first_call_and_loaded_afterwards(tmp_path: Path) -> None:
     first = run_damper(tmp_path)

@@ -5,7 +5,7 @@ speed first, the others share the rest (Reynolds 1987: prioritized acceleration 
 """
 
 from dataclasses import replace
-from typing import Literal, Protocol
+from typing import Final, Literal, Protocol
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from live.agents.elements.crossing_kernels import MEMORY_COLUMNS, assign_goals, 
 from live.agents.elements.element import Element
 from live.agents.elements.element_table import ElementTable
 from live.agents.elements.element_table_kernels import (
+    ACTIVE_START,
     HALF_DEPTH,
     HALF_WIDTH,
     LEVEL,
@@ -37,8 +38,8 @@ from live.agents.elements.field_kernels import blend_sums, flow_fields
 from live.agents.elements.leader_kernels import follow_leaders, pursue_or_evade
 from live.agents.elements.polyline_flow import GRID_COLUMNS, GRID_ROWS
 from live.agents.elements.shape_kernels import NEAR_COLUMNS, nearest_sources
-from live.agents.elements.spread_kernels import NODES_PER_DANCER, SPARE_NODES
-from live.agents.elements.wander_kernels import follow_paths, spread_agents, wander_agents
+from live.agents.elements.spread_kernels import NODES_PER_DANCER, SPARE_NODES, fill_spread_field, spread
+from live.agents.elements.wander_kernels import add_spreading, find_members, follow_paths, wander_agents
 from live.base.arrays import Float32, Float64, UInt64
 from live.base.element_kinds import (
     ATTRACTOR,
@@ -56,7 +57,11 @@ from live.base.element_kinds import (
     WANDER,
 )
 from live.base.errors import PersonError
+from live.base.row_ranges import run_rows
 from live.base.stage_snapshot import ELEMENT_CAPACITY, StageView
+
+FEWEST_AGENTS: Final = 1024
+"""So many agents at least are worth a range of their own."""
 
 
 class Kinematics(Protocol):
@@ -242,8 +247,18 @@ class ElementField:
         rows, masks, vertices, active = table.rows, table.masks, table.vertices, table.active
         position, velocity, near = state.position, state.velocity, self._nearest
         reset_sums(rows, masks, active, commands, groups, sums)
+        count = len(position)
+
+        def nearest(kind: int, repels: bool) -> None:
+            def part(begin: int, end: int) -> None:
+                nearest_sources(
+                    rows, masks, vertices, active, kind, repels, position, groups, numbers, sums, near, begin, end
+                )
+
+            run_rows(part, count, least=FEWEST_AGENTS)
+
         if acts(REPULSOR):
-            nearest_sources(rows, masks, vertices, active, REPULSOR, True, position, groups, numbers, sums, near)
+            nearest(REPULSOR, True)
         if acts(EVADE):
             pursue_or_evade(rows, masks, active, True, position, velocity, commands, groups, numbers, sums)
         if acts(CROSSING):
@@ -255,18 +270,36 @@ class ElementField:
         if acts(PATH):
             follow_paths(rows, masks, vertices, active, position, velocity, commands, groups, numbers, sums)
         if acts(ATTRACTOR):
-            nearest_sources(rows, masks, vertices, active, ATTRACTOR, False, position, groups, numbers, sums, near)
+            nearest(ATTRACTOR, False)
         if acts(PARTICIPANT):
             fair_attraction(self._places, self._audience, position, groups, numbers, sums)
         if acts(FLOW):
             flow_fields(rows, masks, vertices, active, table.grids, position, velocity, groups, numbers, sums)
         if acts(SPREADER):
-            spread_agents(
-                rows, masks, active, position, commands, groups, self._area, self._mesh, self._start, self._order,
-                self._spreading, numbers, sums,
-            )  # fmt: skip
+            for row in active[ACTIVE_START + active[SPREADER] : ACTIVE_START + active[SPREADER + 1]].tolist():
+                self._spread(row, position, commands, groups)
         if acts(WANDER) or acts(FLOCK) or acts(SPREADER):
-            wander_agents(rows, masks, active, position, velocity, groups, numbers, sums)
+
+            def part(begin: int, end: int) -> None:
+                wander_agents(rows, masks, active, position, velocity, groups, numbers, sums, begin, end)
+
+            run_rows(part, count, least=FEWEST_AGENTS)
+
+    def _spread(self, row: int, position: Float32, commands: Float32, groups: UInt64) -> None:
+        """Add the wishes of the agents whose newest spreader is the element `row`: even among all of them."""
+        table, area, mesh, start, order = self._table, self._area, self._mesh, self._start, self._order
+        members = find_members(table.rows, table.masks, table.active, row, commands, groups, order[0])
+        if not members:
+            return
+        fill_spread_field(position, order[0], members, area, mesh, start, order[1])
+
+        def part(begin: int, end: int) -> None:
+            spread(members, area, mesh, start, order[1], self._spreading, begin, end)
+            add_spreading(
+                table.rows, row, commands, order[1], self._spreading, self._numbers, self._sums, begin, end
+            )  # fmt: skip
+
+        run_rows(part, members, least=FEWEST_AGENTS // 4)
 
     # -- drawing -----------------------------------------------------------------------------------------------
 

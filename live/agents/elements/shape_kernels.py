@@ -191,7 +191,7 @@ def fading_sources(
     return wish_x, wish_z, influence
 
 
-@kernel("void(f8[:,::1],u8[::1],f4[:,:,::1],i8,f4[:,::1],u8[::1],f8[:,::1],f8[:,::1])")
+@kernel("void(f8[:,::1],u8[::1],f4[:,:,::1],i8,f4[:,::1],u8[::1],f8[:,::1],f8[:,::1],i8,i8)")
 def update_nearest(
     table: Float64,
     masks: UInt64,
@@ -201,12 +201,14 @@ def update_nearest(
     groups: UInt64,
     sums: Float64,
     near: Float64,
+    begin: int,
+    end: int,
 ) -> None:
-    """Update near (A, 4) of all agents with one source where it is the nearest so far."""
+    """Update near (A, 4) of the agents begin..end-1 with one source where it is the nearest so far."""
     x, z = table[row, X], table[row, Z]
     point = table[row, CORNERS] == 1.0 and table[row, RADIUS] == 0.0
     mask = masks[row]
-    for i in range(position.shape[0]):
+    for i in range(begin, end):
         if sums[i, ADDRESSED_LEVEL] <= 0.0 or not addresses(mask, groups[i]):
             continue
         if not point:
@@ -222,7 +224,7 @@ def update_nearest(
             near[i, NEAR_X], near[i, NEAR_Z] = ux * scale, uz * scale
 
 
-@kernel("void(f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],i8,b1,f4[:,::1],u8[::1],f8[::1],f8[:,::1],f8[:,::1])")
+@kernel("void(f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],i8,b1,f4[:,::1],u8[::1],f8[::1],f8[:,::1],f8[:,::1],i8,i8)")
 def nearest_sources(
     table: Float64,
     masks: UInt64,
@@ -235,14 +237,17 @@ def nearest_sources(
     numbers: Float64,
     sums: Float64,
     near: Float64,
+    begin: int,
+    end: int,
 ) -> None:
-    """Add each agent's velocity from the nearest source of a kind only (T106); near (A, 4) is scratch."""
+    """Add the velocity of the agents begin..end-1 from the nearest source of a kind only (T106); near (A, 4) is
+    scratch."""
     seed, switched = int(numbers[SEED]), numbers[SWITCHED] > 0.0
-    for i in range(position.shape[0]):
+    for i in range(begin, end):
         near[i, NEAR_DISTANCE], near[i, NEAR_ROW] = 1e30, -1.0
     for k in range(ACTIVE_START + active[kind], ACTIVE_START + active[kind + 1]):
-        update_nearest(table, masks, vertices, active[k], position, groups, sums, near)
-    for i in range(position.shape[0]):
+        update_nearest(table, masks, vertices, active[k], position, groups, sums, near, begin, end)
+    for i in range(begin, end):
         row = int(near[i, NEAR_ROW])
         if row < 0:
             continue

@@ -352,42 +352,61 @@ def mesh_size(width: float, depth: float, s: float, capacity: int) -> tuple[int,
         s *= 1.25
 
 
-@kernel("void(f4[:,::1],i4[::1],i8,f8[::1],f4[:,::1],i4[::1],i4[::1],f8[:,::1])")
-def spread(
-    position: Float32,
-    member: Int32,
-    members: int,
-    area: Float64,
-    mesh: Float32,
-    start: Int32,
-    order: Int32,
-    wish: Float64,
-) -> None:
-    """Write the velocity [m/s] with which each member of a group spreads over an area into wish (A, 2) (T109).
+@kernel("UniTuple(f8,4)(f8[::1],i8,i8)")
+def mesh_spacing(area: Float64, members: int, capacity: int) -> tuple[float, float, float, float]:
+    """Return the nodes along x and z of the mesh for so many members, the width of the Gaussian [m], and the area of
+    each [m²]."""
+    width, depth = area[1] - area[0], area[3] - area[2]
+    share = width * depth / max(members, 1)
+    nx, nz = mesh_size(width, depth, SMOOTHING * math.sqrt(share), capacity)
+    return float(nx), float(nz), max(SMOOTHING * math.sqrt(share), width / nx, depth / nz), share
 
-    position (A, 2) [m]; member: the spreading agents, the first `members` count; area: left, right, back, front [m];
-    mesh (3, NODES_PER_DANCER A + SPARE_NODES), start as long as mesh, order (A,): scratch.
+
+@kernel("void(f4[:,::1],i4[::1],i8,f8[::1],f4[:,::1],i4[::1],i4[::1])")
+def fill_spread_field(
+    position: Float32, member: Int32, members: int, area: Float64, mesh: Float32, start: Int32, order: Int32
+) -> None:
+    """Prepare the spreading of a group over an area (T109): the gradient, and its members sorted into cells.
+
+    position (A, 2) [m]; member: the spreading agents, the first `members` count; area: left, right, back, front [m].
+    Results: mesh (3, NODES_PER_DANCER A + SPARE_NODES), start as long as mesh, order (A,), for `spread`.
     """
     left, right, back, front = area[0], area[1], area[2], area[3]
     width, depth = right - left, front - back
-    # units in which an even population is 1: the area per dancer over the area of a mesh cell
-    share = width * depth / max(members, 1)
-    nx, nz = mesh_size(width, depth, SMOOTHING * math.sqrt(share), mesh.shape[1])
+    x_nodes, z_nodes, s, share = mesh_spacing(area, members, mesh.shape[1])
+    nx, nz, reach = int(x_nodes), int(z_nodes), REPULSION_REACH * s
     step_x, step_z = width / nx, depth / nz
-    s = max(SMOOTHING * math.sqrt(share), step_x, step_z)
+    # units in which an even population is 1: the area per dancer over the area of a mesh cell
     deposit(mesh[0], nx, nz, left, back, step_x, step_z, position, member, members, share / (step_x * step_z))
     blur(mesh[0], mesh[2], nx, nz, (s / step_x) ** 2, (s / step_z) ** 2)
     solve_poisson(mesh, nx, nz, step_x, step_z)
     gradient(mesh, nx, nz, step_x, step_z)
-    reach = REPULSION_REACH * s
     columns, rows = max(math.floor(width / reach), 1), max(math.floor(depth / reach), 1)
     size_x, size_z = width / columns, depth / rows
     sort_members(position, member, members, left, back, size_x, size_z, columns, rows, start, order)
     xs, zs = mesh[1, : members + LANES], mesh[1, members + LANES : 2 * (members + LANES)]
     for k in range(members):  # sorted: neighbours stand together
         xs[k], zs[k] = position[order[k], 0], position[order[k], 1]
+
+
+@kernel("void(i8,f8[::1],f4[:,::1],i4[::1],i4[::1],f8[:,::1],i8,i8)")
+def spread(
+    members: int, area: Float64, mesh: Float32, start: Int32, order: Int32, wish: Float64, begin: int, end: int
+) -> None:
+    """Write the velocity [m/s] with which the members `order` begin..end-1 spread over an area into wish (A, 2) (T109).
+
+    The other arrays are as `fill_spread_field` left them.
+    """
+    left, right, back, front = area[0], area[1], area[2], area[3]
+    width, depth = right - left, front - back
+    x_nodes, z_nodes, s, share = mesh_spacing(area, members, mesh.shape[1])
+    nx, nz, reach = int(x_nodes), int(z_nodes), REPULSION_REACH * s
+    step_x, step_z = width / nx, depth / nz
+    columns, rows = max(math.floor(width / reach), 1), max(math.floor(depth / reach), 1)
+    size_x, size_z = width / columns, depth / rows
+    xs, zs = mesh[1, : members + LANES], mesh[1, members + LANES : 2 * (members + LANES)]
     sums, near = np.empty((2, LANES), np.float32), share / (2.0 * math.pi)
-    for k in range(members):
+    for k in range(begin, end):
         x, z = float(xs[k]), float(zs[k])
         gx, gz = gradient_at(
             mesh, nx, nz, min(max(x - left, 0.0), width), min(max(z - back, 0.0), depth), step_x, step_z

@@ -7,7 +7,6 @@ import numpy.typing as npt
 
 from live.agents.agent_command import PRESENCE, SPEED
 from live.agents.elements.element_table_kernels import (
-    ACTIVE_START,
     ADDRESSED_LEVEL,
     CLOSED,
     CORNERS,
@@ -22,7 +21,6 @@ from live.agents.elements.element_table_kernels import (
     add_velocity,
     newest,
 )
-from live.agents.elements.spread_kernels import spread
 from live.agents.steering_kernels import follow_path, wander
 from live.base.element_kinds import FLOCK, PATH, SPREADER, WANDER
 from live.base.jit import kernel
@@ -66,46 +64,35 @@ def follow_paths(
         add_velocity(sums, i, size * fx, size * fz, table[row, LEVEL], numbers[SWITCHED] > 0.0)
 
 
-@kernel(
-    "void(f8[:,::1],u8[::1],i4[::1],f4[:,::1],f4[:,::1],u8[::1],f8[::1],"
-    "f4[:,::1],i4[::1],i4[:,::1],f8[:,::1],f8[::1],f8[:,::1])"
-)
-def spread_agents(
-    table: Float64,
-    masks: UInt64,
-    active: Int32,
-    position: Float32,
-    commands: Float32,
-    groups: UInt64,
-    area: Float64,
-    mesh: Float32,
-    start: Int32,
-    order: Int32,
-    wish: Float64,
-    numbers: Float64,
-    sums: Float64,
-) -> None:
-    """Add the velocity of spreading dancers, each even among all dancers of the same newest spreader."""
-    for k in range(ACTIVE_START + active[SPREADER], ACTIVE_START + active[SPREADER + 1]):
-        row = active[k]
-        members = 0
-        for i in range(groups.shape[0]):
-            if commands[i, PRESENCE] > 0.0 and newest(table, masks, active, SPREADER, groups[i]) == row:
-                order[0, members] = i
-                members += 1
-        if members == 0:
-            continue
-        spread(position, order[0], members, area, mesh, start, order[1], wish)
-        for n in range(members):
-            i = order[0, n]
-            fx, fz = wish[i, 0], wish[i, 1]
-            # from m/s to a fraction of the top speed, at most 1
-            size = table[row, LEVEL] * max(table[row, STRENGTH], 0.0)
-            size /= max(math.sqrt(fx * fx + fz * fz), commands[i, SPEED], 1e-6)
-            add_velocity(sums, i, size * fx, size * fz, table[row, LEVEL], numbers[SWITCHED] > 0.0)
+@kernel("i8(f8[:,::1],u8[::1],i4[::1],i8,f4[:,::1],u8[::1],i4[::1])")
+def find_members(
+    table: Float64, masks: UInt64, active: Int32, row: int, commands: Float32, groups: UInt64, member: Int32
+) -> int:
+    """Write the present agents whose newest spreader is the element `row` to `member` (A,); return their number."""
+    members = 0
+    for i in range(groups.shape[0]):
+        if commands[i, PRESENCE] > 0.0 and newest(table, masks, active, SPREADER, groups[i]) == row:
+            member[members] = i
+            members += 1
+    return members
 
 
-@kernel("void(f8[:,::1],u8[::1],i4[::1],f4[:,::1],f4[:,::1],u8[::1],f8[::1],f8[:,::1])")
+@kernel("void(f8[:,::1],i8,f4[:,::1],i4[::1],f8[:,::1],f8[::1],f8[:,::1],i8,i8)")
+def add_spreading(
+    table: Float64, row: int, commands: Float32, order: Int32, wish: Float64, numbers: Float64, sums: Float64,
+    begin: int, end: int,
+) -> None:  # fmt: skip
+    """Add the velocity `wish` (A, 2) [m/s] of the agents `order` begin..end-1, who spread by the element `row`."""
+    for n in range(begin, end):
+        i = order[n]
+        fx, fz = wish[i, 0], wish[i, 1]
+        # from m/s to a fraction of the top speed, at most 1
+        size = table[row, LEVEL] * max(table[row, STRENGTH], 0.0)
+        size /= max(math.sqrt(fx * fx + fz * fz), commands[i, SPEED], 1e-6)
+        add_velocity(sums, i, size * fx, size * fz, table[row, LEVEL], numbers[SWITCHED] > 0.0)
+
+
+@kernel("void(f8[:,::1],u8[::1],i4[::1],f4[:,::1],f4[:,::1],u8[::1],f8[::1],f8[:,::1],i8,i8)")
 def wander_agents(
     table: Float64,
     masks: UInt64,
@@ -115,10 +102,12 @@ def wander_agents(
     groups: UInt64,
     numbers: Float64,
     sums: Float64,
+    begin: int,
+    end: int,
 ) -> None:
-    """Add the wander velocity of wandering, flocking and (reduced) spreading dancers."""
+    """Add the wander velocity of those of the agents begin..end-1 who wander, flock or, reduced, spread."""
     seed, half_width, half_depth = int(numbers[SEED]), numbers[HALF_WIDTH], numbers[HALF_DEPTH]
-    for i in range(position.shape[0]):
+    for i in range(begin, end):
         if sums[i, ADDRESSED_LEVEL] <= 0.0:
             continue
         size, influence = 0.0, 0.0

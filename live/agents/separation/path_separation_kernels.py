@@ -50,14 +50,14 @@ def place_on_path(
 
 @kernel(
     "void(f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], f4[:,:,::1], f4[:,::1], f8[:,::1], f8[:,::1], b1, f8,"
-    " f8[::1], f4[:,::1], f4[:,:,::1])"
+    " f8[::1], f4[:,::1], f4[:,:,::1], i8, i8)"
 )
 def extrapolate_paths(
     path: Float32, share: Float32, goal: Float64, aim_origin: Float64,
     later_path: Float32, later_share: Float32, later_goal: Float64, later_aim_origin: Float64, has_next: bool,
-    window: float, fractions: Float64, now: Float32, out: Float32,
+    window: float, fractions: Float64, now: Float32, out: Float32, begin: int, end: int,
 ) -> None:  # fmt: skip
-    """Write where A dancers at `now` (A, 2) [m] are led by their paths into `out` (K, A, 2) [m].
+    """Write where the dancers begin..end-1 at `now` (A, 2) [m] are led by their paths into `out` (K, A, 2) [m].
 
     The paths, arrays as in `place_on_path`, are those of this measure and, if `has_next`, of the next one, into which
     the last `window` of this one is blended. `fractions` (K + 1,) are positions in this measure, the first one now;
@@ -67,7 +67,7 @@ def extrapolate_paths(
     for m in range(fractions.shape[0]):
         f = fractions[m]
         into = ease((f - (1.0 - window)) / window) if has_next else 0.0
-        for n in range(path.shape[0]):
+        for n in range(begin, end):
             x, z = place_on_path(path, share, goal, aim_origin, n, f * last)
             if into > 0.0:
                 to_x, to_z = place_on_path(later_path, later_share, later_goal, later_aim_origin, n, (f - 1.0) * last)

@@ -16,7 +16,7 @@ NEIGHBOUR_RANGE = 2.5
 
 
 @kernel("i8(f8,f8,f8,f8,f8,i8,i8)")
-def _cell_of(x: float, z: float, half_width: float, half_depth: float, size: float, columns: int, rows: int) -> int:
+def cell_of(x: float, z: float, half_width: float, half_depth: float, size: float, columns: int, rows: int) -> int:
     """Return the index of the cell that contains (x, z); places off the stage belong to the nearest cell."""
     column = min(max(math.floor((x + half_width) / size), 0), columns - 1)
     row = min(max(math.floor((z + half_depth) / size), 0), rows - 1)
@@ -39,11 +39,11 @@ def sort_into_cells(
     for c in range(cells + 1):
         cell_start[c] = 0
     for i in range(position.shape[0]):
-        cell_start[_cell_of(position[i, 0], position[i, 1], half_width, half_depth, size, columns, rows) + 1] += 1
+        cell_start[cell_of(position[i, 0], position[i, 1], half_width, half_depth, size, columns, rows) + 1] += 1
     for c in range(cells):
         cell_start[c + 1] += cell_start[c]
     for i in range(position.shape[0] - 1, -1, -1):
-        c = _cell_of(position[i, 0], position[i, 1], half_width, half_depth, size, columns, rows)
+        c = cell_of(position[i, 0], position[i, 1], half_width, half_depth, size, columns, rows)
         # fill each cell from its end; afterwards the starts are back at their values
         cell_start[c + 1] -= 1
         order[cell_start[c + 1]] = i
@@ -83,7 +83,7 @@ def separate_positions(
     for _ in range(rounds):
         sort_into_cells(position, half_width, half_depth, NEIGHBOUR_RANGE, cell_start, order)
         for i in range(position.shape[0]):
-            home = _cell_of(position[i, 0], position[i, 1], half_width, half_depth, NEIGHBOUR_RANGE, columns, rows)
+            home = cell_of(position[i, 0], position[i, 1], half_width, half_depth, NEIGHBOUR_RANGE, columns, rows)
             for row in range(max(home // columns - 1, 0), min(home // columns + 2, rows)):
                 for column in range(max(home % columns - 1, 0), min(home % columns + 2, columns)):
                     c = row * columns + column

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from live.base.arrays import Float64, Int32
+from live.base.row_ranges import run_rows
 from live.graph.select.candidates import MAX_TURN_RATE, Candidates, find_candidates, widening_candidates, wrap_angle
 from live.graph.select.reachability import ReachTable
 from live.graph.select.selector_kernels import choose_measures
@@ -46,6 +47,8 @@ TEMPO_COST: Final = 12.0
 """Cost of a recorded measure at a tempo outside its limits, and of e times that excess: more than any place, less than
 another step."""
 SWAY_SAMPLES: Final = 17
+FEWEST_DANCERS: Final = 16
+"""So many dancers at least are worth a range of their own."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -76,8 +79,8 @@ class StepSelector:
     """Shape (8,)."""
     unmixed_weights: Float64
     """The same with a prohibitive cost of mixtures."""
-    scratch: Float64
-    """Scratch of the kernel."""
+    most_edges: int
+    """Most edges of a node."""
 
     @staticmethod
     def of(graph: "MotionGraph") -> "StepSelector":
@@ -111,7 +114,7 @@ class StepSelector:
             recorded_seconds=recorded_seconds(graph.library),
             weights=np.array([*COSTS, MIXTURE_COST]),
             unmixed_weights=np.array([*COSTS, PROHIBITIVE_COST]),
-            scratch=np.zeros((int(np.diff(graph.edge_start).max(initial=0)) + 1, 2)),
+            most_edges=int(np.diff(graph.edge_start).max(initial=0)),
         )  # fmt: skip
 
     def set_limits(self, *, seconds: float, turn: float, correction: float) -> None:
@@ -143,13 +146,17 @@ class StepSelector:
         """
         graph = self.graph
         edge, candidate, terms, end = out
-        choose_measures(
-            rows.start, rows.stop, node, placement, target, row, ahead, side, options,
-            graph.edge_start, graph.edge_target, self.edge, self.candidates.first, self.clip, self.turn_offsets,
-            self.max_turns, self.facts, graph.node_reach_margins, graph.library.node_side,
-            self.weights if mixed else self.unmixed_weights, self.scratch,
-            edge, candidate, terms, end,
-        )  # fmt: skip
+        weights = self.weights if mixed else self.unmixed_weights
+
+        def part(begin: int, stop: int) -> None:
+            choose_measures(
+                rows.start + begin, rows.start + stop, node, placement, target, row, ahead, side, options,
+                graph.edge_start, graph.edge_target, self.edge, self.candidates.first, self.clip, self.turn_offsets,
+                self.max_turns, self.facts, graph.node_reach_margins, graph.library.node_side, weights,
+                np.empty((self.most_edges + 1, 2)), edge, candidate, terms, end,
+            )  # fmt: skip
+
+        run_rows(part, rows.stop - rows.start, least=FEWEST_DANCERS)
 
 
 def with_direction(values: Float64) -> Float64:

@@ -52,7 +52,7 @@ def limit_goals(
         goal[n, 0], goal[n, 1] = x + scale * (goal[n, 0] - x), z + scale * (goal[n, 1] - z)
 
 
-@kernel("void(f8[:,::1], f8[:,::1], f8[:,:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[:,:,:,::1], f8)")
+@kernel("void(f8[:,::1], f8[:,::1], f8[:,:,::1], f8[:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[:,:,:,::1], f8, i8, i8)")
 def redirect_dancers(
     correction: Float64,
     aimed: Float64,
@@ -63,14 +63,16 @@ def redirect_dancers(
     warp_curve: Float64,
     foot_curve: Float64,
     least_left: float,
+    begin: int,
+    end: int,
 ) -> None:
-    """Redirect A dancers to `goal` (A, 2) [m] from `phase` (A,) on: `correction` (A, 3), `aimed` (A, 3) and `foot_aim`
-    (A, 2, 6) are updated.
+    """Redirect the dancers begin..end-1 of A to `goal` (A, 2) [m] from `phase` (A,) on: `correction` (A, 3), `aimed`
+    (A, 3) and `foot_aim` (A, 2, 6) are updated.
 
     `node` (A,) selects the row of `warp_curve` (N, KNOTS, 2) and `foot_curve` (N, 2, KNOTS, 5); below 0 the dancer is
     skipped. With no more than `least_left` of a curve left, nothing changes: a foot keeps its goal.
     """
-    for n in range(correction.shape[0]):
+    for n in range(begin, end):
         if node[n] < 0:
             continue
         share = warp_share(warp_curve[node[n]], phase[n])
@@ -179,7 +181,7 @@ def clamp_ends(way: Float64, end: Float64, state: Int8, on: int, room: Float64) 
             way[n, 1] += min(max(z, -room[n, 1]), room[n, 1]) - z
 
 
-@kernel("void(f8[:,:,::1], f4[:,::1], f8[::1], f8[::1], f4[:,::1], f8, f8, f8)")
+@kernel("void(f8[:,:,::1], f4[:,::1], f8[::1], f8[::1], f4[:,::1], f8, f8, f8, i8, i8)")
 def desire_corrections(
     rows: Float64,
     position: Float32,
@@ -189,15 +191,18 @@ def desire_corrections(
     fraction: float,
     dead_zone: float,
     max_lead: float,
+    begin: int,
+    end: int,
 ) -> None:
-    """Set wished corrections: the plan plus, by `obedience` (A,), the deviation of agents at `position` (A, 2) [m].
+    """Set wished corrections of the dancers begin..end-1: the plan plus, by `obedience` (A,), the deviation of agents
+    at `position` (A, 2) [m].
 
     The agents' expected lead over their dancers goes evenly from its value at the measure's beginning to that at its
     end, at `fraction` of it. The measure of a dancer who is `late` (A,) on purpose ends that much later and may not
     have begun. A deviation is measured from even motion through the measure, or for late dancers from where they are
     `shown` (A, 2) [m], with the lead limited to `max_lead` [m]. Deviations below `dead_zone` [m] are ignored.
     """
-    for n in range(position.shape[0]):
+    for n in range(begin, end):
         rows[DESIRED, n, 0], rows[DESIRED, n, 1] = rows[PLAN, n, 0], rows[PLAN, n, 1]
         passed = fraction / (1.0 + late[n])
         plan_x, plan_z = rows[END, n, 0] + rows[PLAN, n, 0], rows[END, n, 1] + rows[PLAN, n, 1]
@@ -327,7 +332,8 @@ def apply_goals(
 
 
 @kernel(
-    "void(f8[:,:,::1], f8[:,::1], f8[:,::1], f8[:,:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[:,:,:,::1], f8, f8, f8)"
+    "void(f8[:,:,::1], f8[:,::1], f8[:,::1], f8[:,:,::1], f8[::1], i4[::1], f8[:,:,::1], f8[:,:,:,::1], f8, f8, f8,"
+    " i8, i8)"
 )
 def follow_goals(
     rows: Float64,
@@ -341,19 +347,24 @@ def follow_goals(
     rate: float,
     dt: float,
     least_left: float,
+    begin: int,
+    end: int,
 ) -> None:
-    """Let aims follow goals at `rate` [1/s] through a tick of `dt` [s], critically damped; corrections follow the aims.
+    """Let aims of the dancers begin..end-1 follow goals at `rate` [1/s] through a tick of `dt` [s], critically damped;
+    corrections follow the aims.
 
     Arrays as in `redirect_dancers`.
     """
     fall, slow = math.exp(-rate * dt), rate * dt
-    for n in range(node.shape[0]):
+    for n in range(begin, end):
         for c in range(2):
             away = rows[AIM, n, c] - rows[GOAL, n, c]
             bend = rows[AIM_SPEED, n, c] + rate * away
             rows[AIM, n, c] = rows[GOAL, n, c] + fall * (away + bend * dt)
             rows[AIM_SPEED, n, c] = fall * (rows[AIM_SPEED, n, c] - slow * bend)
-    redirect_dancers(correction, aimed, foot_aim, rows[AIM], phase, node, warp_curve, foot_curve, least_left)
+    redirect_dancers(
+        correction, aimed, foot_aim, rows[AIM], phase, node, warp_curve, foot_curve, least_left, begin, end
+    )
 
 
 @kernel("void(f4[:,::1], f4[:,::1], f8[:,:,::1], f8[:,::1], f8, f8, f8[::1], f4[:,::1])")

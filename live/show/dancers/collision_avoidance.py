@@ -15,11 +15,13 @@ from live.agents.separation.collision_prediction_kernels import escape_margins, 
 from live.agents.separation.path_separation import PathSeparation
 from live.agents.separation.path_separation_kernels import extrapolate_paths
 from live.base.arrays import Float64, Int32, Int64
+from live.base.row_ranges import run_rows
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
 from live.graph.node_features import MOMENTS_PER_BEAT
 from live.graph.select.candidates import turn_vectors
 from live.motion.pose.inertialization_kernels import MAX_FADE_TIME
+from live.motion.pose.pose_pipeline import RANGE
 from live.show.selection.clip_cut import ClipCutter, Moment
 from live.show.stages.measure_span import MeasureSpan
 
@@ -106,7 +108,7 @@ class CollisionAvoidance:
         free = (self._motion.entrances.state == ON) & (self._motion.partners.partner < 0)
         predict_collisions(
             self._ways, model.radius, model.responsibility * free, self._motion.present,
-            self._ways[0, :, 0].argsort(), self._things,
+            float(self._half_stage[0]), float(self._half_stage[1]), self._things,
             things[:, 2] + np.float32(DANCER_TOLERANCE - OBSTACLE_TOLERANCE), count, DANCER_TOLERANCE, self._met,
         )  # fmt: skip
         self._waiting = []
@@ -223,12 +225,16 @@ class ContactResolver:
         paths, present, then, later = carried.paths, dancers.present, self._next_correction.paths, dancers.coming
         self._fractions[:] = fraction
         self._fractions[1:] += PUSH_AHEAD * rate
-        extrapolate_paths(
-            paths.path, paths.share, present.correction, present.aim_origin,
-            then.path, then.share, later.correction, later.aim_origin,
-            dancers.decided and self._next_correction.traced, dancers.graph.window,
-            self._fractions, dancers.drawn_hips, self._soon,
-        )  # fmt: skip
+        goes_on = dancers.decided and self._next_correction.traced
+
+        def part(begin: int, end: int) -> None:
+            extrapolate_paths(
+                paths.path, paths.share, present.correction, present.aim_origin,
+                then.path, then.share, later.correction, later.aim_origin, goes_on, dancers.graph.window,
+                self._fractions, dancers.drawn_hips, self._soon, begin, end,
+            )  # fmt: skip
+
+        run_rows(part, len(self._speed), least=4 * RANGE)
         moved = self._path_separation.push_apart(
             dancers.drawn_hips, self._soon, margin=PUSH_MARGIN, stiffness=PUSH_STIFFNESS, dt=TICK
         )

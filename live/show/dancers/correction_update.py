@@ -9,8 +9,10 @@ from live.agents.entrances.entrances import ON
 from live.agents.separation.path_separation import Paths, PathSeparation
 from live.base.arrays import Float64, Int64
 from live.base.motion_parameters import OBEDIENCE
+from live.base.row_ranges import run_rows
 from live.clock.ticks import TICK
 from live.motion.pose.footstep_plan import MAX_HELD_SHIFT
+from live.motion.pose.pose_pipeline import RANGE
 from live.motion.pose.root_warp_kernels import (
     DESIRED,
     PLAN,
@@ -135,10 +137,15 @@ class CorrectionUpdate:
         dancers.variation.phases(self._phase, fraction, present.warp)
         if aim:
             self._recompute_goals(fraction)
-        follow_goals(
-            carried.rows, present.correction, present.aim_origin, present.foot_aim, self._phase, present.node,
-            dancers.graph.node_warp_curve, dancers.graph.node_foot_curve, AIM_RATE, TICK, MIN_REMAINING_WARP,
-        )  # fmt: skip
+
+        def part(begin: int, end: int) -> None:
+            follow_goals(
+                carried.rows, present.correction, present.aim_origin, present.foot_aim, self._phase, present.node,
+                dancers.graph.node_warp_curve, dancers.graph.node_foot_curve, AIM_RATE, TICK, MIN_REMAINING_WARP,
+                begin, end,
+            )  # fmt: skip
+
+        run_rows(part, len(self._phase), least=4 * RANGE)
 
     def _recompute_goals(self, fraction: float) -> None:
         """Recompute the corrections' goals from the decided ones, the agents' deviations and path separation."""
@@ -147,7 +154,14 @@ class CorrectionUpdate:
         if variation.any(OBEDIENCE):
             position, state = carried.motion.state.position, carried.motion.entrances.state
             obedience, late, share = variation[OBEDIENCE], variation.delays, min(fraction, 1.0)
-            desire_corrections(rows, position, obedience, late, dancers.drawn_hips, share, DEAD_ZONE, LEASH)
+            shown = dancers.drawn_hips
+
+            def part(begin: int, end: int) -> None:
+                desire_corrections(
+                    rows, position, obedience, late, shown, share, DEAD_ZONE, LEASH, begin, end
+                )  # fmt: skip
+
+            run_rows(part, len(position), least=8 * RANGE)
             limit_desired(
                 rows, present.placement, present.correction, present.node, graph.node_reach_margins,
                 graph.node_lift_shares, dancers.lock.state,

@@ -86,7 +86,8 @@ def test_mirrored_crowd_spreads_mirrored():
         mesh, start = np.zeros((3, nodes), np.float32), np.zeros(nodes, np.int32)
         wish, order = np.zeros((20, 2)), np.zeros(20, np.int32)
         position = np.ascontiguousarray(places * np.array([sign, 1.0], np.float32))
-        kernels.spread(position, np.arange(20, dtype=np.int32), 20, area, mesh, start, order, wish)
+        kernels.fill_spread_field(position, np.arange(20, dtype=np.int32), 20, area, mesh, start, order)
+        kernels.spread(20, area, mesh, start, order, wish, 0, 20)
         wishes.append(wish)
     assert wishes[1] == pytest.approx(wishes[0] * [-1.0, 1.0], abs=1e-3)
 

@@ -163,7 +163,7 @@ def extrapolate_random_paths(fractions, *, goes_on, count=6):
     out = np.zeros((len(fractions) - 1, count, 2), np.float32)
     extrapolate_paths(
         paths[0].path, paths[0].share, goals[0], aimed, paths[1].path, paths[1].share, goals[1], aimed,
-        goes_on, WINDOW, np.array(fractions), now, out,
+        goes_on, WINDOW, np.array(fractions), now, out, 0, count,
     )  # fmt: skip
     own, later = np.zeros((2, len(fractions), count, 2), np.float32)
     for k, fraction in enumerate(fractions):

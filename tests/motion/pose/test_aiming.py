@@ -30,7 +30,7 @@ def test_shift_is_continuous_and_ends_at_last_goal(goals):
     for place, goal in zip(np.linspace(0.05, 0.9, len(goals)), goals, strict=True):
         before = shift_at(correction, aimed, place)
         taken = 1.0 - warp_share(RISE[0], place) > LEAST
-        redirect_dancers(correction, aimed, feet, np.array([goal]), np.array([place]), NODE, RISE, FEET, LEAST)
+        redirect_dancers(correction, aimed, feet, np.array([goal]), np.array([place]), NODE, RISE, FEET, LEAST, 0, 1)
         assert shift_at(correction, aimed, place) == pytest.approx(before, abs=1e-12)
         if taken:
             assert correction[0, :2] == pytest.approx(goal)
@@ -48,7 +48,7 @@ def test_smoothly_moving_goal_gives_smooth_shift():
         for place in places:
             goal = 0.2 - (0.1 * np.sin(np.pi * min(place, 0.5)) if moving else 0.0)
             redirect_dancers(
-                correction, aimed, feet, np.array([[goal, 0.0]]), np.array([place]), NODE, RISE, FEET, LEAST
+                correction, aimed, feet, np.array([[goal, 0.0]]), np.array([place]), NODE, RISE, FEET, LEAST, 0, 1
             )
             way.append(shift_at(correction, aimed, place)[0])
         ways[moving] = np.abs(np.diff(way, n=2)).max()
@@ -100,7 +100,7 @@ def test_feet_are_led_on_continuously_and_landed_feet_stay(goals):
         before = shifts(place)
         landed = [warp_share(np.ascontiguousarray(FEET[0, foot, :, :2]), place) >= 1.0 for foot in range(2)]
         ends = shifts(1.0)
-        redirect_dancers(correction, aimed, feet, np.array([goal]), np.array([place]), NODE, RISE, FEET, LEAST)
+        redirect_dancers(correction, aimed, feet, np.array([goal]), np.array([place]), NODE, RISE, FEET, LEAST, 0, 1)
         np.testing.assert_allclose(shifts(place), before, atol=1e-12)
         for foot in range(2):
             if landed[foot]:

@@ -32,7 +32,7 @@ def test_correction_follows_deviation_by_obedience():
     chance, rows = random_rows()
     position, shown = chance.normal(0.0, 1.0, (2, COUNT, 2)).astype(np.float32)
     obedience, late = chance.uniform(0.0, 1.0, COUNT), np.where(np.arange(COUNT) % 5 == 0, 0.4, 0.0)
-    desire_corrections(rows, position, obedience, late, shown, 0.3, 0.08, 0.6)
+    desire_corrections(rows, position, obedience, late, shown, 0.3, 0.08, 0.6, 0, COUNT)
     plan, passed = rows[END] + rows[PLAN], (0.3 / (1.0 + late))[:, None]
     bound = np.where(late[:, None] > 0.0, shown, rows[BEGIN] + passed * (plan - rows[BEGIN]))
     # from where agents were to where they were foreseen, unless their leash is shorter
@@ -55,7 +55,9 @@ def test_predicted_agent_motion_causes_no_correction():
         passed = (fraction / (1.0 + late))[:, None]
         position = rows[BEGIN] + rows[AGENT_LEAD] + passed * (rows[AGENT_AT_DECISION] - rows[BEGIN] - rows[AGENT_LEAD])
         shown = (position - 0.4 * rows[AGENT_LEAD]).astype(np.float32)  # anywhere within the leash
-        desire_corrections(rows, position.astype(np.float32), np.ones(COUNT), late, shown, fraction, 0.08, 0.6)
+        desire_corrections(
+            rows, position.astype(np.float32), np.ones(COUNT), late, shown, fraction, 0.08, 0.6, 0, COUNT
+        )
         np.testing.assert_array_equal(rows[DESIRED], rows[PLAN])
 
 
@@ -80,7 +82,7 @@ def test_corrections_reach_goals_without_overshoot():
     way = []
     for _ in range(64):
         node = np.zeros(COUNT, np.int32)
-        follow_goals(rows, correction, aimed, foot_aim, phase, node, rise, feet, 14.0, 1.0 / 64.0, 0.15)
+        follow_goals(rows, correction, aimed, foot_aim, phase, node, rise, feet, 14.0, 1.0 / 64.0, 0.15, 0, COUNT)
         way.append(correction[:, 0].copy())
     way = np.array(way)
     assert (np.diff(way, axis=0) > 0.0).all()
