@@ -31,6 +31,7 @@ CROSSING_SEPARATION: Final = 0.7
 MAX_DISTANCE: Final = 1000.0
 """Largest distance of an element from the middle of the stage [m]."""
 Points = tuple[tuple[float, float], ...]
+_NAMES: Final = {kind: word for word, kind in reversed(KIND_NAMES.items())}
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,16 +75,17 @@ class Element:
 
     def __post_init__(self) -> None:
         """Validate all fields; raises PersonError."""
-        name = next((word for word, kind in KIND_NAMES.items() if kind == self.kind), None)
+        name = _NAMES.get(self.kind)
         if name is None:
             raise PersonError(f"no kind of element has the number {self.kind}", "use the names of KIND_NAMES")
-        numbers = [self.strength, self.start_beat, self.radius, self.alignment, self.cohesion, self.decay or 1.0]
-        numbers += [self.separation or 0.0, *(value for point in self.points for value in point)]
+        places = tuple(itertools.chain.from_iterable(self.points))
+        numbers = self.strength, self.start_beat, self.radius, self.alignment, self.cohesion, *places
+        numbers += self.decay or 1.0, self.separation or 0.0
         if not all(map(math.isfinite, numbers)) or math.isnan(self.end_beat):
             raise PersonError(f"{name}: every place, strength and beat must be a finite number")
         if not 1 <= len(self.points) <= MAX_POINTS:
             raise PersonError(f"{name}: {len(self.points)} points", f"give 1 to {MAX_POINTS}")
-        if max(abs(value) for point in self.points for value in point) > MAX_DISTANCE:
+        if max(places) > MAX_DISTANCE or min(places) < -MAX_DISTANCE:
             raise PersonError(
                 f"{name}: a place more than {MAX_DISTANCE:.0f} m away", "places are metres from the middle"
             )
@@ -131,34 +133,34 @@ class Element:
         """Decay length [m] of the fall-off."""
         return self.decay if self.decay is not None else DECAYS[self.kind]
 
-    def table_row(self, separation: float, corners: int, outline: int) -> dict[int, float]:
-        """Return the numbers of the element by column of the element table.
+    def table_row(self, separation: float, corners: int, outline: int) -> tuple[float, ...]:
+        """Return the numbers of the element in the first columns of the element table, in their order.
 
         `separation` [m]: the field's default; `corners`, `outline`: numbers of vertices in the table, for dancers and
         in the picture.
         """
         usual = CROSSING_SEPARATION if self.kind == CROSSING else separation
         flock = self.kind == FLOCK
-        return {
-            column.START: self.start_beat,
-            column.END: self.end_beat,
-            column.KIND: self.table_kind,
-            column.STRENGTH: self.strength,
-            column.CORNERS: corners,
-            column.OUTLINE: outline,
-            column.CLOSED: self.closed and corners > 2,
-            column.RADIUS: self.radius,
-            column.DECAY: self.decay_length,
-            column.SEPARATION: usual if self.separation is None else self.separation,
-            column.ALIGNMENT: self.alignment if flock else 0.0,
-            column.COHESION: self.cohesion if flock else 0.0,
-            column.FLOW_KIND: self.flow_kind,
-            column.TARGET: self.target,
-            column.TARGET_GROUP: self.target_group,
-            column.WEDGE: self.wedge,
-            column.X: self.x,
-            column.Z: self.z,
-        }
+        return (
+            self.start_beat,
+            self.end_beat,
+            self.table_kind,
+            self.strength,
+            corners,
+            outline,
+            self.closed and corners > 2,
+            self.radius,
+            self.decay_length,
+            usual if self.separation is None else self.separation,
+            self.alignment if flock else 0.0,
+            self.cohesion if flock else 0.0,
+            self.flow_kind,
+            self.target,
+            self.target_group,
+            self.wedge,
+            self.x,
+            self.z,
+        )
 
     def level(self, beat: float) -> float:
         """Return the fade level, 0 to 1, at `beat`."""

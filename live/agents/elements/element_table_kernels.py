@@ -17,11 +17,12 @@ Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 UInt64 = npt.NDArray[np.uint64]
 
-# columns of the table (E, COLUMNS), float64
-START, END, LEVEL, KIND, STRENGTH = 0, 1, 2, 3, 4
-CORNERS, CLOSED, RADIUS, DECAY, SEPARATION = 5, 6, 7, 8, 9
-ALIGNMENT, COHESION, FLOW_KIND, SLOT, TARGET = 10, 11, 12, 13, 14
-TARGET_GROUP, WEDGE, SERIAL, X, Z, OUTLINE = 15, 16, 17, 18, 19, 20
+# columns of the table (E, COLUMNS), float64: first what an element tells, as in `Element.table_row`
+START, END, KIND, STRENGTH, CORNERS, OUTLINE = 0, 1, 2, 3, 4, 5
+CLOSED, RADIUS, DECAY, SEPARATION, ALIGNMENT, COHESION = 6, 7, 8, 9, 10, 11
+FLOW_KIND, TARGET, TARGET_GROUP, WEDGE, X, Z = 12, 13, 14, 15, 16, 17
+ELEMENT_COLUMNS = 18
+LEVEL, SLOT, SERIAL = 18, 19, 20
 COLUMNS = 21
 
 # columns of the sums that the passes over the agents share (A, SUM_COLUMNS), float64

@@ -36,6 +36,10 @@ REGION_INSET = 0.35
 # columns of the nearest source of an agent (A, 4)
 NEAR_DISTANCE, NEAR_ROW, NEAR_X, NEAR_Z = 0, 1, 2, 3
 NEAR_COLUMNS = 4
+FADING = 4
+"""Most sources that act while the nearest one fades."""
+SQUARE_ROUNDING = 1.0 + 1e-9
+"""Squares of distances differ by less than this factor from the distances that are compared."""
 
 
 @kernel("b1(f4[:,:,::1],i8,i8,f8,f8)")
@@ -111,7 +115,7 @@ def repulsion(d: float, to_x: float, to_z: float, strength: float, decay: float)
 
 
 @inline_kernel
-def next_source(
+def find_nearest(
     table: Float64,
     masks: UInt64,
     vertices: Float32,
@@ -120,25 +124,38 @@ def next_source(
     x: float,
     z: float,
     groups: np.uint64,
-    after: float,
-    after_row: int,
-) -> tuple[float, int, float, float]:
-    """Return the nearest source of a kind beyond distance `after`: distance, row (-1: none) and unit vector to it."""
-    best, best_row, to_x, to_z = 1e30, -1, 0.0, 0.0
+    found: Float64,
+) -> int:
+    """Write the sources of a kind that are nearest to (x, z) into `found` (FADING, 4), in order: distance, row and unit
+    vector to it; of equal ones the lower row comes first. Return how many there are."""
+    count, largest = 0, 1e60
     for k in range(ACTIVE_START + active[kind], ACTIVE_START + active[kind + 1]):
         row = int(active[k])
         if not addresses(masks[row], groups):
             continue
         if table[row, CORNERS] == 1.0 and table[row, RADIUS] == 0.0:
             ux, uz = table[row, X] - x, table[row, Z] - z
-            d = math.sqrt(ux * ux + uz * uz)
+            square = ux * ux + uz * uz
+            if square > largest:  # most rows: no root, no division
+                continue
+            d = math.sqrt(square)
             scale = 1.0 / d if d > 1e-6 else 0.0
             ux, uz = ux * scale, uz * scale
         else:
             d, ux, uz = signed_distance(table, vertices, row, x, z)
-        if d < best and (d > after or (d == after and row > after_row)):
-            best, best_row, to_x, to_z = d, row, ux, uz
-    return best, best_row, to_x, to_z
+        if count == FADING and d >= found[FADING - 1, NEAR_DISTANCE]:
+            continue
+        count = min(count + 1, FADING)
+        place = count - 1
+        while place > 0 and d < found[place - 1, NEAR_DISTANCE]:
+            for c in range(NEAR_COLUMNS):
+                found[place, c] = found[place - 1, c]
+            place -= 1
+        found[place, NEAR_DISTANCE], found[place, NEAR_ROW] = d, row
+        found[place, NEAR_X], found[place, NEAR_Z] = ux, uz
+        if count == FADING and found[FADING - 1, NEAR_DISTANCE] > 0.0:
+            largest = found[FADING - 1, NEAR_DISTANCE] ** 2 * SQUARE_ROUNDING
+    return count
 
 
 @inline_kernel
@@ -157,7 +174,7 @@ def source_velocity(
     return fx, fz, asked
 
 
-@kernel("UniTuple(f8,3)(f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],i8,b1,f8,f8,u8,i8,i8)")
+@kernel("UniTuple(f8,3)(f8[:,::1],u8[::1],f4[:,:,::1],i4[::1],i8,b1,f8,f8,u8,i8,i8,f8[:,::1])")
 def fading_sources(
     table: Float64,
     masks: UInt64,
@@ -170,24 +187,23 @@ def fading_sources(
     groups: np.uint64,
     seed: int,
     agent: int,
+    found: Float64,
 ) -> tuple[float, float, float]:
     """Return velocity and influence while the nearest source fades: the rest of its share goes to the next nearest.
 
-    This avoids jumps; at most four sources are used.
+    This avoids jumps; at most FADING sources are used. `found` (FADING, 4) is scratch.
     """
     wish_x, wish_z, influence, left = 0.0, 0.0, 0.0, 1.0
-    last, last_row = -1e30, -1
-    for _ in range(4):
-        d, row, to_x, to_z = next_source(table, masks, vertices, active, kind, x, z, groups, last, last_row)
-        if row < 0 or left < 1e-3:
+    for n in range(find_nearest(table, masks, vertices, active, kind, x, z, groups, found)):
+        if left < 1e-3:
             break
+        d, row, to_x, to_z = found[n, NEAR_DISTANCE], int(found[n, NEAR_ROW]), found[n, NEAR_X], found[n, NEAR_Z]
         share = left * table[row, LEVEL]
         fx, fz, asked = source_velocity(table, row, repels, d, to_x, to_z, seed, agent)
         wish_x += share * fx
         wish_z += share * fz
         influence = max(influence, table[row, LEVEL] * asked)
         left -= share
-        last, last_row = d, row
     return wish_x, wish_z, influence
 
 
@@ -215,7 +231,10 @@ def update_nearest(
             d, ux, uz = signed_distance(table, vertices, row, float(position[i, 0]), float(position[i, 1]))
         else:
             ux, uz = x - position[i, 0], z - position[i, 1]
-            d = math.sqrt(ux * ux + uz * uz)
+            square, nearest = ux * ux + uz * uz, near[i, NEAR_DISTANCE]
+            if square > nearest * nearest * SQUARE_ROUNDING:
+                continue
+            d = math.sqrt(square)
         if d < near[i, NEAR_DISTANCE]:
             scale = 1.0
             if point:
@@ -243,6 +262,7 @@ def nearest_sources(
     """Add the velocity of the agents begin..end-1 from the nearest source of a kind only (T106); near (A, 4) is
     scratch."""
     seed, switched = int(numbers[SEED]), numbers[SWITCHED] > 0.0
+    found = np.empty((FADING, NEAR_COLUMNS))
     for i in range(begin, end):
         near[i, NEAR_DISTANCE], near[i, NEAR_ROW] = 1e30, -1.0
     for k in range(ACTIVE_START + active[kind], ACTIVE_START + active[kind + 1]):
@@ -253,7 +273,9 @@ def nearest_sources(
             continue
         if table[row, LEVEL] < 1.0:
             x, z = float(position[i, 0]), float(position[i, 1])
-            fx, fz, asked = fading_sources(table, masks, vertices, active, kind, repels, x, z, groups[i], seed, i)
+            fx, fz, asked = fading_sources(
+                table, masks, vertices, active, kind, repels, x, z, groups[i], seed, i, found
+            )
         else:
             d, to_x, to_z = near[i, NEAR_DISTANCE], near[i, NEAR_X], near[i, NEAR_Z]
             fx, fz, asked = source_velocity(table, row, repels, d, to_x, to_z, seed, i)

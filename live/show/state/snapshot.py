@@ -35,7 +35,7 @@ from live.show.state.type_check import check_state
 
 Array = npt.NDArray[Any]
 
-FORMAT: Final = 6
+FORMAT: Final = 7
 """Format 1 was a pickle; formats 2 to 5 had other fields. These are refused."""
 CONSTANT_PATHS: Final = {
     "graph": "graph",
