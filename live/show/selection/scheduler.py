@@ -1,6 +1,7 @@
 """Scheduler of step selection: plans the next measure of all dancers and decides it a beat before the line (T038).
 
-From LOOK_BEATS before the line on, the next measure is planned over several ticks, to be done a beat before the line.
+From LOOK_BEATS before the line on, the next measure is planned over several ticks, to be done a beat before the line;
+thousands of dancers are planned from up to a beat earlier on.
 Then the chosen clips are placed where the present measures will actually end. Nothing is searched at the line itself.
 The remaining position error of a step is spread over the measure (position targets, T068).
 """
@@ -36,7 +37,11 @@ if TYPE_CHECKING:
 
 
 LOOK_BEATS: Final = 1.75
-"""Beats before the measure line at which the look-ahead begins."""
+"""Beats before the measure line at which the look-ahead begins, ..."""
+MORE_LOOK_BEATS: Final = 1.0
+"""... and so many more for CROWD dancers and more: their planning would fill the frames, ..."""
+FEW, CROWD = 1000, 5000
+"""... but none for FEW dancers, who answer to newer events."""
 DECIDE_BEATS: Final = 1.0
 """Beats before it at which the next steps are decided: never later than the blend begins."""
 SUBGROUPS: Final = -1
@@ -71,6 +76,7 @@ class Scheduler:
         self.speed: Float32 = self.targets.speed
         """Top speed of each agent [m/s], shape (A,)."""
         count = len(group)
+        self._look_beats = LOOK_BEATS + MORE_LOOK_BEATS * min(max((count - FEW) / (CROWD - FEW), 0.0), 1.0)
         self.choices = StepChoices(count)
         self._planning = MeasurePlan(patch, dancers, motion, self.targets, self.choices, group)
         self.set_graph(dancers.graph, choosing or StepSelector.of(dancers.graph))
@@ -139,7 +145,7 @@ class Scheduler:
             self.decide(span, timeline, time)
             return
         if self.at_rest:
-            if left > max(LOOK_BEATS, DECIDE_BEATS + 2.0 * TICK) or self._planning.begun:
+            if left > max(self._look_beats, DECIDE_BEATS + 2.0 * TICK) or self._planning.begun:
                 return
             self._planning.begin(span, timeline, time)
             return

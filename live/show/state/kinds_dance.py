@@ -188,7 +188,7 @@ KINDS: Final = [
         _patch:constant-patch _dancers:dancers _motion:group-motion _group:i4(group)
         programmes:list[echo|group-programme] subgroups:subgroups root_correction:carrying targets:aims order:list[int]
         speed:f4 choices:choices _planning:planning choosing:constant-choosing step_costs:constant-foresight
-        last_target:f8|none last_wish:f8|none last_heading:f8 detours:int dead_ends:int
+        last_target:f8|none last_wish:f8|none last_heading:f8 detours:int dead_ends:int _look_beats:float
     """),
     Kind("searching", StepSearch, """
         _patch:constant-patch _dancers:dancers _motion:group-motion _targets:aims _choices:choices
