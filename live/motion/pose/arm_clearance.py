@@ -1,13 +1,15 @@
 """Arm clearance: nobody's arms pass through the own trunk, or through another's arms and trunk; applied to poses."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Final
 
 import numpy as np
 
 from live.base.arrays import Bool, Float32, Float64
-from live.base.row_ranges import run_rows
+from live.base.row_ranges import Part, run_rows
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics, local_rotations
@@ -32,6 +34,8 @@ MOST_LEAD: Final = np.float32(0.3)
 """... by at most this [m] along each axis."""
 MAX_EASING_GAP: Final = 0.25
 """After a longer gap between two frames [s] arms are at once where they should be."""
+MAX_RANGES: Final = 32
+"""With more separate ranges of dancers, those between them are done, too: each costs some microseconds."""
 NO_FILTERS: Final = np.zeros((0, 0, 0, 2, 3), np.float32)
 NOTHING_KEPT: Final = np.zeros(2, np.float32)
 NO_PUSHES: Final = np.zeros((0, 0, 2, 3), np.float32)
@@ -50,8 +54,11 @@ class ArmEasing:
         """Arms whose filters may be other than 0, (A, 2)."""
         self._time = -math.inf
 
-    def advance(self, position: Float32, time: float) -> tuple[Float32, Float32, Float32]:
-        """Return where joints go from `position` (A, J, 3) [m], the filters, and how much of them stays (2,), 0 to 1.
+    def advance(
+        self, position: Float32, time: float, ranges: Sequence[tuple[int, int]]
+    ) -> tuple[Float32, Float32, Float32]:
+        """Return where the joints of the dancers in `ranges` go from `position` (A, J, 3) [m], the filters, and how
+        much of them stays (2,), 0 to 1.
 
         Everything of them stays at a frame at a `time` [s] that is not later than the last one.
         """
@@ -72,7 +79,7 @@ class ArmEasing:
                 begin, end,
             )  # fmt: skip
 
-        run_rows(part, len(position), least=8 * RANGE)
+        _run(part, ranges, least=8 * RANGE)
         for k, constant in enumerate((EASING_S, PUSH_EASING_S)):
             self._kept[k] = 0.0 if passed > MAX_EASING_GAP else math.exp(-max(passed, 0.0) / constant)
         return self._ahead, self._filters, self._kept
@@ -80,24 +87,31 @@ class ArmEasing:
 
 def apply_arm_clearance(
     position: Float32, rotation: Float32, share: Float64, *, held: HeldArms | None = None, visible: Bool | None = None,
-    easing: ArmEasing | None = None, time: float = 0.0,
+    detail: Float64 | None = None, easing: ArmEasing | None = None, time: float = 0.0,
 ) -> None:  # fmt: skip
     """Move arms in poses (A, J, 3) [m] and (A, J, 4), in place, by the share `share` (A,) of what is needed.
 
     Arms in a hold are not moved, and the arms of a couple may touch; without `held` nobody holds hands. Dancers who are
-    not `visible` (A,) are in nobody's way; without it all are visible. Without `easing` there is no state: the same
+    not `visible` (A,) are in nobody's way; without it all are visible. With `detail` (A,), 0 to 1, the arms of dancers
+    who are small in the picture move less, and those at 0 cost nothing. Without `easing` there is no state: the same
     poses give the same; with it arms that others come near to at `time` [s] give way softly.
     """
     held = NOBODY_HELD if held is None else held
     visible = np.ones(len(position), np.bool_) if visible is None else visible
-    ahead, filters, kept = (position, NO_FILTERS, NOTHING_KEPT) if easing is None else easing.advance(position, time)
     count = len(position)
+    ranges = [(0, count)]
+    if detail is not None and detail.min(initial=1.0) < 1.0:
+        share, visible = share * detail, visible & (detail > 0.0)
+        ranges = _block_ranges(detail > 0.0)
+    ahead, filters, kept = position, NO_FILTERS, NOTHING_KEPT
+    if easing is not None:
+        ahead, filters, kept = easing.advance(position, time, ranges)
     both = np.repeat(share, 2).reshape(count, 2)
     amount: Float32 = (both * (np.float32(1.0) - held.share) if len(held.share) else both).astype(np.float32)
     if not (amount > 0.0).any():
         return
     box, drawn = np.empty((4, count), np.float32), np.empty((2 * count, 2, 3), np.float32)
-    near, moves = np.empty((2, count, 2), np.bool_)
+    near, moves = np.zeros((2, count, 2), np.bool_)
     active = np.ones((count, 2), np.bool_) if easing is None else easing.active
 
     def find(begin: int, end: int) -> None:
@@ -106,13 +120,13 @@ def apply_arm_clearance(
     def ease(begin: int, end: int) -> None:
         ease_arms(drawn, filters, kept, held.share, near, active, moves, begin, end)
 
-    run_rows(find, count, least=2 * RANGE, block=BLOCK)
+    _run(find, ranges, least=2 * RANGE, block=BLOCK)
     pairs = find_pairs(box, visible)
     each_arm: Float32 = amount.reshape(-1)
     draw_back_arms(
         ahead, rotation, drawn, pairs, each_arm, held.share, held.partner, held.together, TRUNK_JOINTS, ARM_CHAINS
     )
-    run_rows(ease, count, least=8 * RANGE)
+    _run(ease, ranges, least=8 * RANGE)
     which, pushes = np.flatnonzero(moves).astype(np.int32), filters[1] if len(filters) else NO_PUSHES
 
     def move(begin: int, end: int) -> None:
@@ -130,6 +144,29 @@ def apply_arm_clearance(
         )
 
     run_rows(move, len(which), least=RANGE, block=BLOCK)
+
+
+def _block_ranges(rows: Bool) -> list[tuple[int, int]]:
+    """Return ranges of whole blocks in which the marked `rows` (A,) lie; one for all if there were many."""
+    count = len(rows)
+    blocks = np.add.reduceat(rows, np.arange(0, count, BLOCK)) > 0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], blocks, [False]]).astype(np.int8)))
+    if len(edges) > 2 * MAX_RANGES:
+        return [(0, count)]
+    return [(BLOCK * begin, min(BLOCK * end, count)) for begin, end in edges.reshape(-1, 2).tolist()]
+
+
+def _run(part: Part, ranges: Sequence[tuple[int, int]], *, least: int, block: int = 1) -> None:
+    """Call `part` for the rows of all ranges, as `run_rows` does."""
+    for begin, end in ranges:
+        if begin:
+            run_rows(partial(_shifted, part, begin), end - begin, least=least, block=block)
+        else:
+            run_rows(part, end, least=least, block=block)
+
+
+def _shifted(part: Part, first: int, begin: int, end: int) -> None:
+    part(first + begin, first + end)
 
 
 def clear_own_trunk(clip: Clip) -> Clip:

@@ -142,13 +142,14 @@ class Dancers(CurrentMeasures):
         out: tuple[Float32, Float32] | None = None,
         *,
         visible: Bool | None = None,
+        detail: Float64 | None = None,
         easing: ArmEasing | None = None,
     ) -> tuple[Float32, Float32]:
         """Return world positions (A, J, 3) and rotations (A, J, 4) at `fraction` of the measure.
 
         `time` [s] is at most a tick after the last one. Fills and returns `out` if given, else the dancers' own arrays.
-        Arms keep off dancers who are `visible` (A,), all without it, and do so softly with the `easing` of the frames
-        before.
+        Arms keep off dancers who are `visible` (A,), all without it, less where `detail` (A,) is below 1, and softly
+        with the `easing` of the frames before.
         """
         self._request_samples(fraction)
         self.inertia.update_age(time)
@@ -183,8 +184,9 @@ class Dancers(CurrentMeasures):
             self.partner_response.join_hands(position, rotation, max(time - self._locked_at, 0.0))
         held = self.held_arms(time)
         apply_arm_clearance(
-            position, rotation, variation[ARM_CLEARANCE], held=held, visible=visible, easing=easing, time=time
-        )
+            position, rotation, variation[ARM_CLEARANCE], held=held, visible=visible, detail=detail, easing=easing,
+            time=time,
+        )  # fmt: skip
         return position, rotation
 
     def _write_feet(self, age: float) -> None:

@@ -1,10 +1,13 @@
 """View builder: fills the drawing snapshot of a show, and hashes its visible state."""
 
+import math
 from dataclasses import fields
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from live.base import picture_parameters
+from live.base.arrays import Float32, Float64
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.control.events.events import FreezePicture
@@ -25,6 +28,11 @@ if TYPE_CHECKING:
 
 MAX_EXTRAPOLATION: Final = 2.0 * TICK
 """Maximum extrapolation beyond a measure line [s]; a frame is at most one tick after the last tick."""
+BODY_HEIGHT: Final = 1.7
+"""Height of a dancer [m] when detail is chosen."""
+FULL_DETAIL, NO_DETAIL = 0.06, 0.045
+"""Heights of a dancer, as shares of the picture's, from which on arms keep off others fully, and below which they do
+not: there an arm in another's body is three pixels of 1080."""
 LIVE_FIELDS: Final = ("brightness", "flash_limit_lifted", "overlay", "guide", "guide_count")
 """Fields of a view that still change while the picture is frozen."""
 
@@ -79,11 +87,18 @@ class ViewBuilder:
         # a frame beyond the measure line extrapolates, because only the next tick crosses the line; the limit matters
         # after a stall, when several lines are overdue and no pose exists that far ahead
         on = min(max(beat - span.end, 0.0), MAX_EXTRAPOLATION * timeline.tempo / 60.0) / timeline.beats_per_measure
+        if view.picture is not None:
+            view.picture[:] = self._desk.parameters.picture
+            after = min(max(time - now.time, 0.0), 2.0 * TICK)
+            self._desk.spots.place(view, after)
+            self._desk.camera_rig.place(view.picture, after, after * timeline.tempo / 60.0)
+        hips = self._dancers.drawn_hips
         self._dancers.pose(
             fraction + on,
             time,
             out=(view.joint_position, view.joint_rotation),
             visible=self._motion.present,
+            detail=None if view.picture is None else motion_detail(view.picture, hips),
             easing=self._easing,
         )
         self._motion.show(view)
@@ -95,11 +110,6 @@ class ViewBuilder:
         view.energy = self._desk.energy
         counted = self._desk.cues.count_in(span.danced_beats(beat, self._desk.beats))
         view.count_in = 0.0 if counted is None else max(counted[0], 0.0)
-        if view.picture is not None:
-            view.picture[:] = self._desk.parameters.picture
-            after = min(max(time - now.time, 0.0), 2.0 * TICK)
-            self._desk.spots.place(view, after)
-            self._desk.camera_rig.place(view.picture, after, after * timeline.tempo / 60.0)
 
     def handle(self, event: FreezePicture, now: Now) -> None:
         """Store the picture when it is frozen, for views of a restored show; drop it when it is released.
@@ -128,6 +138,22 @@ class ViewBuilder:
             *self._desk.hashed(),
             *(part for captured in dancers.captured.values() for part in captured.hashed()),
         )  # fmt: skip
+
+
+def motion_detail(picture: Float64, hips: Float32) -> Float64 | None:
+    """Return how much detail of motion dancers at `hips` (A, 2) [m] need in a picture with these parameters, 0 to 1.
+
+    None: all of it for everybody, also in a plan, whose camera has no distance.
+    """
+    if picture[picture_parameters.PLAN] > 0.0:
+        return None
+    x, y, z = picture[picture_parameters.EYE]
+    half = math.tan(math.radians(0.5 * float(picture[picture_parameters.FIELD_OF_VIEW])))
+    square = (hips[:, 0] - x) ** 2 + (hips[:, 1] - z) ** 2 + (y - 0.5 * BODY_HEIGHT) ** 2
+    if float(square.max(initial=0.0)) <= (BODY_HEIGHT / (2.0 * half * FULL_DETAIL)) ** 2:
+        return None
+    height = BODY_HEIGHT / (2.0 * half * np.sqrt(square))
+    return np.asarray(np.clip((height - NO_DETAIL) / (FULL_DETAIL - NO_DETAIL), 0.0, 1.0), np.float64)
 
 
 def _copy_view(still: StageView, view: StageView) -> None:

@@ -368,3 +368,35 @@ def test_recorded_salsa_keeps_out_of_the_own_trunk():
     )
     assert before > 0.01
     assert after < 0.001
+
+
+def test_dancers_without_detail_keep_every_bit_and_others_move_as_if_alone():
+    """Rows of dancers far from the camera, between and beside those who are near; the near ones do not meet them."""
+    count, near = 300, np.zeros(300, np.bool_)
+    near[40:90], near[200:215], near[255] = True, True, True
+    place = np.random.default_rng(5).uniform(-4.0, 4.0, (count, 2))
+    place[~near, 1] -= 50.0
+    poses = posed(random_local(count, seed=5), place)
+    found = cleared(poses, detail=near.astype(np.float64))
+    whole = cleared(poses)
+    for with_detail, everybody, before in zip(found, whole, poses, strict=True):
+        np.testing.assert_array_equal(with_detail[near], everybody[near])
+        np.testing.assert_array_equal(with_detail[~near], before[~near])
+    assert np.abs(found[0][near] - poses[0][near]).max() > 0.05
+
+
+@pytest.mark.parametrize("scattered", [False, True])
+def test_arms_move_less_with_less_detail_and_ease_over_frames(scattered):
+    poses = posed(random_local(200, seed=6), np.random.default_rng(6).uniform(-9.0, 9.0, (200, 2)))
+    parts, moved = np.linspace(0.0, 1.0, 6), []
+    others = np.arange(200) % 2 == 1 if scattered else np.arange(200) >= 100
+    for part in parts:
+        easing, detail = ArmEasing(), np.where(others, 1.0, part)
+        for frame in range(30):
+            position, _ = cleared(poses, detail=detail, easing=easing, time=frame / 60)
+        moved.append(np.linalg.norm(position - poses[0], axis=-1)[~others].max(axis=1))
+    moved = np.array(moved)
+    assert (moved[0] == 0.0).all()
+    assert moved[-1].max() > 0.05
+    assert (np.diff(moved.mean(axis=1)) > 0.0).all()
+    assert np.abs(np.diff(moved, axis=0)).max() < 0.75 * moved[-1].max()  # no dancer's arms snap at some detail

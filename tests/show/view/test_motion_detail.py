@@ -1,0 +1,41 @@
+"""Level of detail of motion: by height in the picture only, nobody near the camera loses anything."""
+
+import numpy as np
+
+from live.base import picture_parameters
+from live.base.picture_parameters import EYE, FIELD_OF_VIEW, PLAN
+from live.show.view.view_builder import BODY_HEIGHT, FULL_DETAIL, NO_DETAIL, motion_detail
+
+
+def picture(eye=(0.0, 1.6, 10.0), field=40.0, plan=0.0):
+    """Picture parameters of a camera."""
+    row = np.zeros(picture_parameters.ROW_SIZE)
+    row[EYE], row[FIELD_OF_VIEW], row[PLAN] = eye, field, plan
+    return row
+
+
+def distance_at(share, field):
+    """Distance [m] at which a dancer is this share of the picture's height high."""
+    return BODY_HEIGHT / (2.0 * share * np.tan(np.radians(field / 2.0)))
+
+
+def test_everybody_has_full_detail_on_a_usual_stage():
+    x, z = np.meshgrid(np.linspace(-8.0, 8.0, 9), np.linspace(-6.0, 6.0, 7))
+    assert motion_detail(picture(), np.stack([x.ravel(), z.ravel()], axis=1).astype(np.float32)) is None
+
+
+def test_detail_falls_with_the_height_in_the_picture():
+    for field in (20.0, 40.0, 90.0):
+        near, far = distance_at(FULL_DETAIL, field), distance_at(NO_DETAIL, field)
+        hips = np.zeros((5, 2), np.float32)
+        hips[:, 1] = -np.array([0.5 * near, 0.98 * near, 0.5 * (near + far), 1.02 * far, 3.0 * far])
+        detail = motion_detail(picture(eye=(0.0, 1.0, 0.0), field=field), hips)
+        assert detail[:2].tolist() == [1.0, 1.0]
+        assert 0.3 < detail[2] < 0.7
+        assert detail[3:].tolist() == [0.0, 0.0]
+
+
+def test_a_plan_has_no_distance():
+    hips = np.array([[0.0, -500.0]], np.float32)
+    assert motion_detail(picture(), hips).tolist() == [0.0]
+    assert motion_detail(picture(plan=0.5), hips) is None
