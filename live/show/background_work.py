@@ -96,7 +96,8 @@ def short_switch_interval() -> Iterator[None]:
 def import_late_modules() -> None:
     """Import what frames may need, but not the first ones, so that no later frame has to: call it beside the show.
 
-    Dancers are assigned to places by scipy.optimize when a formation changes.
+    Dancers are assigned to places by scipy.optimize when a formation changes; scipy.spatial finds places at the edges.
     """
     with short_switch_interval():
-        import scipy.optimize  # noqa: F401
+        import scipy.optimize
+        import scipy.spatial  # noqa: F401

@@ -245,20 +245,10 @@ class ElementField:
         """Add the wishes of each kind that acts to the sums (A, 5), urgent kinds first: a pass over the agents each."""
         table, numbers, sums, acts = self._table, self._numbers, self._sums, self._table.is_active
         rows, masks, vertices, active = table.rows, table.masks, table.vertices, table.active
-        position, velocity, near = state.position, state.velocity, self._nearest
+        position, velocity = state.position, state.velocity
         reset_sums(rows, masks, active, commands, groups, sums)
-        count = len(position)
-
-        def nearest(kind: int, repels: bool) -> None:
-            def part(begin: int, end: int) -> None:
-                nearest_sources(
-                    rows, masks, vertices, active, kind, repels, position, groups, numbers, sums, near, begin, end
-                )
-
-            run_rows(part, count, least=FEWEST_AGENTS)
-
         if acts(REPULSOR):
-            nearest(REPULSOR, True)
+            self._follow_nearest(REPULSOR, position, groups, repels=True)
         if acts(EVADE):
             pursue_or_evade(rows, masks, active, True, position, velocity, commands, groups, numbers, sums)
         if acts(CROSSING):
@@ -270,7 +260,7 @@ class ElementField:
         if acts(PATH):
             follow_paths(rows, masks, vertices, active, position, velocity, commands, groups, numbers, sums)
         if acts(ATTRACTOR):
-            nearest(ATTRACTOR, False)
+            self._follow_nearest(ATTRACTOR, position, groups, repels=False)
         if acts(PARTICIPANT):
             fair_attraction(self._places, self._audience, position, groups, numbers, sums)
         if acts(FLOW):
@@ -279,11 +269,30 @@ class ElementField:
             for row in active[ACTIVE_START + active[SPREADER] : ACTIVE_START + active[SPREADER + 1]].tolist():
                 self._spread(row, position, commands, groups)
         if acts(WANDER) or acts(FLOCK) or acts(SPREADER):
+            self._wander(position, velocity, groups)
 
-            def part(begin: int, end: int) -> None:
-                wander_agents(rows, masks, active, position, velocity, groups, numbers, sums, begin, end)
+    def _follow_nearest(self, kind: int, position: Float32, groups: UInt64, *, repels: bool) -> None:
+        """Add the wishes of the agents by the nearest source of a kind."""
+        table = self._table
 
-            run_rows(part, count, least=FEWEST_AGENTS)
+        def part(begin: int, end: int) -> None:
+            nearest_sources(
+                table.rows, table.masks, table.vertices, table.active, kind, repels, position, groups, self._numbers,
+                self._sums, self._nearest, begin, end,
+            )  # fmt: skip
+
+        run_rows(part, len(position), least=FEWEST_AGENTS)
+
+    def _wander(self, position: Float32, velocity: Float32, groups: UInt64) -> None:
+        """Add the wishes of the agents who wander, flock or spread."""
+        table = self._table
+
+        def part(begin: int, end: int) -> None:
+            wander_agents(
+                table.rows, table.masks, table.active, position, velocity, groups, self._numbers, self._sums, begin, end
+            )
+
+        run_rows(part, len(position), least=FEWEST_AGENTS)
 
     def _spread(self, row: int, position: Float32, commands: Float32, groups: UInt64) -> None:
         """Add the wishes of the agents whose newest spreader is the element `row`: even among all of them."""
