@@ -34,8 +34,6 @@ MOST_LEAD: Final = np.float32(0.3)
 """... by at most this [m] along each axis."""
 MAX_EASING_GAP: Final = 0.25
 """After a longer gap between two frames [s] arms are at once where they should be."""
-MAX_RANGES: Final = 32
-"""With more separate ranges of dancers, those between them are done, too: each costs some microseconds."""
 NO_FILTERS: Final = np.zeros((0, 0, 0, 2, 3), np.float32)
 NOTHING_KEPT: Final = np.zeros(2, np.float32)
 NO_PUSHES: Final = np.zeros((0, 0, 2, 3), np.float32)
@@ -147,13 +145,10 @@ def apply_arm_clearance(
 
 
 def _block_ranges(rows: Bool) -> list[tuple[int, int]]:
-    """Return ranges of whole blocks in which the marked `rows` (A,) lie; one for all if there were many."""
-    count = len(rows)
-    blocks = np.add.reduceat(rows, np.arange(0, count, BLOCK)) > 0
+    """Return ranges in which the marked `rows` (A,) lie: of whole multiples of RANGE, each costs some microseconds."""
+    blocks = np.add.reduceat(rows, np.arange(0, len(rows), RANGE)) > 0
     edges = np.flatnonzero(np.diff(np.concatenate([[False], blocks, [False]]).astype(np.int8)))
-    if len(edges) > 2 * MAX_RANGES:
-        return [(0, count)]
-    return [(BLOCK * begin, min(BLOCK * end, count)) for begin, end in edges.reshape(-1, 2).tolist()]
+    return [(RANGE * begin, min(RANGE * end, len(rows))) for begin, end in edges.reshape(-1, 2).tolist()]
 
 
 def _run(part: Part, ranges: Sequence[tuple[int, int]], *, least: int, block: int = 1) -> None:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from live.base import picture_parameters
 from live.base.arrays import Float32, Float64
+from live.base.picture_parameters import EYE, FIELD_OF_VIEW, PLAN, TARGET
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.control.events.events import FreezePicture
@@ -33,6 +33,10 @@ BODY_HEIGHT: Final = 1.7
 FULL_DETAIL, NO_DETAIL = 0.06, 0.045
 """Heights of a dancer, as shares of the picture's, from which on arms keep off others fully, and below which they do
 not: there an arm in another's body is three pixels of 1080."""
+WIDEST = 4.0
+"""No picture is wider than so many times its height; ..."""
+BESIDE = 3.0
+"""... whoever is so far [m] beyond its edges, or behind the camera, is not seen."""
 LIVE_FIELDS: Final = ("brightness", "flash_limit_lifted", "overlay", "guide", "guide_count")
 """Fields of a view that still change while the picture is frozen."""
 
@@ -143,17 +147,23 @@ class ViewBuilder:
 def motion_detail(picture: Float64, hips: Float32) -> Float64 | None:
     """Return how much detail of motion dancers at `hips` (A, 2) [m] need in a picture with these parameters, 0 to 1.
 
-    None: all of it for everybody, also in a plan, whose camera has no distance.
+    None: all of it for everybody, also in a plan, whose camera has no distance. Lens shift up to a picture's size fits
+    into the margins.
     """
-    if picture[picture_parameters.PLAN] > 0.0:
+    if picture[PLAN] > 0.0:
         return None
-    x, y, z = picture[picture_parameters.EYE]
-    half = math.tan(math.radians(0.5 * float(picture[picture_parameters.FIELD_OF_VIEW])))
-    square = (hips[:, 0] - x) ** 2 + (hips[:, 1] - z) ** 2 + (y - 0.5 * BODY_HEIGHT) ** 2
-    if float(square.max(initial=0.0)) <= (BODY_HEIGHT / (2.0 * half * FULL_DETAIL)) ** 2:
+    eye, half = picture[EYE], math.tan(math.radians(0.5 * float(picture[FIELD_OF_VIEW])))
+    way = picture[TARGET] - eye
+    way /= max(float(np.linalg.norm(way)), 1e-6)
+    to_x, to_z, to_y = hips[:, 0] - eye[0], hips[:, 1] - eye[2], 0.5 * BODY_HEIGHT - eye[1]
+    depth = to_x * way[0] + to_y * way[1] + to_z * way[2]
+    square = to_x**2 + to_z**2 + to_y**2
+    seen = np.sqrt(np.maximum(square - depth**2, 0.0)) < WIDEST * half * np.maximum(depth, 0.0) + BESIDE
+    seen &= depth > -BESIDE
+    if seen.all() and float(square.max(initial=0.0)) <= (BODY_HEIGHT / (2.0 * half * FULL_DETAIL)) ** 2:
         return None
     height = BODY_HEIGHT / (2.0 * half * np.sqrt(square))
-    return np.asarray(np.clip((height - NO_DETAIL) / (FULL_DETAIL - NO_DETAIL), 0.0, 1.0), np.float64)
+    return np.asarray(seen * np.clip((height - NO_DETAIL) / (FULL_DETAIL - NO_DETAIL), 0.0, 1.0), np.float64)
 
 
 def _copy_view(still: StageView, view: StageView) -> None:

@@ -3,14 +3,15 @@
 import numpy as np
 
 from live.base import picture_parameters
-from live.base.picture_parameters import EYE, FIELD_OF_VIEW, PLAN
+from live.base.picture_parameters import EYE, FIELD_OF_VIEW, PLAN, TARGET
 from live.show.view.view_builder import BODY_HEIGHT, FULL_DETAIL, NO_DETAIL, motion_detail
 
 
 def picture(eye=(0.0, 1.6, 10.0), field=40.0, plan=0.0):
-    """Picture parameters of a camera."""
+    """Picture parameters of a camera that looks to the back."""
     row = np.zeros(picture_parameters.ROW_SIZE)
     row[EYE], row[FIELD_OF_VIEW], row[PLAN] = eye, field, plan
+    row[TARGET] = eye[0], eye[1] - 0.2, eye[2] - 10.0
     return row
 
 
@@ -39,3 +40,11 @@ def test_a_plan_has_no_distance():
     hips = np.array([[0.0, -500.0]], np.float32)
     assert motion_detail(picture(), hips).tolist() == [0.0]
     assert motion_detail(picture(plan=0.5), hips) is None
+
+
+def test_whoever_is_surely_not_seen_has_no_detail():
+    hips = np.array([[0.0, 0.0], [0.0, 12.0], [0.0, 14.0], [0.0, 30.0], [24.0, 3.0], [30.0, 3.0], [-30.0, 3.0]])
+    detail = motion_detail(picture(), hips.astype(np.float32))
+    assert detail.tolist() == [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    edge = 10.0 * 16.0 / 9.0 * np.tan(np.radians(20.0))  # of a wide picture, at the middle of the stage
+    assert motion_detail(picture(), np.array([[edge, 0.0], [-edge, 0.0]], np.float32)) is None
