@@ -15,7 +15,7 @@ import numpy as np
 
 from bench._show import crowd
 from bench.render_crowd import drawn, timed
-from live.app.live_recording import SOFTWARE_FPS
+from live.app.film.live_recording import SOFTWARE_FPS
 from live.base.arrays import Float64
 from live.base.picture_parameters import BY_ADDRESS, STYLE_ADDRESS_PREFIX, STYLE_NAMES, group_parameter, picture_row
 from live.base.stage_snapshot import Scene, StageView

@@ -13,9 +13,9 @@ from rich.console import Console
 ROOT: Final = Path(__file__).resolve().parent.parent
 sys.path.insert(0, str(ROOT))
 
+from live.app.film.show_film import film_show  # noqa: E402
 from live.app.launch_options import LaunchOptions  # noqa: E402
 from live.app.machine.kernel_build import FIRST_KERNELS, all_kernels, kernel_name  # noqa: E402
-from live.app.offline.film import film_show  # noqa: E402
 from live.app.session_audio import choose_audio  # noqa: E402
 from live.base.jit import Kernel, kernels  # noqa: E402
 

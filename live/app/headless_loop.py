@@ -29,7 +29,7 @@ from live.supervisor.supervisor_link import SupervisorLink
 
 if TYPE_CHECKING:
     from live.app.adaptive_quality import QualityController
-    from live.app.live_recording import LiveSharing
+    from live.app.film.live_recording import LiveSharing
     from live.render.window.start_window import StartWindow
     from live.show.patch.patch import Patch
 
@@ -58,7 +58,7 @@ def play_headless(
 
 def _draw(session: Session, picture: HeadlessPicture, console: Console, sharing: "LiveSharing | None") -> None:
     from live.app.adaptive_quality import QualityController, handle_pass_resets, watch_shaders
-    from live.app.live_recording import live_fps
+    from live.app.film.live_recording import live_fps
     from live.app.window_loop import FrameSinks
     from live.show.view.render_scene import draw_patch
 
@@ -240,7 +240,7 @@ def _headless(session: Session, console: Console) -> None:
 def _film(options: LaunchOptions, loaded: LoadedShow, sound: AudioChoice, console: Console) -> None:
     from pathlib import Path
 
-    from live.app.offline.film import film_show
+    from live.app.film.show_film import film_show
 
     seconds = options.seconds or FILM_SECONDS
     path = options.record or Path(FILM_NAME)

@@ -8,8 +8,8 @@ import moderngl
 from rich.console import Console
 
 from live.app.adaptive_quality import QualityController, watch_shaders
+from live.app.film.live_recording import LivePages, LiveRecording, LiveSharing, live_fps
 from live.app.launch_options import LaunchOptions
-from live.app.live_recording import LivePages, LiveRecording, LiveSharing, live_fps
 from live.app.output_config import window_placement
 from live.app.projector_setup import OutputSetup, make_output_setup
 from live.app.services.join_card import JoinCard

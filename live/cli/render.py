@@ -9,7 +9,11 @@ import typer
 def render(
     out: Annotated[
         Path,
-        typer.Option(help="The film to write (.mp4, .mov, .mkv), or a folder for PNG pictures.", metavar="FILE|FOLDER"),
+        typer.Option(
+            help="The film to write (.mp4, .mov, .mkv), a folder for PNG pictures, or the dancers' motion "
+            "(.glb, .usdc, .bvh, .csv, .json).",
+            metavar="FILE|FOLDER",
+        ),
     ],
     patch: Annotated[str | None, typer.Argument(help="A patch. Default: the first show.")] = None,
     audio: Annotated[str | None, typer.Option(help="A music file. Default: the patch's music.", metavar="FILE")] = None,
@@ -39,11 +43,11 @@ def render(
     journal: Annotated[Path | None, typer.Option(help="Write the journal here as well.")] = None,
     report: Annotated[Path | None, typer.Option(help="Write motion figures as JSON.")] = None,
 ) -> None:
-    """Render a show to a film with sound, bit-identical each time."""
+    """Render a show to a film with sound, or its motion to a file for other programs; bit-identical each time."""
     from rich.console import Console
 
+    from live.app.film.film_names import parse_film_path, parse_rate
     from live.app.machine.kernel_warmup import warm_kernels
-    from live.app.offline.film import parse_film_path, parse_rate
     from live.app.option_values import check_range, check_writable, parse_size
     from live.base.errors import PersonError
 
@@ -55,8 +59,8 @@ def render(
     film = parse_film_path(out, "--out", alpha=alpha, inputs=[audio, patch])
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)  # before modules with kernels are imported
+    from live.app.film.show_film import film_show
     from live.app.launch_options import LaunchOptions
-    from live.app.offline.film import film_show
     from live.app.session_audio import choose_audio
 
     options = LaunchOptions(
@@ -70,8 +74,8 @@ def render(
     if sound.device is not None:
         raise PersonError(f"--audio {audio!r} is an input device: `live render` needs a music file")
     length = seconds or (60.0 if sound.music is None else sound.music.duration)
-    film_show(
+    made = film_show(
         options, loaded, sound, path=film, seconds=length, console=console, report=report, fine=fine, guides=guides,
         click=click, taps=taps, alpha=alpha,
     )  # fmt: skip
-    console.print(f"the film is here: {film.resolve()}", soft_wrap=True, markup=False)
+    console.print(made, soft_wrap=True, markup=False)

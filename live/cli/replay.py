@@ -20,7 +20,12 @@ def replay(
     ] = 1,
     last: Annotated[int | None, typer.Option("--to", min=1, help="End with this measure.", metavar="N")] = None,
     render: Annotated[
-        Path | None, typer.Option(help="Render a film with sound (.mp4, .mov, .mkv, or a folder).", metavar="FILE")
+        Path | None,
+        typer.Option(
+            help="Render a film with sound (.mp4, .mov, .mkv, or a folder), or write the dancers' motion "
+            "(.glb, .usdc, .bvh, .csv, .json).",
+            metavar="FILE",
+        ),
     ] = None,
     size: Annotated[str, typer.Option(help="Size of the film.", metavar="WxH")] = "1920x1080",
     fps: Annotated[str, typer.Option(help="Frames per second of the film: 25, 59.94, 24000/1001.", metavar="N")] = "60",
@@ -39,8 +44,8 @@ def replay(
 
     from rich.console import Console
 
+    from live.app.film.film_names import parse_film_path, parse_rate
     from live.app.machine.kernel_warmup import warm_kernels
-    from live.app.offline.film import parse_film_path, parse_rate
     from live.app.option_values import parse_size
     from live.base.errors import PersonError
 
@@ -65,13 +70,13 @@ def replay(
         raise PersonError(str(error)) from None
     begin = time.perf_counter()
     if render is not None:
-        from live.app.offline.replay_film import film_replay
+        from live.app.film.replay_film import film_replay
 
         console = Console(stderr=True, highlight=False)
-        result = film_replay(
+        result, made = film_replay(
             start, recorded, loaded, render, picture, rate, first=first, to=last, fine=fine, alpha=alpha
         )
-        console.print(f"the film is here: {render.resolve()}", soft_wrap=True, markup=False)
+        console.print(made, soft_wrap=True, markup=False)
     else:
         result = run_from(start, recorded, loaded=loaded, to=last)
     made_with = recorded.header.get("kernels", KERNEL_SET)

@@ -22,6 +22,7 @@ from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.gltf_reader import GLTF
 from live.motion.formats.motion_format import MotionFile, MotionFormat, Reader
 from live.motion.formats.source_motion import SourceMotion
+from live.motion.formats.ways import WAYS
 
 
 def _refusal(problem: str, remedy: str) -> Reader:
@@ -73,7 +74,7 @@ class InstalledFormats:
 @cache
 def installed_formats() -> InstalledFormats:
     """Find and import the formats. A module that is gone, or fails, is left out."""
-    formats, left_out, code = [BVH, GLTF, AMASS, *_REFUSED], {}, hashlib.sha256()
+    formats, left_out, code = [BVH, GLTF, AMASS, WAYS, *_REFUSED], {}, hashlib.sha256()
     for name in _modules():
         try:
             module = importlib.import_module(name)
@@ -146,6 +147,16 @@ def check_written_name(path: Path, option: str, example: str) -> None:
     if path.suffix.lower() not in suffixes:
         words = f"{option} {path}: a name that ends in {', '.join(suffixes)} expected"
         raise PersonError(words, f"{option} {path.stem}{example}")
+
+
+def stage_suffixes() -> tuple[str, ...]:
+    """Return the suffixes of files that hold the motion of all dancers of a show."""
+    return tuple(suffix for one in installed_formats().formats for suffix in one.stage_suffixes)
+
+
+def stage_format(suffix: str) -> MotionFormat | None:
+    """Return the format that writes all dancers of a show into files with this suffix; None if there is none."""
+    return next((one for one in installed_formats().formats if suffix.lower() in one.stage_suffixes), None)
 
 
 def encode_motion(clip: Clip, path: Path) -> bytes:

@@ -1,4 +1,4 @@
-"""Offline work of commands: films, dances, partners, steps, soak tests and reports.
+"""Offline work of commands: dances, partners, steps, soak tests and reports.
 
 May import every layer except `cli`.
 """

@@ -89,8 +89,8 @@ def play_step(preview: Preview) -> None:
     from live.render.window.monitors import list_monitors
 
     if preview.film is not None and not preview.headless:
+        from live.app.film.show_film import film_show
         from live.app.machine.kernel_warmup import warm_kernels
-        from live.app.offline.film import film_show
 
         warm_kernels(console)
         seconds = preview.seconds or LOOPS * loop

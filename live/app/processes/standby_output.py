@@ -6,9 +6,9 @@ from typing import Any
 
 from rich.console import Console
 
+from live.app.film.live_recording import LiveSharing, live_fps
 from live.app.headless_picture import HeadlessPicture
 from live.app.launch_options import LaunchOptions
-from live.app.live_recording import LiveSharing, live_fps
 from live.app.processes.warm_standby import open_windows
 from live.app.session_audio import AudioChoice
 from live.app.session_records import resident_megabytes

@@ -31,8 +31,8 @@ from live.supervisor.state_follower import StateFollower
 from live.supervisor.supervisor_link import SupervisorLink, describe_error, is_abandoned
 
 if TYPE_CHECKING:
+    from live.app.film.live_recording import LiveSharing
     from live.app.headless_picture import HeadlessPicture
-    from live.app.live_recording import LiveSharing
 
 
 LOWEST_QUALITY = 99

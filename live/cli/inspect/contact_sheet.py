@@ -48,8 +48,8 @@ def contact_sheet(
         raise PersonError(f"--out {out}: a picture's name ends in .png or .jpg", f"--out {out.with_suffix('.png')}")
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)  # before modules with kernels are imported
+    from live.app.film.show_film import make_renderer
     from live.app.launch_options import LaunchOptions
-    from live.app.offline.film import make_renderer
     from live.app.pictures.sheet_picture import DARK, LIGHT, MAX_HEIGHT, Sheet
 
     size = (width, round(width * 9 / 16))

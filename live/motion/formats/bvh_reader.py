@@ -16,7 +16,7 @@ from live.base.arrays import Float64, Int32
 from live.motion.formats.bvh_header import Hierarchy, parse_hierarchy
 from live.motion.formats.bvh_kernels import pose_channels
 from live.motion.formats.bvh_numbers import line_at, read_numbers
-from live.motion.formats.bvh_writer import write_bvh
+from live.motion.formats.bvh_writer import stage_bvh, write_bvh
 from live.motion.formats.file_error import MotionFileError, quoted, read_number
 from live.motion.formats.file_report import refuse_too_large
 from live.motion.formats.motion_format import MotionFormat
@@ -299,4 +299,6 @@ BVH: Final = MotionFormat(
     begins=(b"HIERARCHY",),
     write=lambda clip: write_bvh(clip, rate=None).encode("ascii"),
     written=(".bvh",),
+    write_stage=lambda motion, _: stage_bvh(motion),
+    stage_suffixes=(".bvh",),
 )

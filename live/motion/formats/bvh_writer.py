@@ -7,6 +7,7 @@ import numpy as np
 from live.base.arrays import Float, Float64
 from live.motion import quaternion
 from live.motion.clip import Clip, resample
+from live.motion.formats.stage_motion import StageFiles, StageMotion
 from live.motion.skeleton import BONE_TIPS, SKELETON
 
 _GIMBAL_LOCK_COSINE = 1e-9
@@ -94,3 +95,15 @@ def _joint(joint: int, depth: int) -> list[str]:
 
 def _format_offset(offset: tuple[float, ...]) -> str:
     return " ".join(f"{round(UNITS_PER_METRE * metres, 4) + 0.0:.6f}" for metres in offset)
+
+
+def stage_bvh(motion: StageMotion) -> StageFiles:
+    """Return a BVH file for each dancer, in the places of the stage; several are numbered from 1.
+
+    A dancer who is not on the stage stands where the steps left them: BVH cannot hide anybody.
+    """
+    digits = len(str(len(motion.dancers)))
+    return {
+        f"-{number:0{digits}d}" if len(motion.dancers) > 1 else "": write_bvh(dancer.clip, rate=None).encode("ascii")
+        for number, dancer in enumerate(motion.dancers, start=1)
+    }

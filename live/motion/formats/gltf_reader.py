@@ -29,6 +29,7 @@ from live.motion.formats.gltf_skeleton import (
 )
 from live.motion.formats.motion_format import MotionFile, MotionFormat
 from live.motion.formats.source_motion import FileWarning, SourceMotion
+from live.motion.formats.stage_motion import StageFiles, StageMotion
 
 _IDENTITY: Final = np.array((1.0, 0.0, 0.0, 0.0))
 
@@ -267,6 +268,12 @@ def _write(clip: Clip) -> bytes:
     return write_glb(clip, rate=None)
 
 
+def _write_stage(motion: StageMotion, suffix: str) -> StageFiles:
+    from live.motion.formats.gltf_writer import write_stage_glb
+
+    return {"": write_stage_glb(motion)}
+
+
 GLTF: Final = MotionFormat(
     "glTF",
     (".glb", ".gltf", ".vrm", ".vrma"),
@@ -275,6 +282,8 @@ GLTF: Final = MotionFormat(
     begins=(MAGIC,),
     write=_write,
     written=(".glb", ".vrma"),
+    write_stage=_write_stage,
+    stage_suffixes=(".glb",),
     companions={".gltf": ".bin"},
     external=_external_buffers,
 )

@@ -1,5 +1,6 @@
 """Writer for GLB files: joints under VRM names, a skinned mesh of bone-shaped spindles, one animation (glTF 2.0)."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -7,8 +8,10 @@ import numpy as np
 import numpy.typing as npt
 import pygltflib as gltf
 
+from live.base.errors import PersonError
 from live.motion import quaternion
 from live.motion.clip import Clip, resample
+from live.motion.formats.stage_motion import DancerMotion, StageMotion
 from live.motion.skeleton import BONE_TIPS, JOINT_COUNT, SKELETON
 
 _THICKEST_AT: Final = 0.2
@@ -71,6 +74,8 @@ def _spindle(start: npt.NDArray[np.float64], end: npt.NDArray[np.float64]) -> np
 FRAME_RATE: Final = 60.0
 """Keys per second in written files."""
 GENERATOR: Final = "ChoreoGraphics Live"
+MAX_GLB_BYTES: Final = 2**32 - 2**20
+"""Lengths in a GLB file have 32 bits."""
 _KINDS: Final = {1: gltf.SCALAR, 3: gltf.VEC3, 4: gltf.VEC4, 16: gltf.MAT4}
 _COMPONENTS: Final = {"f4": gltf.FLOAT, "u1": gltf.UNSIGNED_BYTE, "u2": gltf.UNSIGNED_SHORT}
 
@@ -86,37 +91,67 @@ def write_glb(clip: Clip, *, rate: float | None = FRAME_RATE) -> bytes:
     """
     if rate is not None:
         clip = resample(clip, rate)
-    buffer = _Buffer()
-    document = gltf.GLTF2(asset=gltf.Asset(version="2.0", generator=GENERATOR))
-    figure_node = JOINT_COUNT + 1
-    document.scene = 0
-    document.scenes = [gltf.Scene(name=clip.name, nodes=[JOINT_COUNT, figure_node])]
-    document.nodes = [
-        *_joints(),
-        gltf.Node(name="dancer", children=[0]),
-        gltf.Node(name="figure", mesh=0, skin=0),
-    ]
-    document.meshes = [_mesh(buffer)]
-    document.materials = [
-        gltf.Material(
-            name="figure",
-            pbrMetallicRoughness=gltf.PbrMetallicRoughness(
-                baseColorFactor=[0.8, 0.6, 0.4, 1.0], metallicFactor=0.0, roughnessFactor=0.8
-            ),
-        )
-    ]
-    document.skins = [
-        gltf.Skin(
-            name="dancer",
-            joints=list(range(JOINT_COUNT)),
-            skeleton=JOINT_COUNT,
-            inverseBindMatrices=buffer.add(_inverse_bind_matrices()),
-        )
-    ]
-    document.animations = [_animation(clip, buffer)]
+    dancer = DancerMotion("dancer", "", clip, np.ones(clip.sample_count, np.bool_))
+    document, buffer = _document(clip.name, (dancer,), clip.sample_count, clip.sample_rate)
     bones = {name: {"node": joint} for joint, name in enumerate(SKELETON.names)}
     document.extensionsUsed = ["VRMC_vrm_animation"]
     document.extensions = {"VRMC_vrm_animation": {"specVersion": "1.0", "humanoid": {"humanBones": bones}}}
+    return _to_bytes(document, buffer)
+
+
+def write_stage_glb(motion: StageMotion) -> bytes:
+    """Return all dancers of a show as one GLB file, as `write_glb` does it: each has a skeleton and a skin, and all are
+    channels of one animation. Who is not on the stage has the scale 0. The group stands in the extras of the root.
+
+    PersonError if it would be longer than a GLB file can be.
+    """
+    size = motion.sample_count * len(motion.dancers) * (JOINT_COUNT * 16 + 12)
+    if size > MAX_GLB_BYTES:
+        raise PersonError(
+            f"{len(motion.dancers)} dancers with {motion.sample_count} frames need {size / 1e9:.1f} GB, and a GLB file "
+            f"holds {MAX_GLB_BYTES / 1e9:.1f}",
+            "give fewer frames per second (--fps 30) or a part of the show",
+        )
+    document, buffer = _document(motion.name, motion.dancers, motion.sample_count, motion.sample_rate)
+    return _to_bytes(document, buffer)
+
+
+def _document(
+    name: str, dancers: Sequence[DancerMotion], sample_count: int, sample_rate: float
+) -> "tuple[gltf.GLTF2, _Buffer]":
+    """Return the document and its data: nodes, a mesh for each colour, a skin for each dancer, and the animation."""
+    buffer = _Buffer()
+    document = gltf.GLTF2(asset=gltf.Asset(version="2.0", generator=GENERATOR))
+    colours = list(dict.fromkeys(dancer.colour for dancer in dancers))
+    document.scene = 0
+    document.scenes = [gltf.Scene(name=name, nodes=[])]
+    document.nodes, document.skins = [], []
+    document.materials = [_material(number, colour) for number, colour in enumerate(colours)]
+    document.meshes = _meshes(buffer, len(colours))
+    matrices = buffer.add(_inverse_bind_matrices())
+    animation = gltf.Animation(name=name, samplers=[], channels=[])
+    times = buffer.add((np.arange(sample_count) / sample_rate).astype(np.float32), bounds=True)
+    for number, dancer in enumerate(dancers):
+        base = len(document.nodes)
+        root = base + JOINT_COUNT
+        figure = "figure" if len(dancers) == 1 else f"{dancer.name}, figure"
+        document.nodes += [
+            *_joints(base),
+            gltf.Node(name=dancer.name, children=[base], extras={"group": dancer.group} if dancer.group else {}),
+            gltf.Node(name=figure, mesh=colours.index(dancer.colour), skin=number),
+        ]
+        joints = list(range(base, root))
+        skin = gltf.Skin(name=dancer.name, joints=joints, skeleton=root, inverseBindMatrices=matrices)
+        document.skins.append(skin)
+        document.scenes[0].nodes += [root, root + 1]
+        _animate(animation, dancer.clip, base, times, buffer)
+        if not dancer.present.all():
+            _hide(animation, dancer.present, root, sample_rate, buffer)
+    document.animations = [animation]
+    return document, buffer
+
+
+def _to_bytes(document: gltf.GLTF2, buffer: "_Buffer") -> bytes:
     document.accessors, document.bufferViews = buffer.accessors, buffer.views
     document.buffers = [gltf.Buffer(byteLength=len(buffer.data))]
     document.set_binary_blob(bytes(buffer.data))
@@ -150,16 +185,21 @@ class _Buffer:
         return len(self.accessors) - 1
 
 
-def _joints() -> list[gltf.Node]:
-    """Return the engine's skeleton in its rest pose; without rotations this is the T-pose."""
+def _joints(base: int) -> list[gltf.Node]:
+    """Return the engine's skeleton in its rest pose, the nodes from `base` on; without rotations this is the T-pose."""
     return [
         gltf.Node(
             name=name,
             translation=[round(float(metres), 6) for metres in SKELETON.offsets[joint]],
-            children=[int(child) for child in np.flatnonzero(SKELETON.parents == joint)],
+            children=[base + int(child) for child in np.flatnonzero(SKELETON.parents == joint)],
         )
         for joint, name in enumerate(SKELETON.names)
     ]
+
+
+def _material(number: int, colour: tuple[float, float, float]) -> gltf.Material:
+    surface = gltf.PbrMetallicRoughness(baseColorFactor=[*colour, 1.0], metallicFactor=0.0, roughnessFactor=0.8)
+    return gltf.Material(name="figure" if number == 0 else f"figure {number + 1}", pbrMetallicRoughness=surface)
 
 
 def _inverse_bind_matrices() -> npt.NDArray[np.float32]:
@@ -169,7 +209,8 @@ def _inverse_bind_matrices() -> npt.NDArray[np.float32]:
     return matrices.reshape(JOINT_COUNT, 16)
 
 
-def _mesh(buffer: _Buffer) -> gltf.Mesh:
+def _meshes(buffer: _Buffer, materials: int) -> list[gltf.Mesh]:
+    """Return the mesh of the bones once for each material; all share their data."""
     figure = bone_mesh()
     attributes = gltf.Attributes(
         POSITION=buffer.add(figure.positions, target=gltf.ARRAY_BUFFER, bounds=True),
@@ -178,21 +219,35 @@ def _mesh(buffer: _Buffer) -> gltf.Mesh:
         WEIGHTS_0=buffer.add(figure.weights, target=gltf.ARRAY_BUFFER),
     )
     indices = buffer.add(figure.indices, target=gltf.ELEMENT_ARRAY_BUFFER)
-    return gltf.Mesh(name="figure", primitives=[gltf.Primitive(attributes=attributes, indices=indices, material=0)])
+    return [
+        gltf.Mesh(name="figure", primitives=[gltf.Primitive(attributes=attributes, indices=indices, material=material)])
+        for material in range(materials)
+    ]
 
 
-def _animation(clip: Clip, buffer: _Buffer) -> gltf.Animation:
-    """Return the hips' translation and all rotations as channels that share one time array."""
-    times = buffer.add((np.arange(clip.sample_count) / clip.sample_rate).astype(np.float32), bounds=True)
+def _animate(animation: gltf.Animation, clip: Clip, base: int, times: int, buffer: _Buffer) -> None:
+    """Add the hips' translation and all rotations as channels that share one time array."""
     turns = quaternion.unit(quaternion.align_signs(clip.rotation.astype(np.float64)))[..., [1, 2, 3, 0]]
-    outputs = [(0, gltf.TRANSLATION, clip.root_position)]
-    outputs += [(joint, gltf.ROTATION, turns[:, joint].astype(np.float32)) for joint in range(JOINT_COUNT)]
-    samplers = [
-        gltf.AnimationSampler(input=times, output=buffer.add(values), interpolation=gltf.ANIM_LINEAR)
-        for _, _, values in outputs
-    ]
-    channels = [
-        gltf.AnimationChannel(sampler=place, target=gltf.AnimationChannelTarget(node=joint, path=path))
-        for place, (joint, path, _) in enumerate(outputs)
-    ]
-    return gltf.Animation(name=clip.name, samplers=samplers, channels=channels)
+    _add_channel(animation, base, gltf.TRANSLATION, times, clip.root_position, buffer)
+    for joint in range(JOINT_COUNT):
+        _add_channel(animation, base + joint, gltf.ROTATION, times, turns[:, joint].astype(np.float32), buffer)
+
+
+def _hide(
+    animation: gltf.Animation, present: npt.NDArray[np.bool_], root: int, sample_rate: float, buffer: _Buffer
+) -> None:
+    """Add steps of the root's scale: 1 while the dancer is `present` (T,), else 0."""
+    at = np.concatenate([[0], 1 + np.flatnonzero(np.diff(present))])
+    times = buffer.add((at / sample_rate).astype(np.float32), bounds=True)
+    scale = np.repeat(present[at].astype(np.float32)[:, None], 3, axis=1)
+    _add_channel(animation, root, gltf.SCALE, times, scale, buffer, gltf.ANIM_STEP)
+
+
+def _add_channel(
+    animation: gltf.Animation, node: int, path: str, times: int, values: npt.NDArray[np.float32], buffer: _Buffer,
+    interpolation: str = gltf.ANIM_LINEAR,
+) -> None:  # fmt: skip
+    sampler = gltf.AnimationSampler(input=times, output=buffer.add(values), interpolation=interpolation)
+    target = gltf.AnimationChannelTarget(node=node, path=path)
+    animation.channels.append(gltf.AnimationChannel(sampler=len(animation.samplers), target=target))
+    animation.samplers.append(sampler)

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from live.motion.clip import Clip
 from live.motion.formats.source_motion import SourceMotion, UpAxis
+from live.motion.formats.stage_motion import StageFiles, StageMotion
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -34,6 +35,7 @@ class MotionFile:
 
 Reader = Callable[[MotionFile], SourceMotion]
 Writer = Callable[[Clip], bytes]
+StageWriter = Callable[[StageMotion, str], StageFiles]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -56,6 +58,10 @@ class MotionFormat:
     """Returns a file with the clip on the engine's skeleton, one frame for each sample."""
     written: tuple[str, ...] = ()
     """The suffixes under which it is written."""
+    write_stage: StageWriter | None = None
+    """Returns the files with all dancers of a show, for a suffix; PersonError if it cannot hold them."""
+    stage_suffixes: tuple[str, ...] = ()
+    """The suffixes of these files."""
     companions: Mapping[str, str] = field(default_factory=dict)
     """For a suffix, the suffix of the files in the same folder that such a file is read with."""
     skeleton: Callable[[Path], Path] | None = None

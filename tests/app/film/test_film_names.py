@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from live.app.offline.film import parse_film_path, parse_rate
+from live.app.film.film_names import parse_film_path, parse_rate
 from live.base.errors import PersonError
 
 

@@ -7,18 +7,18 @@ from pathlib import Path
 
 from rich.console import Console
 
+from live.app.film.film_output import FilmOutput, MotionOutput
+from live.app.film.live_recording import film_sound
+from live.app.film.show_film import make_sound_mixer, picture_output, progress_bar
 from live.app.launch_options import LaunchOptions
-from live.app.live_recording import film_sound, film_writer
-from live.app.offline.film import make_renderer, make_sound_mixer, progress_bar
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.audio.music_file import Music, MusicFileError, read_music
-from live.render.film.film_writer import FilmError
+from live.library.motion_formats import stage_format
 from live.render.film.streams import FilmSound
 from live.show.journal.journal_reader import Journal
 from live.show.journal.replay import Replayer, ReplayResult, ReplayStart
 from live.show.loader import LoadedShow
-from live.show.view.render_scene import draw_patch
 
 
 def film_replay(
@@ -33,8 +33,10 @@ def film_replay(
     to: int | None = None,
     fine: bool = False,
     alpha: bool = False,
-) -> ReplayResult:
-    """Render a journal from measure `first` to the end of `to` (from 1), comparing its hashes.
+) -> tuple[ReplayResult, str]:
+    """Render a journal from measure `first` to the end of `to` (from 1), comparing its hashes; return where it is.
+
+    By its suffix the path is a film or the dancers' motion.
 
     The sound is the music file of the show, if there was one, with click and taps as in the patch. `alpha`: dancers
     without stage on a transparent background. A damaged line ends the film. Raise PersonError if rendering fails.
@@ -44,43 +46,37 @@ def film_replay(
     show, begin = running.show, running.tick * TICK
     if running.ended:
         raise PersonError(f"{journal.path}: it has no measure {first}; it ends in measure {show.span.number + 1}")
-    music = _music(journal)
-    heard = film_sound(music)
-    mixed = make_sound_mixer(loaded, show, heard, begin=begin)
+    moving = stage_format(path.suffix) is not None
+    music = None if moving else _music(journal)
+    mixed = None if moving else make_sound_mixer(loaded, show, film_sound(music), begin=begin)
     frames = max(1, math.ceil((journal.last_tick * TICK - begin) * fps))
     with contextlib.ExitStack() as stack:
-        target, renderer = make_renderer(
-            stack, LaunchOptions(size=size, fps=fps), replace(loaded, patch=show.patch), fine, alpha=alpha
-        )
-        sound = mixed.film if mixed is not None else _music_from(music, begin)
-        writer = stack.enter_context(film_writer(path, size=size, fps=fps, sound=sound, alpha=alpha))
+        current = replace(loaded, patch=show.patch)
+        output: FilmOutput
+        if moving:
+            output = MotionOutput(current, show, path, frames=frames, fps=fps, begin=begin)
+        else:
+            sound = mixed.film if mixed is not None else _music_from(music, begin)
+            options = LaunchOptions(size=size, fps=fps)
+            output = picture_output(stack, options, current, path, sound, fine=fine, alpha=alpha)
         progress = stack.enter_context(progress_bar(Console(stderr=True)))
         task = progress.add_task("", total=frames if to is None else None)
         view, frame, patch = show.view(), 0, show.patch
-        try:
-            while not running.ended and running.damaged is None:
-                time = begin + frame / fps
-                running.advance(math.floor(time / TICK + 1e-9))
-                if show.patch is not patch:
-                    patch = show.patch
-                    with contextlib.suppress(PersonError):  # as live: the last good pass stays
-                        draw_patch(renderer, patch)
-                show.fill(view, max(time, running.tick * TICK))
-                if mixed is not None:
-                    mixed.frame(view)
-                renderer.draw(view, target.framebuffer)
-                picture = target.push()
-                if picture is not None:
-                    writer.write(picture)
-                progress.advance(task)
-                frame += 1
-            last = target.flush()
-            if last is not None:
-                writer.write(last)
-            writer.close()
-        except FilmError as error:
-            raise PersonError(str(error)) from None
-    return running.result
+        while not running.ended and running.damaged is None:
+            time = begin + frame / fps
+            running.advance(math.floor(time / TICK + 1e-9))
+            if show.patch is not patch:
+                patch = show.patch
+                output.change_patch(patch)
+            show.fill(view, max(time, running.tick * TICK))
+            if mixed is not None:
+                mixed.frame(view)
+            output.draw(view)
+            output.advance()
+            progress.advance(task)
+            frame += 1
+        made = output.close()
+    return running.result, made
 
 
 def _music(journal: Journal) -> Music | None:

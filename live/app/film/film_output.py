@@ -1,0 +1,158 @@
+"""Where the frames of a show go offline: as pictures into a film, or as motion into files for other programs."""
+
+import contextlib
+from pathlib import Path
+from typing import TYPE_CHECKING, Final, Protocol
+
+import numpy as np
+
+from live.base.arrays import Bool, Float32
+from live.base.errors import PersonError
+from live.base.stage_snapshot import StageView
+from live.library.motion_formats import stage_format
+from live.library.whole_file import write_atomically
+from live.motion.clip import Clip
+from live.motion.formats.stage_motion import DancerMotion, StageMotion
+from live.motion.forward_kinematics import local_rotations
+from live.motion.skeleton import JOINT_COUNT
+from live.render.film.film_writer import FilmError, Picture, PictureWriter
+from live.show.loader import LoadedShow
+from live.show.patch.patch import Patch
+from live.show.show import Show
+from live.show.view.render_scene import draw_patch
+
+if TYPE_CHECKING:
+    from live.render.headless import OffscreenTarget
+    from live.render.renderer import Renderer
+
+MAX_MOTION_BYTES: Final = 4 * 10**9
+"""The poses of a show are held in memory until all are there."""
+
+
+class FilmOutput(Protocol):
+    """Takes the frames of a show in order: `draw` each, then `advance`; at the end `close`."""
+
+    def draw(self, view: StageView) -> None:
+        """Take a frame."""
+
+    def advance(self) -> None:
+        """Go on to the next frame. PersonError if the file cannot be written."""
+
+    def change_patch(self, patch: Patch) -> None:
+        """The show goes on with another patch."""
+
+    def close(self) -> str:
+        """Complete the files; return where they are. PersonError if they cannot be written."""
+
+
+class PictureOutput:
+    """Pictures, drawn off the screen and written by a thread."""
+
+    def __init__(self, renderer: "Renderer", target: "OffscreenTarget", writer: PictureWriter, path: Path) -> None:
+        self._renderer, self._target, self._writer, self._path = renderer, target, writer, path
+
+    def draw(self, view: StageView) -> None:
+        """See `FilmOutput`."""
+        self._renderer.draw(view, self._target.framebuffer)
+
+    def advance(self) -> None:
+        """See `FilmOutput`."""
+        self._write(self._target.push())
+
+    def change_patch(self, patch: Patch) -> None:
+        """See `FilmOutput`."""
+        with contextlib.suppress(PersonError):  # as live: the last good pass stays
+            draw_patch(self._renderer, patch)
+
+    def close(self) -> str:
+        """See `FilmOutput`."""
+        self._write(self._target.flush())
+        try:
+            self._writer.close()
+        except FilmError as error:
+            raise PersonError(str(error)) from None
+        return f"the film is here: {self._path.resolve()}"
+
+    def _write(self, picture: Picture | None) -> None:
+        if picture is None:
+            return
+        try:
+            self._writer.write(picture)
+        except FilmError as error:
+            raise PersonError(str(error)) from None
+
+
+class MotionOutput:
+    """The poses of all dancers who are ever on the stage."""
+
+    def __init__(self, loaded: LoadedShow, show: Show, path: Path, *, frames: int, fps: float, begin: float) -> None:
+        """`frames` is their number as far as it is known; `begin` [s]: time of the first one in the show.
+
+        PersonError if so many poses cannot be held.
+        """
+        self._path, self._rate, self._begin = path, fps, begin
+        self._name = loaded.path.stem
+        self._groups = [group.name for group in show.patch.group]
+        self._colours = loaded.scene().group_colours
+        self._group = np.array(show.group)
+        self._root: list[Float32] = []
+        self._rotation: list[Float32] = []
+        self._present: list[Bool] = []
+        self._beat: list[tuple[float, int]] = []
+        count = len(self._group)
+        needed = frames * count * (16 * JOINT_COUNT + 12)
+        if needed > MAX_MOTION_BYTES:
+            raise PersonError(
+                f"{count} dancers in {frames} frames need {needed / 1e9:.1f} GB of memory",
+                "give fewer frames per second (--fps 30) or a part of the show",
+            )
+
+    def draw(self, view: StageView) -> None:
+        """See `FilmOutput`."""
+        self._root.append(view.joint_position[:, 0].copy())
+        self._rotation.append(view.joint_rotation.copy())
+        self._present.append(view.present.copy())
+        self._beat.append((view.beat, view.measure + 1))
+
+    def advance(self) -> None:
+        """See `FilmOutput`."""
+
+    def change_patch(self, patch: Patch) -> None:
+        """See `FilmOutput`."""
+
+    def motion(self) -> StageMotion:
+        """Return the motion so far; PersonError if nobody was on the stage."""
+        present = np.array(self._present)
+        root = np.array(self._root)
+        beat = np.array(self._beat, np.float64).reshape(-1, 2)
+        seen = np.flatnonzero(present.any(axis=0)).tolist() if len(present) else []
+        if not seen:
+            raise PersonError("nobody is on the stage: there is no motion to write")
+        dancers = []
+        for number in seen:
+            world = np.array([rotation[number] for rotation in self._rotation])
+            clip = Clip(
+                name=f"dancer {number + 1}",
+                root_position=np.ascontiguousarray(root[:, number]),
+                rotation=np.ascontiguousarray(local_rotations(world), np.float32),
+                sample_rate=self._rate,
+                contact=np.zeros((len(root), 2), np.bool_),
+            )
+            group = int(self._group[number])
+            name = self._groups[group] if group < len(self._groups) else ""
+            colour = self._colours[group % len(self._colours)]
+            dancers.append(DancerMotion(clip.name, name, clip, present[:, number], colour))
+        return StageMotion(self._name, tuple(dancers), self._rate, self._begin, beat[:, 0], beat[:, 1])
+
+    def close(self) -> str:
+        """See `FilmOutput`."""
+        motion, suffix = self.motion(), self._path.suffix.lower()
+        made = stage_format(suffix)
+        assert made is not None
+        assert made.write_stage is not None
+        files = made.write_stage(motion, suffix)
+        paths = [self._path.with_name(f"{self._path.stem}{part}{self._path.suffix}") for part in files]
+        for path, data in zip(paths, files.values(), strict=True):
+            write_atomically(data, path, "--out")
+        where = f"{paths[0].resolve()}" if len(paths) == 1 else f"{paths[0].resolve()} to {paths[-1].name}"
+        return f"the motion of {len(motion.dancers)} dancers in {motion.sample_count} frames is here: {where}"

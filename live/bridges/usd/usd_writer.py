@@ -1,0 +1,111 @@
+"""Writer for USD: each dancer is a UsdSkel skeleton with an animation and a skinned mesh of bone-shaped spindles."""
+
+import re
+import tempfile
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
+
+from live.motion import quaternion
+from live.motion.formats.gltf_writer import GENERATOR, BoneMesh, bone_mesh
+from live.motion.formats.stage_motion import DancerMotion, StageMotion
+from live.motion.skeleton import JOINT_COUNT, SKELETON
+
+_NOT_IN_NAMES: Final = re.compile(r"[^A-Za-z0-9_]")
+_ONES: Final = Vt.Vec3hArray(JOINT_COUNT, Gf.Vec3h(1.0))
+
+
+def write_usd(motion: StageMotion, suffix: str) -> bytes:
+    """Return the dancers of a show as a USD file, text for ".usda", else binary.
+
+    Metres, Y up; a time code for each frame, from 0 on, at the motion's rate. /show has a SkelRoot for each dancer, who
+    is invisible while not on the stage; the group stands in its custom data. The joints have VRM names; they rest in
+    the T-pose.
+    """
+    layer = Sdf.Layer.CreateAnonymous(".usda" if suffix == ".usda" else ".usdc")
+    stage: Any = Usd.Stage.Open(layer)
+    UsdGeom.SetStageUpAxis(stage, UsdGeom.Tokens.y)
+    UsdGeom.SetStageMetersPerUnit(stage, 1.0)
+    stage.SetTimeCodesPerSecond(motion.sample_rate)
+    stage.SetFramesPerSecond(motion.sample_rate)
+    stage.SetStartTimeCode(0)
+    stage.SetEndTimeCode(motion.sample_count - 1)
+    stage.SetMetadata("comment", f"{motion.name}, by {GENERATOR}")
+    show = UsdGeom.Xform.Define(stage, "/show")
+    stage.SetDefaultPrim(show.GetPrim())
+    figure = bone_mesh()
+    for dancer in motion.dancers:
+        _add_dancer(stage, dancer, figure)
+    if suffix == ".usda":
+        return str(layer.ExportToString()).encode()
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "show.usdc")
+        layer.Export(str(path))
+        return path.read_bytes()
+
+
+def _add_dancer(stage: Any, dancer: DancerMotion, figure: BoneMesh) -> None:
+    place = f"/show/{_NOT_IN_NAMES.sub('_', dancer.name)}"
+    root = UsdSkel.Root.Define(stage, place)
+    root.GetPrim().SetCustomDataByKey("group", dancer.group)
+    if not dancer.present.all():
+        visibility = root.CreateVisibilityAttr()
+        for sample in [0, *(1 + np.flatnonzero(np.diff(dancer.present))).tolist()]:
+            seen = UsdGeom.Tokens.inherited if dancer.present[sample] else UsdGeom.Tokens.invisible
+            visibility.Set(seen, sample)
+    skeleton = UsdSkel.Skeleton.Define(stage, f"{place}/skeleton")
+    joints = _joint_paths()
+    skeleton.CreateJointsAttr(joints)
+    skeleton.CreateBindTransformsAttr(_translations(SKELETON.rest_positions()))
+    skeleton.CreateRestTransformsAttr(_translations(SKELETON.offsets))
+    animation = UsdSkel.Animation.Define(stage, f"{place}/skeleton/motion")
+    animation.CreateJointsAttr(joints)
+    _write_poses(animation, dancer)
+    UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets([animation.GetPath()])
+    _add_figure(stage, f"{place}/figure", figure, dancer, skeleton)
+
+
+def _joint_paths() -> Any:
+    """Return the joints' paths from the hips on, as UsdSkel names them."""
+    paths: list[str] = []
+    for joint, name in enumerate(SKELETON.names):
+        parent = int(SKELETON.parents[joint])
+        paths.append(name if parent < 0 else f"{paths[parent]}/{name}")
+    return Vt.TokenArray(paths)
+
+
+def _translations(places: Any) -> Any:
+    """Return matrices that move to `places` (J, 3) [m]."""
+    return Vt.Matrix4dArray([Gf.Matrix4d(1.0).SetTranslate(Gf.Vec3d(*map(float, place))) for place in places])
+
+
+def _write_poses(animation: Any, dancer: DancerMotion) -> None:
+    """Write translations, rotations and scales of all joints: what does not change has one value, the rest one for each
+    frame."""
+    clip = dancer.clip
+    turns = quaternion.unit(quaternion.align_signs(clip.rotation.astype(np.float64)))
+    ordered = np.ascontiguousarray(turns[..., [1, 2, 3, 0]], np.float32)  # as GfQuatf lies in memory
+    place = np.tile(SKELETON.offsets.astype(np.float32), (clip.sample_count, 1, 1))
+    place[:, 0] = clip.root_position
+    translations, rotations = animation.CreateTranslationsAttr(), animation.CreateRotationsAttr()
+    animation.CreateScalesAttr(_ONES)
+    for sample in range(clip.sample_count):
+        translations.Set(Vt.Vec3fArray.FromNumpy(place[sample]), sample)
+        rotations.Set(Vt.QuatfArray.FromNumpy(ordered[sample]), sample)
+
+
+def _add_figure(stage: Any, path: str, figure: BoneMesh, dancer: DancerMotion, skeleton: Any) -> None:
+    mesh = UsdGeom.Mesh.Define(stage, path)
+    mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(figure.positions)))
+    mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(figure.normals)))
+    mesh.SetNormalsInterpolation(UsdGeom.Tokens.vertex)
+    mesh.CreateFaceVertexCountsAttr(Vt.IntArray(len(figure.indices) // 3, 3))
+    mesh.CreateFaceVertexIndicesAttr(Vt.IntArray.FromNumpy(figure.indices.astype(np.int32)))
+    mesh.CreateSubdivisionSchemeAttr(UsdGeom.Tokens.none)
+    mesh.CreateDisplayColorAttr([Gf.Vec3f(*dancer.colour)])
+    binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
+    binding.CreateSkeletonRel().SetTargets([skeleton.GetPath()])
+    binding.CreateJointIndicesPrimvar(False, 1).Set(Vt.IntArray.FromNumpy(figure.joints[:, 0].astype(np.int32)))
+    binding.CreateJointWeightsPrimvar(False, 1).Set(Vt.FloatArray(len(figure.joints), 1.0))

@@ -1,0 +1,59 @@
+"""The motion of all dancers of a show on the stage, as it is written for other programs."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from live.base.arrays import Bool, Float32, Float64
+from live.motion.clip import Clip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DancerMotion:
+    """One dancer: the poses in the places of the stage."""
+
+    name: str
+    """Such as "dancer 3"."""
+    group: str
+    """Name of the group to which the dancer belongs at the beginning."""
+    clip: Clip
+    """T samples, in stage coordinates."""
+    present: Bool
+    """At which of them the dancer is on the stage, (T,)."""
+    colour: tuple[float, float, float] = (0.8, 0.6, 0.4)
+    """Of the clothes, 0 to 1."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class StageMotion:
+    """All dancers, with samples at the same times."""
+
+    name: str
+    dancers: tuple[DancerMotion, ...]
+    sample_rate: float
+    """Samples per second."""
+    begin: float
+    """Time of the first sample in the show [s]."""
+    beat: Float64
+    """Beats since the first one at each sample, (T,)."""
+    measure: Float64
+    """The measure that is danced, from 1, (T,)."""
+
+    @property
+    def sample_count(self) -> int:
+        """Number of samples T."""
+        return len(self.beat)
+
+    def hips(self, dancer: int) -> Float32:
+        """Return the place of a dancer's hips on the floor: x and z [m], (T, 2)."""
+        return self.dancers[dancer].clip.root_position[:, ::2]
+
+    def heading(self, dancer: int) -> Float64:
+        """Return where a dancer's hips face: 0 the audience, positive towards +x [rad], (T,)."""
+        w, x, y, z = np.moveaxis(self.dancers[dancer].clip.rotation[:, 0].astype(np.float64), -1, 0)
+        return np.asarray(np.arctan2(2.0 * (x * z + w * y), 1.0 - 2.0 * (x * x + y * y)))
+
+
+StageFiles = Mapping[str, bytes]
+"""Contents of the files by what their names have between the stem and the suffix: "" for the only one."""
