@@ -4,10 +4,13 @@ Every command is a function in a separate module that declares its options. Heav
 so that `live --help` needs neither numba nor OpenGL.
 """
 
+import re
 import sys
-from typing import Annotated
+from collections.abc import Callable, Mapping
+from typing import Annotated, Any, Final
 
 import typer
+from typer.core import TyperGroup
 
 from live import __version__
 from live.app.bridges import installed_bridges
@@ -28,8 +31,32 @@ from live.cli.motion import bvh, character, export, sync
 from live.cli.steps import dance, partner, steps, texture
 from live.cli.venue import calibrate, devices, doctor
 
+_TAG: Final = re.compile(r"(\\*)(\[[a-zA-Z#/@][^\[\]]*\])")
+"""What rich takes for markup in a text."""
+
+
+def _escape_help(command: Any) -> None:
+    """Let rich print the brackets in all helps below `command`, such as those of a table `[[react]]`."""
+    for each in (command, *command.params):
+        text = getattr(each, "help", None)
+        if text:
+            each.help = _TAG.sub(r"\1\1\\\2", text)
+    for below in getattr(command, "commands", {}).values():
+        _escape_help(below)
+
+
+class _Commands(TyperGroup):
+    """All commands."""
+
+    def main(self, *arguments: Any, **options: Any) -> Any:
+        """Run one of them."""
+        _escape_help(self)
+        return super().main(*arguments, **options)
+
+
 app = typer.Typer(
     name="live",
+    cls=_Commands,
     help="Virtual dancers that dance live to music, on a projector.",
     epilog="Play the first show: [bold]live play[/]. Check this machine: [bold]live doctor[/].",
     no_args_is_help=True,
@@ -38,44 +65,61 @@ app = typer.Typer(
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 
-app.command("play")(play.play)
-app.command("studio")(play.studio)
-app.command("render")(render.render)
-app.command("replay")(replay.replay)
-app.command("check")(check.check)
-app.command("score")(score.score)
-app.command("contact-sheet")(contact_sheet.contact_sheet)
-app.command("clock-check")(clock_check.clock_check)
-app.command("dance")(dance.dance)
-app.command("devices")(devices.devices)
-app.command("calibrate")(calibrate.calibrate)
-app.command("character")(character.character)
-app.command("doctor")(doctor.doctor)
-app.command("beats")(beats.beats)
-app.command("bench")(bench.bench)
-app.command("bvh")(bvh.bvh)
-app.command("pair")(pair.pair)
-app.command("partner")(partner.partner)
-app.command("export")(export.export)
-app.command("formation")(formation.formation)
-app.command("schema")(schema.schema)
-app.command("sim")(simulate.sim)
-app.command("simulate")(simulate.simulate)
-app.command("soak")(soak.soak)
-app.command("texture")(texture.texture)
-app.command("warm")(warm.warm)
-app.command("sync")(sync.sync)
-app.add_typer(document.app, name="document")
-app.add_typer(journal.app, name="journal")
-app.add_typer(music.app, name="music")
-app.add_typer(steps.app, name="steps")
-app.add_typer(service.app, name="service")
-for bridge in installed_bridges().bridges:
-    for name, command in bridge.commands().items():
-        if isinstance(command, typer.Typer):
-            app.add_typer(command, name=name)
-        else:
-            app.command(name)(command)
+Registered = Callable[..., None] | typer.Typer
+HALL: Final = "The hall and its machines"
+PANELS: Final[Mapping[str, Mapping[str, Registered]]] = {
+    "Play and film": {"play": play.play, "studio": play.studio, "render": render.render, "replay": replay.replay},
+    "Shows": {
+        "check": check.check,
+        "score": score.score,
+        "contact-sheet": contact_sheet.contact_sheet,
+        "formation": formation.formation,
+        "document": document.app,
+        "journal": journal.app,
+        "schema": schema.schema,
+    },
+    "Steps and motion": {
+        "steps": steps.app,
+        "dance": dance.dance,
+        "texture": texture.texture,
+        "partner": partner.partner,
+        "export": export.export,
+        "bvh": bvh.bvh,
+        "sync": sync.sync,
+        "character": character.character,
+    },
+    "Music": {"beats": beats.beats, "music": music.app, "clock-check": clock_check.clock_check},
+    HALL: {
+        "doctor": doctor.doctor,
+        "devices": devices.devices,
+        "calibrate": calibrate.calibrate,
+        "pair": pair.pair,
+        "service": service.app,
+        "warm": warm.warm,
+    },
+    "For those who work on it": {
+        "bench": bench.bench,
+        "soak": soak.soak,
+        "sim": simulate.sim,
+        "simulate": simulate.simulate,
+    },
+}
+"""All commands, by whom they are for. Those of bridges are added to HALL."""
+
+
+def _register(name: str, command: Registered, panel: str) -> None:
+    if isinstance(command, typer.Typer):
+        app.add_typer(command, name=name, rich_help_panel=panel)
+    else:
+        app.command(name, rich_help_panel=panel)(command)
+
+
+for _panel, _commands in PANELS.items():
+    for _name, _command in _commands.items():
+        _register(_name, _command, _panel)
+for _bridge in installed_bridges().bridges:
+    for _name, _command in _bridge.commands().items():
+        _register(_name, _command, HALL)
 
 
 def _print_version(wanted: bool) -> None:

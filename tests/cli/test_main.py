@@ -1,12 +1,15 @@
 """The frame of the command line: help, version, errors and exit codes."""
 
+import re
 import signal
 import subprocess
 import sys
 from collections.abc import Iterator
 from importlib.metadata import version
+from typing import Any
 
 import pytest
+import typer
 
 from live.base.errors import PersonError
 from live.cli import main as main_module
@@ -27,6 +30,34 @@ def test_every_command_has_help(command: str) -> None:
     done = run_live(command, "--help")
     assert done.returncode == 0, done.stderr
     assert f"live {command}" in done.stdout
+
+
+def _commands(command: Any, path: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    yield path, command
+    for name, below in getattr(command, "commands", {}).items():
+        yield from _commands(below, (*path, name))
+
+
+def test_no_help_loses_what_stands_in_brackets() -> None:
+    """Tables such as [[react]] and units such as [s] are text, not markup."""
+    tree, seen = typer.main.get_command(main_module.app), 0
+    for path, command in _commands(tree):
+        texts = [getattr(each, "help", None) or "" for each in (command, *command.params)]
+        wanted = {found for text in texts for found in re.findall(r"\[+[^\[\]]+\]+", text)}
+        if wanted:
+            shown = run_live(*path, "--help", COLUMNS="400").stdout
+            assert {each for each in wanted if each not in shown} == set(), path
+            seen += len(wanted)
+    assert seen >= 4
+
+
+def test_commands_are_listed_by_whom_they_are_for() -> None:
+    shown = run_live("--help").stdout
+    places = [shown.index(f"─ {panel} ─") for panel in main_module.PANELS]
+    assert places == sorted(places)
+    assert "─ Commands ─" not in shown
+    for name in ("layout", "mocap"):  # of bridges
+        assert shown.index(f" {name} ") > shown.index(main_module.HALL)
 
 
 def test_version_is_installed_version() -> None:
