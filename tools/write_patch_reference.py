@@ -2,6 +2,7 @@
 
 import sys
 import types
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Literal, Union, get_args, get_origin
 
@@ -10,7 +11,7 @@ from pydantic.fields import FieldInfo
 from live.app.bridges import installed_bridges
 from live.show.patch.patch import Patch
 from live.show.patch.patch_schema import field_docs
-from live.show.patch.section_base import Section
+from live.show.patch.section_base import Section, colour_value
 
 OUT = Path(__file__).resolve().parents[1] / "docs" / "patch.md"
 
@@ -25,6 +26,8 @@ with their lines.
 `looks/` and `score/` whose names end in `.toml`, read in this order and by name. Tables in double brackets are
 appended; keys of one table are merged. A key that occurs twice is refused, with both places. The limits are 256 files,
 4 MB each and 16 MB together.
+
+**Colours** are a word of the web (`"gold"`), sRGB as in `"#f80"`, or linear red, green and blue: `[1.0, 0.25, 0.0]`.
 
 **Editors** that know TOML schemas (taplo, Even Better TOML) complete keys, explain them and underline mistakes:
 `live schema --out patch.schema.json`, and `#:schema patch.schema.json` in a file's first line.
@@ -94,8 +97,12 @@ def _table(title: str, section: type[Section], *, top: bool = False) -> str:
     return "\n".join(row for row in rows if row) + "\n"
 
 
+def _is_colour(metadata: Iterable[Any]) -> bool:
+    return any(getattr(each, "func", None) is colour_value for each in metadata)
+
+
 def _kind(field: FieldInfo) -> str:
-    words = _type_words(field.annotation)
+    words = "colour" if _is_colour(field.metadata) else _type_words(field.annotation)
     limits = {type(limit).__name__.lower(): limit for limit in field.metadata}
     low = next((getattr(limits[k], k) for k in ("ge", "gt") if k in limits), None)
     high = next((getattr(limits[k], k) for k in ("le", "lt") if k in limits), None)
@@ -118,6 +125,8 @@ def _type_words(annotation: Any) -> str:
         kind = get_args(annotation)[1]
         return "table" if kind is Any else f"table of {_type_words(kind)}s by name"
     if hasattr(annotation, "__metadata__"):
+        if _is_colour(annotation.__metadata__):
+            return "colour"
         return _type_words(get_args(annotation)[0])
     if isinstance(annotation, type) and issubclass(annotation, Section):
         return "table"

@@ -12,12 +12,18 @@ EXIT_INTERRUPTED: Final = 130
 
 
 def show_person_error(error: PersonError) -> None:
-    """Print the error on stderr: one line, and one more for the remedy; its text is not parsed as markup."""
+    """Print the error on stderr: one line, or one for each of several faults, and one more for the remedy; its text is
+    not parsed as markup."""
     from rich.console import Console
     from rich.text import Text
 
     console = Console(stderr=True, soft_wrap=True, highlight=False)
-    console.print(Text.assemble(("error: ", "bold red"), " ".join(error.message.split())))
+    if error.faults:
+        console.print(Text.assemble(("error: ", "bold red"), "several things are wrong"))
+        for fault in error.faults:
+            console.print(Text.assemble(("  - ", "bold red"), " ".join(fault.split())))
+    else:
+        console.print(Text.assemble(("error: ", "bold red"), " ".join(error.message.split())))
     if error.remedy is not None:
         console.print(Text.assemble(("  try: ", "bold"), error.remedy))
 

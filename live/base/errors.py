@@ -24,13 +24,21 @@ class PersonError(Exception):
     `message` is one line: the value read and the values allowed. `remedy`, if any, is what to type or change.
     Control characters are escaped in both.
     `key_path` are the keys that lead to the value, ("segment", 3, "formation"), from which callers can find its line.
+    `faults`, if there are several, are those of which the message tells in one line; a terminal lists them.
     """
 
-    def __init__(self, message: str, remedy: str | None = None, key_path: tuple[str | int, ...] = ()) -> None:
+    def __init__(
+        self,
+        message: str,
+        remedy: str | None = None,
+        key_path: tuple[str | int, ...] = (),
+        faults: tuple[str, ...] = (),
+    ) -> None:
         super().__init__(message)
         self.message = printable(message)
         self.remedy = None if remedy is None else printable(remedy)
         self.key_path = key_path
+        self.faults = tuple(map(printable, faults))
 
     def __str__(self) -> str:
         return self.message if self.remedy is None else f"{self.message} ({self.remedy})"
@@ -50,7 +58,8 @@ class _ErrorContext:
     def __exit__(self, _kind: object, error: BaseException | None, _trace: object) -> None:
         if isinstance(error, PersonError):
             message, key_path = f"{self._where}: {error.message}", (*self._key_path, *error.key_path)
-            raise PersonError(message, error.remedy, key_path) from None
+            faults = tuple(f"{self._where}: {fault}" for fault in error.faults)
+            raise PersonError(message, error.remedy, key_path, faults) from None
 
 
 def error_context(where: str, key_path: tuple[str | int, ...] = ()) -> _ErrorContext:

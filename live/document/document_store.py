@@ -112,7 +112,7 @@ class DocumentStore:
         try:
             document = Document(files, path=self.path, tables=self._tables)
         except PersonError as error:
-            raise PatchError(error.message, error.remedy, error.key_path) from None
+            raise PatchError(error.message, error.remedy, error.key_path, error.faults) from None
         self._stamps, self._marks = stamps, marks
         return document
 

@@ -24,7 +24,9 @@ test("what is typed", () => {
   assert.deepEqual(["3,4", "77", "x", ""].map((said) => readNumber(field, said)), [3, 9, null, null]);
   assert.deepEqual(readNumbers("1, 2.5 -3"), [1, 2.5, -3]);
   assert.equal(readNumbers("1, b"), null);
-  assert.equal(hexOf(colourOfHex("#12ab80")), "#12ab80");
+  for (const hex of ["#12ab80", "#000000", "#050301", "#ffffff"]) assert.equal(hexOf(colourOfHex(hex)), hex);
+  assert.deepEqual(["#F80", "#Ff8800", "no colour", null].map(hexOf), ["#ff8800", "#ff8800", "#808080", "#808080"]);
+  assert.equal(hexOf([0.5, 0, 0]), "#ba0000"); // half the light looks brighter than half
 });
 
 test("dancers, names and steps", () => {

@@ -146,7 +146,7 @@ def test_wrong_table_is_refused_with_line_and_field(text, line, words):
 @pytest.mark.parametrize(
     ("text", "words"),
     [
-        ("foil = 3", r"line 1: foil: input should be a valid tuple, found 3"),
+        ("foil = 3", r"line 1: foil: a list expected, found 3"),
         ("tinsel = 3", r"line 1: tinsel: unknown key; allowed are name, seed, .*signal, curve, foil"),
         ("tinsel = []", r"line 1: tinsel: unknown key; allowed are name"),
     ],

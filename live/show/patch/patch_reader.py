@@ -41,7 +41,7 @@ def read_sources(path: Path, tables: BridgeTables = ()) -> tuple[Patch, TomlSour
         add_custom_passes(sources.data, path)
         return validate_sources(sources, Patch, "patch", PATCH_CHECKS, tables), sources
     except PersonError as error:
-        raise PatchError(error.message, error.remedy, error.key_path) from None
+        raise PatchError(error.message, error.remedy, error.key_path, error.faults) from None
 
 
 def custom_pass_files(path: Path) -> list[Path]:
@@ -97,4 +97,4 @@ def parse_patch(text: str, file: str, tables: BridgeTables = ()) -> Patch:
     try:
         return parse_model(text, file, Patch, "patch", PATCH_CHECKS, tables)
     except PersonError as error:
-        raise PatchError(error.message, error.remedy, error.key_path) from None
+        raise PatchError(error.message, error.remedy, error.key_path, error.faults) from None

@@ -1,9 +1,10 @@
 """Base class of all tables of a patch, value types that several of them share, and the door for a reader's checks."""
 
+import difflib
 from collections.abc import Callable, Iterable, Mapping
-from typing import Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationInfo, create_model
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, ValidationInfo, WithJsonSchema, create_model
 
 from live.base.motion_parameters import MOTION_PARAMETERS
 from live.base.parameter import Parameter
@@ -15,7 +16,41 @@ Place = tuple[
     Annotated[float, Field(ge=-100, le=100, allow_inf_nan=False)],
 ]
 Share = Annotated[float, Field(ge=0, le=1, allow_inf_nan=False)]
-Colour = tuple[Share, Share, Share]
+
+
+def colour_value(value: Any) -> Any:
+    """Return a colour as linear RGB if it is a text, a word ("red") or sRGB as "#f80" or "#ff8800"; else as it is.
+
+    ValueError for a text that is no colour.
+    """
+    if not isinstance(value, str):
+        return value
+    from PIL import ImageColor  # few patches need it
+
+    try:
+        levels = [level / 255.0 for level in ImageColor.getrgb(value)[:3]]
+    except ValueError:
+        near = difflib.get_close_matches(value.casefold(), ImageColor.colormap, n=1)
+        hint = f"did you mean {near[0]!r}? " if near else ""
+        raise ValueError(
+            f"{hint}a colour expected: a word of the web such as 'gold', '#f80', or [1.0, 0.25, 0.0], "
+            f"found {value[:40]!r}"
+        ) from None
+    return [round(c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4, 4) for c in levels]
+
+
+def colour_type(part: Any, low: float = 0, high: float = 1) -> Any:
+    """Return the type of a colour whose parts are numbers of the type `part`, from `low` to `high`."""
+    number = {"type": "number", "minimum": low, "maximum": high}
+    numbers = {"type": "array", "prefixItems": [number] * 3, "minItems": 3, "maxItems": 3}
+    schema = {"anyOf": [numbers, {"type": "string"}]}
+    return Annotated[tuple[part, part, part], BeforeValidator(colour_value), WithJsonSchema(schema)]
+
+
+if TYPE_CHECKING:
+    Colour = tuple[float, float, float]
+else:
+    Colour = colour_type(Share)
 Name = Annotated[str, Field(min_length=1, max_length=64)]
 Size = tuple[
     Annotated[float, Field(ge=1, le=100, allow_inf_nan=False)],
@@ -72,6 +107,8 @@ def _key_type(row: Parameter) -> Any:
     if row.kind == "switch":
         return bool
     number = Annotated[float, Field(ge=row.low, le=row.high, allow_inf_nan=False)]
+    if row.kind == "colour":
+        return colour_type(number, row.low, row.high)
     return number if row.size == 1 else tuple[(number,) * row.size]  # type: ignore[misc]
 
 

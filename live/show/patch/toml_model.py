@@ -211,8 +211,11 @@ class InvalidModel(PersonError):
         """`found` are pydantic's errors of the values of `sources`."""
         self._sources, self._models = sources, models
         self._found: list[tuple[KeyPath, Any]] = []
+        entries = {tuple(problem["loc"])[:end] for problem in found for end in range(1, len(problem["loc"]))}
         for problem in found:
             where: KeyPath = tuple(problem["loc"])
+            if problem["type"] == "too_short" and where in entries:
+                continue  # faulty entries were left out before it was counted
             fault = problem.get("ctx", {}).get("error")
             if isinstance(fault, InvalidEntry):  # of a check that found several at once
                 self._found += [(where + one.key_path, one) for one in (fault, *fault.others)]
@@ -223,7 +226,8 @@ class InvalidModel(PersonError):
         words = [
             f"{each.file}, line {each.line}: {key_text(each.key_path) or f'the {what}'}: {each.text}" for each in shown
         ]
-        super().__init__("; ".join(words) + (f"; and {more} more" if more > 0 else ""))
+        words += [f"and {more} more"] if more > 0 else []
+        super().__init__("; ".join(words), faults=tuple(words) if len(words) > 1 else ())
 
     def problems(self, limit: int) -> list[Problem]:
         """Return the first `limit` errors."""
@@ -262,6 +266,8 @@ def _problem_text(problem: Any, models: Sequence[type[BaseModel]]) -> str:
         return f"a table expected, found {str(read)[:40]}" + (f"; there is one: write [{name}]" if several else "")
     if kind == "tuple_type" and isinstance(read, dict):
         return f"a list of tables expected, found one table; write [[{name}]] each time"
+    if kind == "tuple_type":
+        message = "a list expected"
     shown = (
         repr(read) if isinstance(read, str | int | float | bool) else _TYPE_NAMES.get(type(read), type(read).__name__)
     )
@@ -292,11 +298,21 @@ def _allowed_keys(where: tuple[str | int, ...], models: Sequence[type[BaseModel]
             continue
         annotation = fields[part].annotation
         inner = getattr(annotation, "__args__", None)
-        below: Any = inner[0] if inner else annotation
-        if not hasattr(below, "model_fields"):
+        table: Any = inner[0] if inner else annotation
+        if not hasattr(table, "model_fields"):
             return "see the reference"
-        fields = below.model_fields
-    keys = list(fields)
-    near = difflib.get_close_matches(str(where[-1]), keys, n=1)
-    hint = f"did you mean {near[0]!r}? " if near else ""
+        fields = table.model_fields
+    keys, wrong = list(fields), str(where[-1])
+    near = difflib.get_close_matches(wrong, keys, n=1)
+    if near:
+        return f"did you mean {near[0]!r}? allowed are {', '.join(keys)}"
+    below = [(key, name) for name, each in fields.items() for key in _keys_below(each.annotation)]
+    near = difflib.get_close_matches(wrong, {key for key, _ in below}, n=3, cutoff=0.66)
+    places = [f"{key} in [{name}]" for key, name in below if key in near]
+    hint = f"did you mean {' or '.join(places)}? " if places else ""
     return f"{hint}allowed are {', '.join(keys)}"
+
+
+def _keys_below(annotation: Any) -> list[str]:
+    """The keys of the table that is the value of a key; none if it is no table."""
+    return list(getattr(annotation, "model_fields", ()))

@@ -7,7 +7,7 @@ export function toHex(colour: readonly number[]): string {
 }
 
 export function fromHex(hex: string): Colour {
-  const channel = (at: number): number => Math.round((parseInt(hex.slice(at, at + 2), 16) / 255) ** 2.2 * 1000) / 1000;
+  const channel = (at: number): number => Math.round((parseInt(hex.slice(at, at + 2), 16) / 255) ** 2.2 * 1e5) / 1e5;
   return [channel(1), channel(3), channel(5)];
 }
 

@@ -1,4 +1,5 @@
 // Forms: what the fields of entries are, what they hold, and the edits that change them. Pure.
+import { fromHex, toHex } from "./colour";
 import { entries, text, type Entry, type Score } from "./score";
 import type { SingleEdit } from "./document";
 import schema from "./schema.json";
@@ -79,15 +80,21 @@ export function readNumbers(said: string): number[] | null {
   return parts.every(Number.isFinite) ? parts : null;
 }
 
+/** A colour of a patch as #rrggbb: linear numbers, or a text, which is a word of the web, #rgb or #rrggbb. */
 export function hexOf(colour: unknown): string {
-  if (!Array.isArray(colour)) return "#808080";
-  return `#${colour.slice(0, 3).map((part) => Math.round(Math.min(1, Math.max(0, Number(part))) * 255).toString(16).padStart(2, "0")).join("")}`;
+  if (Array.isArray(colour)) return toHex(colour.map(Number));
+  if (typeof colour !== "string") return "#808080";
+  if (/^#[0-9a-f]{3}$/i.test(colour)) return `#${[...colour.slice(1)].map((digit) => digit + digit).join("")}`.toLowerCase();
+  if (/^#[0-9a-f]{6}$/i.test(colour)) return colour.toLowerCase();
+  const pen = typeof document === "undefined" ? null : document.createElement("canvas").getContext("2d");
+  if (!pen) return "#808080";
+  pen.fillStyle = "#808080"; // stays if the word is none
+  pen.fillStyle = colour;
+  return /^#[0-9a-f]{6}$/.test(String(pen.fillStyle)) ? String(pen.fillStyle) : "#808080";
 }
 
-export function colourOfHex(hex: string): [number, number, number] {
-  const part = (at: number): number => Math.round((parseInt(hex.slice(at, at + 2), 16) / 255) * 1000) / 1000;
-  return [part(1), part(3), part(5)];
-}
+/** The linear numbers that a patch has for #rrggbb. */
+export const colourOfHex = fromHex;
 
 /** The names that a field may have: of the entries of a list. */
 export function namesOf(score: Score, list: string): string[] {

@@ -129,7 +129,8 @@ def test_binary_large_and_missing_files_are_refused(tmp_path):
 
 def test_remedies_are_searched_only_for_reported_problems(monkeypatch):
     asked = []
-    monkeypatch.setattr(toml_model.difflib, "get_close_matches", lambda *words, n: asked.append(words) or [])
+    monkeypatch.setattr(toml_model.difflib, "get_close_matches", lambda *words, **_: asked.append(words[0]) or [])
     with pytest.raises(PatchError, match="and 4994 more"):  # 5,000, name and group; of eight the words are here
         parse_patch("\n".join(f"k{number} = 1" for number in range(5000)), "test.toml")
-    assert len(asked) <= 8
+    assert len(set(asked)) <= 8
+    assert len(asked) <= 2 * 8  # in its own table, and in the others
