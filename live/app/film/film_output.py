@@ -1,6 +1,7 @@
 """Where the frames of a show go offline: as pictures into a film, or as motion into files for other programs."""
 
 import contextlib
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Protocol
 
@@ -12,7 +13,7 @@ from live.base.stage_snapshot import StageView
 from live.library.motion_formats import stage_format
 from live.library.whole_file import write_atomically
 from live.motion.clip import Clip
-from live.motion.formats.stage_motion import DancerMotion, StageMotion
+from live.motion.formats.stage_motion import DancerMotion, StageFormation, StageMotion
 from live.motion.forward_kinematics import local_rotations
 from live.motion.skeleton import JOINT_COUNT
 from live.render.film.film_writer import FilmError, Picture, PictureWriter
@@ -82,6 +83,15 @@ class PictureOutput:
             raise PersonError(str(error)) from None
 
 
+def _formations(show: Show) -> Iterator[StageFormation]:
+    """Yield the formations that the show knows by name, with places for its largest group."""
+    count = max(group.dancers for group in show.patch.group)
+    for formation in show.motion.evolutions.formations.values():
+        places = formation.places_for(count)
+        slots = np.asarray(places.slots, np.float64).reshape(-1, 2)
+        yield StageFormation(formation.name, slots, np.broadcast_to(places.heading, len(slots)).astype(np.float64))
+
+
 class MotionOutput:
     """The poses of all dancers who are ever on the stage."""
 
@@ -95,6 +105,7 @@ class MotionOutput:
         self._groups = [group.name for group in show.patch.group]
         self._colours = loaded.scene().group_colours
         self._group = np.array(show.group)
+        self._formations = tuple(_formations(show))
         self._root: list[Float32] = []
         self._rotation: list[Float32] = []
         self._present: list[Bool] = []
@@ -142,7 +153,9 @@ class MotionOutput:
             name = self._groups[group] if group < len(self._groups) else ""
             colour = self._colours[group % len(self._colours)]
             dancers.append(DancerMotion(clip.name, name, clip, present[:, number], colour))
-        return StageMotion(self._name, tuple(dancers), self._rate, self._begin, beat[:, 0], beat[:, 1])
+        return StageMotion(
+            self._name, tuple(dancers), self._rate, self._begin, beat[:, 0], beat[:, 1], self._formations
+        )
 
     def close(self) -> str:
         """See `FilmOutput`."""

@@ -26,6 +26,17 @@ class DancerMotion:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
+class StageFormation:
+    """The places of a formation, as the largest group would stand in it."""
+
+    name: str
+    places: Float64
+    """x and z [m], (S, 2)."""
+    heading: Float64
+    """As in `StageMotion.heading` [rad], (S,)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
 class StageMotion:
     """All dancers, with samples at the same times."""
 
@@ -39,6 +50,8 @@ class StageMotion:
     """Beats since the first one at each sample, (T,)."""
     measure: Float64
     """The measure that is danced, from 1, (T,)."""
+    formations: tuple[StageFormation, ...] = ()
+    """The formations that the show knows by name."""
 
     @property
     def sample_count(self) -> int:

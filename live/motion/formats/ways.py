@@ -34,7 +34,7 @@ def write_ways_csv(motion: StageMotion) -> bytes:
 
 
 def write_ways_json(motion: StageMotion) -> bytes:
-    """Return the same as one JSON object: times once, then the ways of each dancer."""
+    """Return the same as one JSON object: times once, then the ways of each dancer, then the show's formations."""
     document = {
         "show": motion.name,
         "frames_per_second": motion.sample_rate,
@@ -51,6 +51,15 @@ def write_ways_json(motion: StageMotion) -> bytes:
                 "heading_deg": _rounded(np.degrees(motion.heading(number)), 2),
             }
             for number, dancer in enumerate(motion.dancers)
+        ],
+        "formations": [
+            {
+                "name": formation.name,
+                "x_m": _rounded(formation.places[:, 0], 4),
+                "z_m": _rounded(formation.places[:, 1], 4),
+                "heading_deg": _rounded(np.degrees(formation.heading), 2),
+            }
+            for formation in motion.formations
         ],
     }
     return (json.dumps(document, separators=(",", ":"), ensure_ascii=False) + "\n").encode()

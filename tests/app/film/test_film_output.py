@@ -143,6 +143,14 @@ def test_tables_hold_places_headings_and_measures(show_files):
         across = np.degrees(np.arctan2(legs[:, 0], legs[:, 2])) - 90.0  # the left leg is at the left of the heading
         off = (np.array(ways["heading_deg"]) - across + 180.0) % 360.0 - 180.0
         assert np.abs(off).max() < 15.0  # hips sway
+    formations = {formation["name"]: formation for formation in document["formations"]}
+    assert len(formations) >= 2
+    for formation in formations.values():
+        places = np.stack([formation["x_m"], formation["z_m"]], axis=1)
+        assert len(places) == len(formation["heading_deg"]) > 0
+        assert np.abs(places).max() < 8.0
+        apart = np.linalg.norm(places[:, None] - places[None], axis=-1)
+        assert apart[~np.eye(len(places), dtype=bool)].min() > 0.3
     assert document["dancers"][4]["present"] == [int(frame >= 11) for frame in range(FRAMES)]
 
 
