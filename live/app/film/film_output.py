@@ -2,20 +2,23 @@
 
 import contextlib
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Protocol
 
 import numpy as np
 
 from live.base.arrays import Bool, Float32
+from live.base.body_catalogue import BODIES, DEFAULT_BODY
 from live.base.errors import PersonError
 from live.base.stage_snapshot import StageView
 from live.library.motion_formats import stage_format
 from live.library.whole_file import write_atomically
 from live.motion.clip import Clip
-from live.motion.formats.stage_motion import DancerMotion, StageFormation, StageMotion
+from live.motion.formats.stage_motion import DancerMotion, FigureMesh, StageFormation, StageMotion
 from live.motion.forward_kinematics import local_rotations
 from live.motion.skeleton import JOINT_COUNT
+from live.render.body.body_mesh import build_body
 from live.render.film.film_writer import FilmError, Picture, PictureWriter
 from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
@@ -26,6 +29,8 @@ if TYPE_CHECKING:
     from live.render.headless import OffscreenTarget
     from live.render.renderer import Renderer
 
+FINEST_LEVEL: Final = 2
+"""Level of detail of bodies in files."""
 MAX_MOTION_BYTES: Final = 4 * 10**9
 """The poses of a show are held in memory until all are there."""
 
@@ -92,6 +97,19 @@ def _formations(show: Show) -> Iterator[StageFormation]:
         yield StageFormation(formation.name, slots, np.broadcast_to(places.heading, len(slots)).astype(np.float64))
 
 
+@cache
+def _figure(name: str) -> FigureMesh:
+    """Return a built-in body at its finest level, for other programs."""
+    body = build_body(FINEST_LEVEL, name)
+    return FigureMesh(
+        positions=np.ascontiguousarray(body.position, np.float32),
+        normals=np.ascontiguousarray(body.normal, np.float32),
+        joints=np.where(body.weight > 0.0, body.joint, 0).astype(np.uint8),
+        weights=np.ascontiguousarray(body.weight, np.float32),
+        indices=body.triangle.ravel().astype(np.uint16),
+    )
+
+
 class MotionOutput:
     """The poses of all dancers who are ever on the stage."""
 
@@ -103,7 +121,8 @@ class MotionOutput:
         self._path, self._rate, self._begin = path, fps, begin
         self._name = loaded.path.stem
         self._groups = [group.name for group in show.patch.group]
-        self._colours = loaded.scene().group_colours
+        scene = loaded.scene()
+        self._colours, self._bodies = scene.group_colours, scene.bodies
         self._group = np.array(show.group)
         self._formations = tuple(_formations(show))
         self._root: list[Float32] = []
@@ -152,10 +171,16 @@ class MotionOutput:
             group = int(self._group[number])
             name = self._groups[group] if group < len(self._groups) else ""
             colour = self._colours[group % len(self._colours)]
-            dancers.append(DancerMotion(clip.name, name, clip, present[:, number], colour))
+            figure = self._figure(number)
+            dancers.append(DancerMotion(clip.name, name, clip, present[:, number], colour, figure))
         return StageMotion(
             self._name, tuple(dancers), self._rate, self._begin, beat[:, 0], beat[:, 1], self._formations
         )
+
+    def _figure(self, dancer: int) -> FigureMesh:
+        """Return the body of a dancer; the usual one stands for a character, which stays in its own file."""
+        name = self._bodies[dancer] if dancer < len(self._bodies) else DEFAULT_BODY
+        return _figure(name if name in BODIES else DEFAULT_BODY)
 
     def close(self) -> str:
         """See `FilmOutput`."""

@@ -1,4 +1,4 @@
-"""Writer for USD: each dancer is a UsdSkel skeleton with an animation and a skinned mesh of bone-shaped spindles."""
+"""Writer for USD: each dancer is a UsdSkel skeleton with an animation and a skinned mesh."""
 
 import re
 import tempfile
@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
-from pxr import Gf, Sdf, Usd, UsdGeom, UsdSkel, Vt
+from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdSkel, Vt
 
 from live.motion import quaternion
-from live.motion.formats.gltf_writer import GENERATOR, BoneMesh, bone_mesh
-from live.motion.formats.stage_motion import DancerMotion, StageMotion
+from live.motion.formats.gltf_writer import GENERATOR, bone_mesh
+from live.motion.formats.stage_motion import DancerMotion, FigureMesh, StageMotion
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 _NOT_IN_NAMES: Final = re.compile(r"[^A-Za-z0-9_]")
@@ -35,9 +35,10 @@ def write_usd(motion: StageMotion, suffix: str) -> bytes:
     stage.SetMetadata("comment", f"{motion.name}, by {GENERATOR}")
     show = UsdGeom.Xform.Define(stage, "/show")
     stage.SetDefaultPrim(show.GetPrim())
-    figure = bone_mesh()
+    bones = bone_mesh()
+    materials = {colour: _add_material(stage, n, colour) for n, colour in enumerate(_colours(motion), start=1)}
     for dancer in motion.dancers:
-        _add_dancer(stage, dancer, figure)
+        _add_dancer(stage, dancer, dancer.figure or bones, materials[dancer.colour])
     if suffix == ".usda":
         return str(layer.ExportToString()).encode()
     with tempfile.TemporaryDirectory() as folder:
@@ -46,7 +47,22 @@ def write_usd(motion: StageMotion, suffix: str) -> bytes:
         return path.read_bytes()
 
 
-def _add_dancer(stage: Any, dancer: DancerMotion, figure: BoneMesh) -> None:
+def _colours(motion: StageMotion) -> list[tuple[float, float, float]]:
+    return list(dict.fromkeys(dancer.colour for dancer in motion.dancers))
+
+
+def _add_material(stage: Any, number: int, colour: tuple[float, float, float]) -> Any:
+    """Return a new material with this colour."""
+    material = UsdShade.Material.Define(stage, f"/show/materials/clothes_{number}")
+    shader = UsdShade.Shader.Define(stage, f"/show/materials/clothes_{number}/surface")
+    shader.CreateIdAttr("UsdPreviewSurface")
+    shader.CreateInput("diffuseColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(*colour))
+    shader.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(0.8)
+    material.CreateSurfaceOutput().ConnectToSource(shader.ConnectableAPI(), "surface")
+    return material
+
+
+def _add_dancer(stage: Any, dancer: DancerMotion, figure: FigureMesh, material: Any) -> None:
     place = f"/show/{_NOT_IN_NAMES.sub('_', dancer.name)}"
     root = UsdSkel.Root.Define(stage, place)
     root.GetPrim().SetCustomDataByKey("group", dancer.group)
@@ -64,7 +80,7 @@ def _add_dancer(stage: Any, dancer: DancerMotion, figure: BoneMesh) -> None:
     animation.CreateJointsAttr(joints)
     _write_poses(animation, dancer)
     UsdSkel.BindingAPI.Apply(skeleton.GetPrim()).CreateAnimationSourceRel().SetTargets([animation.GetPath()])
-    _add_figure(stage, f"{place}/figure", figure, dancer, skeleton)
+    _add_figure(stage, f"{place}/figure", figure, dancer, skeleton, material)
 
 
 def _joint_paths() -> Any:
@@ -96,7 +112,7 @@ def _write_poses(animation: Any, dancer: DancerMotion) -> None:
         rotations.Set(Vt.QuatfArray.FromNumpy(ordered[sample]), sample)
 
 
-def _add_figure(stage: Any, path: str, figure: BoneMesh, dancer: DancerMotion, skeleton: Any) -> None:
+def _add_figure(stage: Any, path: str, figure: FigureMesh, dancer: DancerMotion, skeleton: Any, material: Any) -> None:
     mesh = UsdGeom.Mesh.Define(stage, path)
     mesh.CreatePointsAttr(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(figure.positions)))
     mesh.CreateNormalsAttr(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(figure.normals)))
@@ -107,5 +123,7 @@ def _add_figure(stage: Any, path: str, figure: BoneMesh, dancer: DancerMotion, s
     mesh.CreateDisplayColorAttr([Gf.Vec3f(*dancer.colour)])
     binding = UsdSkel.BindingAPI.Apply(mesh.GetPrim())
     binding.CreateSkeletonRel().SetTargets([skeleton.GetPath()])
-    binding.CreateJointIndicesPrimvar(False, 1).Set(Vt.IntArray.FromNumpy(figure.joints[:, 0].astype(np.int32)))
-    binding.CreateJointWeightsPrimvar(False, 1).Set(Vt.FloatArray(len(figure.joints), 1.0))
+    count = figure.joints.shape[1]
+    binding.CreateJointIndicesPrimvar(False, count).Set(Vt.IntArray.FromNumpy(figure.joints.ravel().astype(np.int32)))
+    binding.CreateJointWeightsPrimvar(False, count).Set(Vt.FloatArray.FromNumpy(figure.weights.ravel()))
+    UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)

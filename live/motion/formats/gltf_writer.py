@@ -1,7 +1,6 @@
-"""Writer for GLB files: joints under VRM names, a skinned mesh of bone-shaped spindles, one animation (glTF 2.0)."""
+"""Writer for GLB files: joints under VRM names, skinned meshes (spindles or bodies), one animation (glTF 2.0)."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -11,7 +10,7 @@ import pygltflib as gltf
 from live.base.errors import PersonError
 from live.motion import quaternion
 from live.motion.clip import Clip, resample
-from live.motion.formats.stage_motion import DancerMotion, StageMotion
+from live.motion.formats.stage_motion import DancerMotion, FigureMesh, StageMotion
 from live.motion.skeleton import BONE_TIPS, JOINT_COUNT, SKELETON
 
 _THICKEST_AT: Final = 0.2
@@ -24,23 +23,7 @@ _FACES: Final = np.array(
 """Triangles of a spindle, counterclockwise seen from outside: joint 0, belly 1 to 4, end 5."""
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class BoneMesh:
-    """V triangle corners in the rest pose, each bound to one joint; faces are flat-shaded, so no corner is shared."""
-
-    positions: npt.NDArray[np.float32]
-    """[m], shape (V, 3)."""
-    normals: npt.NDArray[np.float32]
-    """Unit, shape (V, 3)."""
-    joints: npt.NDArray[np.uint8]
-    """The joint of the corner, then three unused, shape (V, 4)."""
-    weights: npt.NDArray[np.float32]
-    """1 for the first, shape (V, 4)."""
-    indices: npt.NDArray[np.uint16]
-    """Three for each triangle, shape (V,)."""
-
-
-def bone_mesh() -> BoneMesh:
+def bone_mesh() -> FigureMesh:
     """Return spindles for all bones of the engine's skeleton, including the tips of head, hands and toes."""
     rest = SKELETON.rest_positions().astype(np.float64)
     bones = [(int(SKELETON.parents[joint]), rest[joint]) for joint in range(1, SKELETON.joint_count)]
@@ -52,7 +35,7 @@ def bone_mesh() -> BoneMesh:
     joints[:, 0] = np.repeat([joint for joint, _ in bones], 3 * len(_FACES))
     weights = np.zeros((count, 4), np.float32)
     weights[:, 0] = 1.0
-    return BoneMesh(
+    return FigureMesh(
         positions=corners.reshape(-1, 3).astype(np.float32),
         normals=np.repeat(normals, 3, axis=0).astype(np.float32),
         joints=joints,
@@ -123,11 +106,12 @@ def _document(
     buffer = _Buffer()
     document = gltf.GLTF2(asset=gltf.Asset(version="2.0", generator=GENERATOR))
     colours = list(dict.fromkeys(dancer.colour for dancer in dancers))
+    figures = _Figures(buffer, document, colours)
     document.scene = 0
     document.scenes = [gltf.Scene(name=name, nodes=[])]
     document.nodes, document.skins = [], []
     document.materials = [_material(number, colour) for number, colour in enumerate(colours)]
-    document.meshes = _meshes(buffer, len(colours))
+    document.meshes = []
     matrices = buffer.add(_inverse_bind_matrices())
     animation = gltf.Animation(name=name, samplers=[], channels=[])
     times = buffer.add((np.arange(sample_count) / sample_rate).astype(np.float32), bounds=True)
@@ -138,7 +122,7 @@ def _document(
         document.nodes += [
             *_joints(base),
             gltf.Node(name=dancer.name, children=[base], extras={"group": dancer.group} if dancer.group else {}),
-            gltf.Node(name=figure, mesh=colours.index(dancer.colour), skin=number),
+            gltf.Node(name=figure, mesh=figures.mesh(dancer), skin=number),
         ]
         joints = list(range(base, root))
         skin = gltf.Skin(name=dancer.name, joints=joints, skeleton=root, inverseBindMatrices=matrices)
@@ -209,20 +193,37 @@ def _inverse_bind_matrices() -> npt.NDArray[np.float32]:
     return matrices.reshape(JOINT_COUNT, 16)
 
 
-def _meshes(buffer: _Buffer, materials: int) -> list[gltf.Mesh]:
-    """Return the mesh of the bones once for each material; all share their data."""
-    figure = bone_mesh()
-    attributes = gltf.Attributes(
-        POSITION=buffer.add(figure.positions, target=gltf.ARRAY_BUFFER, bounds=True),
-        NORMAL=buffer.add(figure.normals, target=gltf.ARRAY_BUFFER),
-        JOINTS_0=buffer.add(figure.joints, target=gltf.ARRAY_BUFFER),
-        WEIGHTS_0=buffer.add(figure.weights, target=gltf.ARRAY_BUFFER),
-    )
-    indices = buffer.add(figure.indices, target=gltf.ELEMENT_ARRAY_BUFFER)
-    return [
-        gltf.Mesh(name="figure", primitives=[gltf.Primitive(attributes=attributes, indices=indices, material=material)])
-        for material in range(materials)
-    ]
+class _Figures:
+    """The meshes of a document: one for each figure in each colour; those of a figure share their data."""
+
+    def __init__(self, buffer: _Buffer, document: gltf.GLTF2, colours: Sequence[tuple[float, float, float]]) -> None:
+        self._buffer, self._document, self._colours = buffer, document, colours
+        self._bones = bone_mesh()
+        self._data: dict[int, tuple[gltf.Attributes, int]] = {}
+        self._meshes: dict[tuple[int, int], int] = {}
+
+    def mesh(self, dancer: DancerMotion) -> int:
+        """Return the number of the mesh of a dancer."""
+        figure, material = dancer.figure or self._bones, self._colours.index(dancer.colour)
+        key = id(figure), material
+        if key not in self._meshes:
+            attributes, indices = self._shared(figure)
+            primitive = gltf.Primitive(attributes=attributes, indices=indices, material=material)
+            self._meshes[key] = len(self._document.meshes)
+            self._document.meshes.append(gltf.Mesh(name="figure", primitives=[primitive]))
+        return self._meshes[key]
+
+    def _shared(self, figure: FigureMesh) -> tuple[gltf.Attributes, int]:
+        if id(figure) not in self._data:
+            add = self._buffer.add
+            attributes = gltf.Attributes(
+                POSITION=add(figure.positions, target=gltf.ARRAY_BUFFER, bounds=True),
+                NORMAL=add(figure.normals, target=gltf.ARRAY_BUFFER),
+                JOINTS_0=add(figure.joints, target=gltf.ARRAY_BUFFER),
+                WEIGHTS_0=add(figure.weights, target=gltf.ARRAY_BUFFER),
+            )
+            self._data[id(figure)] = attributes, add(figure.indices, target=gltf.ELEMENT_ARRAY_BUFFER)
+        return self._data[id(figure)]
 
 
 def _animate(animation: gltf.Animation, clip: Clip, base: int, times: int, buffer: _Buffer) -> None:

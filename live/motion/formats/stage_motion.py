@@ -4,9 +4,26 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from live.base.arrays import Bool, Float32, Float64
 from live.motion.clip import Clip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FigureMesh:
+    """What is seen of a dancer: V corners of triangles in the rest pose, which joints move."""
+
+    positions: Float32
+    """[m], shape (V, 3)."""
+    normals: Float32
+    """Unit, shape (V, 3)."""
+    joints: npt.NDArray[np.uint8]
+    """Four joints that move each corner, shape (V, 4)."""
+    weights: Float32
+    """How much each of them does; rows sum to 1, shape (V, 4). Where it is 0 the joint is 0."""
+    indices: npt.NDArray[np.uint16]
+    """Three corners of each triangle, shape (3 T,)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -22,7 +39,9 @@ class DancerMotion:
     present: Bool
     """At which of them the dancer is on the stage, (T,)."""
     colour: tuple[float, float, float] = (0.8, 0.6, 0.4)
-    """Of the clothes, 0 to 1."""
+    """Of the clothes, linear, 0 to 1."""
+    figure: FigureMesh | None = None
+    """The body; None: the bones. Dancers with the same body have the same object."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -99,6 +99,13 @@ def test_glb_holds_every_dancer_where_the_show_draws_them(show_files):
     assert len(set(groups)) == 3
     assert {len(skin.joints) for skin in document.skins} == {JOINT_COUNT}
     assert sum(mesh.primitives[0].material is not None for mesh in document.meshes) == len(document.materials) == 3
+    assert len(document.meshes) == 3  # one for each colour; their data are the same
+    (attributes,) = {tuple(vars(mesh.primitives[0].attributes).items()) for mesh in document.meshes}
+    weights = document.accessors[dict(attributes)["WEIGHTS_0"]]
+    view = document.bufferViews[weights.bufferView]
+    shares = np.frombuffer(document.binary_blob(), np.float32, weights.count * 4, view.byteOffset).reshape(-1, 4)
+    np.testing.assert_allclose(shares.sum(axis=1), 1.0, atol=1e-6)
+    assert weights.count > 3000  # a body, not bones
     for dancer, root in enumerate(roots):
         found, scale = glb_joints(document, document.binary_blob(), root)
         np.testing.assert_allclose(found, joints[:, dancer], atol=1e-4)  # a tenth of a millimetre
