@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from live.show.venue.venue import Venue
 
 MUSIC, PICTURE, RECORDING, RECOVERY = "Music and time", "Picture", "Recording", "Staying alive"
+NETWORK, PROGRAMS = "Controls, pages and phones", "Other programs and devices"
 """Panels of the help text; the options of the network have none."""
 
 
@@ -104,51 +105,6 @@ class LaunchOptions:
     )  # fmt: skip
     seed: int | None = option(None, "Seed of all random choices in the show.", min=0, max=2**31 - 1)
 
-    osc: tuple[str, int] = option(
-        ("127.0.0.1", 9010), "Where OSC is received.", metavar="HOST:PORT", written=str,
-        default_text="127.0.0.1:9010", parse=parse_endpoint,
-    )  # fmt: skip
-    osc_process: bool | None = option(
-        None, "Receive OSC in a process of its own, so that floods cost the picture little, or in the show's. Without "
-        "either: of its own, unless the whole show is one process.", flags=("--osc-process/--no-osc-process",),
-    )  # fmt: skip
-    osc_musicians: tuple[str, int] | None = option(
-        None, "A separate port for musicians: what only an operator may do is refused there.", metavar="HOST:PORT",
-        written=str, parse=parse_endpoint,
-    )  # fmt: skip
-    osc_out: tuple[tuple[str, int], ...] = option(
-        (), "Tell programs there over OSC what happens: beat, tempo, steps, feet, places. May come several times.",
-        metavar="HOST:PORT", **several(parse_endpoint),
-    )  # fmt: skip
-    web: tuple[str, int] | None = option(
-        None, "Serve the operator's page for a browser: all controls and present values. Only the printed link lets "
-        "in: it has the key.", metavar="[HOST:]PORT", written=str, parse=parse_endpoint,
-    )  # fmt: skip
-    web_key: str = field(default="", repr=False, metadata={OPTION: Option(
-        "A key of your own for that page (16 characters or more), instead of the one that is kept. Others on this "
-        "machine can read a command line: the variable is better.",
-        written=str, details={"metavar": "KEY", "envvar": "LIVE_WEB_KEY"},
-    )})  # fmt: skip
-    """The same in all processes of a show."""
-    web_hosts: tuple[str, ...] = option(
-        (), "A name by which this machine is reached next to its addresses, for that page and OSCQuery. May come "
-        "several times.", metavar="NAME[:PORT]", flags=("--web-host",), **several(),
-    )  # fmt: skip
-    audience: tuple[str, int] | None = option(
-        None, "Let the audience's phones play along, here: 127.0.0.1:8020 without a value; 0.0.0.0:8020 lets in the "
-        "whole network.", metavar="[[HOST:]PORT]", written=str, parse=lambda text, name: parse_audience_address(text),
-    )  # fmt: skip
-    audience_link: str | None = option(
-        None, "The address that phones are given, if it is another one.", metavar="http://HOST[:PORT]",
-        parse=lambda text, name: parse_audience_link(text),
-    )  # fmt: skip
-    audience_tls: tuple[Path, Path] | None = option(
-        None, "Serve phones over https, with this certificate and its key (PEM files, as Let's Encrypt makes them).",
-        metavar="CERT,KEY", written=str, parse=_tls,
-    )  # fmt: skip
-    audience_secret: bytes = field(default=b"", repr=False)
-    """By it phones are recognised; made for each show, the same in all its processes."""
-
     monitor: str | None = option(
         None, 'Monitor by number, name or place ("right of primary").', PICTURE, metavar="N|NAME"
     )
@@ -184,6 +140,52 @@ class LaunchOptions:
     )  # fmt: skip
     journal: Path | None = option(None, "Write the journal here, for `live replay`.", RECORDING, parse=writable)
     status_json: Path | None = option(None, "Write one JSON line of figures a second.", RECORDING, parse=writable)
+
+    osc: tuple[str, int] = option(
+        ("127.0.0.1", 9010), "Where OSC is received.", NETWORK, metavar="HOST:PORT", written=str,
+        default_text="127.0.0.1:9010", parse=parse_endpoint,
+    )  # fmt: skip
+    osc_process: bool | None = option(
+        None, "Receive OSC in a process of its own, so that floods cost the picture little, or in the show's. Without "
+        "either: of its own, unless the whole show is one process.", NETWORK, flags=("--osc-process/--no-osc-process",),
+    )  # fmt: skip
+    osc_musicians: tuple[str, int] | None = option(
+        None, "A separate port for musicians: what only an operator may do is refused there.", NETWORK,
+        metavar="HOST:PORT", written=str, parse=parse_endpoint,
+    )  # fmt: skip
+    osc_out: tuple[tuple[str, int], ...] = option(
+        (), "Tell programs there over OSC what happens: beat, tempo, steps, feet, places. May come several times.",
+        NETWORK, metavar="HOST:PORT", **several(parse_endpoint),
+    )  # fmt: skip
+    web: tuple[str, int] | None = option(
+        None, "Serve the operator's page for a browser: all controls and present values. Only the printed link lets "
+        "in: it has the key.", NETWORK, metavar="[HOST:]PORT", written=str, parse=parse_endpoint,
+    )  # fmt: skip
+    web_key: str = field(default="", repr=False, metadata={OPTION: Option(
+        "A key of your own for that page (16 characters or more), instead of the one that is kept. Others on this "
+        "machine can read a command line: the variable is better.", NETWORK,
+        written=str, details={"metavar": "KEY", "envvar": "LIVE_WEB_KEY"},
+    )})  # fmt: skip
+    """The same in all processes of a show."""
+    web_hosts: tuple[str, ...] = option(
+        (), "A name by which this machine is reached next to its addresses, for that page and OSCQuery. May come "
+        "several times.", NETWORK, metavar="NAME[:PORT]", flags=("--web-host",), **several(),
+    )  # fmt: skip
+    audience: tuple[str, int] | None = option(
+        None, "Let the audience's phones play along, here: 127.0.0.1:8020 without a value; 0.0.0.0:8020 lets in the "
+        "whole network.", NETWORK, metavar="[[HOST:]PORT]", written=str,
+        parse=lambda text, name: parse_audience_address(text),
+    )  # fmt: skip
+    audience_link: str | None = option(
+        None, "The address that phones are given, if it is another one.", NETWORK, metavar="http://HOST[:PORT]",
+        parse=lambda text, name: parse_audience_link(text),
+    )  # fmt: skip
+    audience_tls: tuple[Path, Path] | None = option(
+        None, "Serve phones over https, with this certificate and its key (PEM files, as Let's Encrypt makes them).",
+        NETWORK, metavar="CERT,KEY", written=str, parse=_tls,
+    )  # fmt: skip
+    audience_secret: bytes = field(default=b"", repr=False)
+    """By it phones are recognised; made for each show, the same in all its processes."""
 
     alone: bool = option(
         False, "One process only: no supervisor, so a crash ends the show.", RECOVERY, flags=("--alone",)

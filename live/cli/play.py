@@ -17,12 +17,16 @@ from typing import Annotated, Any, get_type_hints
 import typer
 
 from live.app.bridges import installed_bridges
-from live.app.launch_options import LaunchOptions
+from live.app.launch_options import NETWORK, PROGRAMS, LaunchOptions
 from live.app.option_values import OPTION, Option
 
 NewWebKey = Annotated[
     bool,
-    typer.Option("--new-web-key", help="Make another key for that page: the old one lets nobody in any more."),
+    typer.Option(
+        "--new-web-key",
+        help="Make another key for that page: the old one lets nobody in any more.",
+        rich_help_panel=NETWORK,
+    ),
 ]
 
 
@@ -33,7 +37,7 @@ def with_launch_options(command: Callable[..., None]) -> Callable[..., None]:
     """
     parameters = [
         inspect.Parameter(each.name, inspect.Parameter.KEYWORD_ONLY, default=how.default, annotation=_annotation(
-            each.name, types[each.name], how
+            each.name, types[each.name], how, None if kind is LaunchOptions else PROGRAMS
         ))
         for kind in _option_classes()
         for types in [get_type_hints(kind)]
@@ -59,13 +63,13 @@ def _options(kind: type[Any]) -> Iterator[tuple[Field[Any], Option]]:
             yield each, how
 
 
-def _annotation(name: str, own: Any, how: Option) -> Any:
+def _annotation(name: str, own: Any, how: Option, panel: str | None) -> Any:
     written = own if how.written is None else how.written
     if how.default is None:
         written |= None
     make: Callable[..., Any] = typer.Argument if how.argument else typer.Option
     flags = () if how.argument else how.flags or (f"--{name.replace('_', '-')}",)
-    details = {"help": how.help, "rich_help_panel": how.panel, **how.details}
+    details = {"help": how.help, "rich_help_panel": how.panel or panel, **how.details}
     return Annotated[written, make(*flags, **details)]
 
 
