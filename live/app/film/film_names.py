@@ -1,5 +1,6 @@
 """Names and frame rates of films on the command line: parsed, and refused with a remedy."""
 
+import difflib
 import re
 from fractions import Fraction
 from pathlib import Path
@@ -33,7 +34,7 @@ def parse_film_path(path: Path, option: str, *, alpha: bool = False, inputs: lis
         raise PersonError(
             f"{option} {path}: a film's name ends in {', '.join(_FILM_ENDINGS)}, or names a folder for PNG pictures; "
             f"the dancers' motion goes into {', '.join(moving)}",
-            f"{option} {path.with_suffix('.mp4')}",
+            f"{option} {path.with_suffix(next(iter(_near_suffix(path, (*_FILM_ENDINGS, *moving))), '.mp4'))}",
         )
     if alpha and path.suffix.lower() in moving:
         raise PersonError(f"--alpha: {option} {path} has motion and no pictures", "leave --alpha out")
@@ -48,6 +49,10 @@ def parse_film_path(path: Path, option: str, *, alpha: bool = False, inputs: lis
         if other is not None and path.exists() and Path(other).exists() and path.samefile(other):
             raise PersonError(f"{option} {path}: the show reads this file", "give the film another name")
     return path
+
+
+def _near_suffix(path: Path, known: tuple[str, ...]) -> list[str]:
+    return difflib.get_close_matches(path.suffix.lower(), known, n=1)
 
 
 def _pictures(path: Path, option: str) -> Path:

@@ -3,6 +3,7 @@
 The reference in docs/osc.md is generated from it. Readings are figures of a running show, under /dance/status.
 """
 
+import difflib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
@@ -18,6 +19,10 @@ from live.control.registry.rejections import Reason, Rejection
 _PASS: Final = "/dance/pass/"
 _MOCAP: Final = "/dance/mocap/"
 """Controls under it accept the performer's name in the address: `/dance/mocap/anna/mirrored`."""
+
+
+_ROOT: Final = "/dance/"
+"""Beginning of all addresses."""
 
 
 class Registry:
@@ -53,6 +58,19 @@ class Registry:
             performer, setting = address.removeprefix(_MOCAP).split("/")
             return self._controls.get(_MOCAP + setting), (performer,)
         return None, ()
+
+    def near(self, address: str) -> str | None:
+        """Return the address that a person may have meant who wrote this unknown one; None if none is like it.
+
+        What follows a name may belong into the message, as in "/dance/look warm".
+        """
+        known = {each.removeprefix(_ROOT): each for each in self._controls}
+        own = address.strip("/").removeprefix(_ROOT.strip("/")).strip("/")
+        for written in (own, own.partition("/")[0]):
+            found = difflib.get_close_matches(written, known, n=1, cutoff=0.7)
+            if found:
+                return known[found[0]]
+        return None
 
     def call(self, address: str, values: Sequence[object], time: float, source: str) -> Result:
         """Call the control at `address` with `values` received at `time` [s of the show] from `source`.

@@ -1,6 +1,7 @@
 """Search path for patches, and for the files they name: next to the patch, or the project's own. Cheap to import."""
 
 import contextlib
+import difflib
 import os
 from pathlib import Path
 from typing import Final
@@ -45,10 +46,12 @@ def find_patch(name: str | None) -> Path:
         raise PatchError(f"the folder {name!r} holds no show.toml", "put one there, or name a TOML file")
     folders = (path.parent.name for path in PATCHES.glob("*/show.toml"))
     files = (path.stem for path in PATCHES.glob("*.toml") if not path.stem.endswith(LEARNED_SUFFIX))
-    known = ", ".join(sorted([*files, *folders])) or "none"
+    known = sorted([*files, *folders])
+    near = difflib.get_close_matches(name, known, n=1)
+    hint = f"{near[0]}, or " if near else ""
     raise PatchError(
         f"there is no patch {name[:200]!r}",
-        f"give a TOML file, a folder with show.toml, or one of the project's: {known}",
+        f"{hint}a TOML file, a folder with show.toml, or one of the project's: {', '.join(known) or 'none'}",
     )
 
 

@@ -1,5 +1,6 @@
 """Checks of single tables of a patch against the controls and parameters that they name; each raises ValueError."""
 
+import difflib
 from collections.abc import Mapping, Sequence
 from typing import Any, Final
 
@@ -9,6 +10,7 @@ from live.base.errors import PersonError
 from live.base.picture_parameters import BY_ADDRESS, GROUP_PARAMETERS, STYLE_ADDRESS_PREFIX
 from live.control.events.events import ControlEvent
 from live.control.registry.registry import REGISTRY
+from live.control.registry.rejections import Reason, Rejection
 from live.show.desk.look_settings import DRAW_KEYS, draw_key, draw_settings
 from live.show.desk.parameter_table import check_setting, parse_value, split_key
 from live.show.patch.midi_bindings import binding_of
@@ -25,7 +27,9 @@ def _check_call(address: str, values: Sequence[Any], words: str) -> None:
     """Raise ValueError, with `words` in front, unless the control exists and takes these values."""
     made = REGISTRY.call(address, values, 0.0, "patch")
     if not isinstance(made, ControlEvent):
-        raise ValueError(f"{words}: {made}; see docs/osc.md")
+        unknown = isinstance(made, Rejection) and made.reason is Reason.UNKNOWN_ADDRESS
+        near = REGISTRY.near(address) if unknown else None
+        raise ValueError(f"{words}: {made}; {f'did you mean {near!r}? ' if near else ''}see docs/osc.md")
 
 
 def _check_at(at: AtSection) -> None:
@@ -39,8 +43,15 @@ def _check_improvise_motion(motion: ImproviseMotion) -> None:
 
 
 def _check_cue(cue: CueSection) -> None:
-    for address, *values in cue.calls:
-        _check_call(str(address), values, f"cue {cue.name!r}: {address!r} with {values!r}")
+    faults = []
+    for index, (address, *values) in enumerate(cue.calls):
+        try:
+            _check_call(str(address), values, f"cue {cue.name!r}: {address!r} with {values!r}")
+        except ValueError as error:
+            faults.append(InvalidEntry(str(error), "calls", index))
+    if faults:
+        faults[0].others = tuple(faults[1:])
+        raise faults[0]
 
 
 def _check_react(reaction: ReactSection) -> None:
@@ -99,7 +110,11 @@ def _check_picture(picture: PictureSection) -> None:
                 raise InvalidEntry(f"{address!r} = {value!r}: {known.low:g} to {known.high:g} expected", "set", address)
             continue
         if address not in BY_ADDRESS:
-            raise InvalidEntry(f"{address!r} is no parameter of the picture; docs/osc.md lists them", "set", address)
+            found = difflib.get_close_matches(address, BY_ADDRESS, n=1, cutoff=0.75)
+            hint = f"did you mean {found[0]!r}? " if found else ""
+            raise InvalidEntry(
+                f"{address!r} is no parameter of the picture; {hint}docs/osc.md lists them", "set", address
+            )
         try:
             parse_value(address, value)
         except PersonError as error:

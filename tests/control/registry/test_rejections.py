@@ -187,3 +187,29 @@ def test_the_reference_is_up_to_date():
     assert tool.PATH.read_text(encoding="utf-8") == tool.reference(), "run python tools/write_osc_reference.py"
     for control in REGISTRY:
         assert f"`{control.address}" in tool.reference()
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [
+        ("/dance/spred", "/dance/spread"),
+        ("/dance/fomation", "/dance/formation"),
+        ("/dance/lok/warm", "/dance/look"),
+        ("dance/spred/", "/dance/spread"),
+        ("/dance/light/key/color", "/dance/light/key/colour"),
+        ("/16/fader17", None),
+        ("", None),
+        ("/dance/" + "x" * 5000, None),
+    ],
+)
+def test_unknown_address_has_a_near_one_or_none(written, meant):
+    assert REGISTRY.near(written) == meant
+
+
+def test_every_known_address_with_one_wrong_letter_is_found():
+    for control in REGISTRY:
+        name = control.address.removeprefix("/dance/")
+        if len(name) > 6:
+            near = REGISTRY.near(control.address[:-2] + control.address[-1])
+            assert near is not None
+            assert near.startswith("/dance/")

@@ -248,3 +248,13 @@ def test_each_cue_fires_in_tick_of_its_beat(session):
     session.run(30)
     assert session.cues["fired"] == 5  # one came by itself
     assert session.cues["late_ticks_max"] == 0
+
+
+def test_all_faulty_calls_of_a_cue_are_told_with_near_addresses():
+    calls = '[["/dance/spred"], ["/dance/step"], ["/dance/spread"]]'
+    with pytest.raises(PatchError) as error:
+        DeskSession(f'[[cue]]\nname = "x"\ncalls = {calls}\n')
+    assert len(error.value.faults) == 2
+    assert "cue.1.calls.1: cue 'x': '/dance/spred'" in error.value.faults[0]
+    assert "did you mean '/dance/spread'?" in error.value.faults[0]
+    assert "cue.1.calls.2" in error.value.faults[1]

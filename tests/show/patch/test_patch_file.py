@@ -48,11 +48,15 @@ from tests.show.made_show import PATCH
         ('[stage]\nwidth = "9,5"', "line 3: stage.width", "found the text '9,5'; write the number without quotes"),
         (
             '[[cue]]\nname = "a"\ncalls = [["/dance/spread", "2"]]',
-            "line 2: cue.1",
+            "line 4: cue.1.calls.1",
             'received the text "2"; write the number without quotes',
         ),
-        ('[[cue]]\nname = "a"\ncalls = [["/dance/step", 2]]', "line 2: cue.1", "the number 2; write a text in quotes"),
-        ('[[cue]]\nname = "a"\ncalls = [["/dance/spread", true]]', "line 2: cue.1", "received the switch true"),
+        (
+            '[[cue]]\nname = "a"\ncalls = [["/dance/step", 2]]',
+            "line 4: cue.1.calls.1",
+            "the number 2; write a text in quotes",
+        ),
+        ('[[cue]]\nname = "a"\ncalls = [["/dance/spread", true]]', "line 4: cue.1.calls.1", "received the switch true"),
         ("[camera]\neye = [1e200, 0, 0]", "line 3: camera.eye.1", "less than or equal to 1000"),
         (
             'loop_measures = 2\n[[element]]\nkind = "spread"\nmeasure = 3',
