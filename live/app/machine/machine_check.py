@@ -14,8 +14,9 @@ import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Final, Literal
 
+import live
 from live.app.machine.device_list import Section, audio_sections, midi_sections, monitor_section, one_line
 from live.base.native_stderr import suppress_native_stderr
 
@@ -97,9 +98,16 @@ def probe_opengl(timeout: float = 30.0) -> OpenGL:
 State = Literal["ok", "limited", "missing"]
 OSC_ADDRESS = ("127.0.0.1", 9010)
 MIN_OPENGL = 410
-EXTRAS = {"linkpython-extern": "Ableton Link"}
-"""Feature that is unavailable without an optional package."""
-_OTHER_PYTHON = "use Python 3.11 or 3.12: make clean play PYTHON=python3.12"
+EXTRAS: Final = {
+    "link": "no Ableton Link",
+    "usd": "no USD files of a show's motion",
+    "fast": "floods of messages from phones cost more",
+}
+"""What is missing without an extra of the package. The other extras are for those who work on the program."""
+_IN_CHECKOUT: Final = (Path(live.__file__).parents[1] / "tools" / "setup.sh").exists()
+_INSTALL: Final = "make play" if _IN_CHECKOUT else "pip install --upgrade choreographics-live"
+_OTHER_PYTHON: Final = "use Python 3.11 or 3.12" + (": make clean play PYTHON=python3.12" if _IN_CHECKOUT else "")
+_EXTRA: Final = re.compile(r"""extra == ['"]([\w-]+)['"]""")
 
 
 @dataclass(frozen=True, slots=True)
@@ -123,25 +131,30 @@ def check_python() -> Check:
 
 
 def check_packages() -> Iterator[Check]:
-    """Check every Python package that the installed metadata requires."""
+    """Check every Python package that the installed metadata requires for shows."""
     try:
         requirements = importlib.metadata.requires("choreographics-live") or []
     except importlib.metadata.PackageNotFoundError:
-        yield Check("packages", "missing", "choreographics-live is not installed", "make play", needed=True)
+        yield Check("packages", "missing", "choreographics-live is not installed", _INSTALL, needed=True)
         return
     for requirement in requirements:
         name = re.split(r"[^\w.-]", requirement, maxsplit=1)[0]
-        optional = ";" in requirement
+        optional, extra = ";" in requirement, _EXTRA.search(requirement)
+        if extra is not None and extra[1] not in EXTRAS:
+            continue
         try:
             yield Check(name, "ok", importlib.metadata.version(name), needed=not optional)
         except importlib.metadata.PackageNotFoundError:
-            if "extra ==" in requirement:
-                yield Check(name, "limited", f"not installed: no {EXTRAS.get(name, 'such feature')}", "make play")
+            if extra is not None:
+                remedy = f"pip install 'choreographics-live[{extra[1]}]'"
+                if _IN_CHECKOUT:
+                    remedy = f".venv/bin/uv sync --frozen --inexact --extra {extra[1]}"
+                yield Check(name, "limited", f"not installed: {EXTRAS[extra[1]]}", remedy)
             elif optional:
                 detail = f"not for this Python ({requirement.partition(';')[2].strip()})"
                 yield Check(name, "limited", detail, _OTHER_PYTHON)
             else:
-                yield Check(name, "missing", "not installed", "make play", needed=True)
+                yield Check(name, "missing", "not installed", _INSTALL, needed=True)
 
 
 def check_opengl() -> Check:
