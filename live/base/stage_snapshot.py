@@ -158,6 +158,8 @@ class StageView:
     """Whether the limit on flashes is lifted."""
     filled: bool = False
     """Whether it has been filled; a frozen picture keeps showing it."""
+    detailed: bool = False
+    """Whether others than the show's camera look at the dancers: nobody's details are left out."""
     picture: Float64 | None = None
     """Current light, colours and camera: the row of `live.base.picture_parameters`; None: as in the scene."""
     energy: float = 0.5

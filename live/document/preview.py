@@ -253,6 +253,7 @@ class PreviewEngine:
         """Return the drawing snapshot, with all joints, after so many danced measures."""
         show, tick = self._rerun(measure)
         view = show.view()
+        view.detailed = True  # a page has a camera of its own
         show.fill(view, tick * TICK)
         return view
 
@@ -261,6 +262,7 @@ class PreviewEngine:
         self.run_to(last + 0.1)
         show, tick = self._rerun(first)
         view, count = show.view(), len(self._samples[-1].place)
+        view.detailed = True
         while show.danced_beats <= last * show.desk.beats:
             if tick % TICKS_PER_SAMPLE == 0:
                 show.fill(view, tick * TICK)

@@ -114,7 +114,7 @@ class MotionOutput:
     """The poses of all dancers who are ever on the stage."""
 
     def __init__(self, loaded: LoadedShow, show: Show, path: Path, *, frames: int, fps: float, begin: float) -> None:
-        """`frames` is their number as far as it is known; `begin` [s]: time of the first one in the show.
+        """`frames` is their number, 0 if it is not known; `begin` [s]: time of the first one in the show.
 
         PersonError if so many poses cannot be held.
         """
@@ -129,6 +129,9 @@ class MotionOutput:
         self._rotation: list[Float32] = []
         self._present: list[Bool] = []
         self._beat: list[tuple[float, int]] = []
+        self._check_size(frames)
+
+    def _check_size(self, frames: int) -> None:
         count = len(self._group)
         needed = frames * count * (16 * JOINT_COUNT + 12)
         if needed > MAX_MOTION_BYTES:
@@ -138,7 +141,8 @@ class MotionOutput:
             )
 
     def draw(self, view: StageView) -> None:
-        """See `FilmOutput`."""
+        """See `FilmOutput`; PersonError if there are too many frames."""
+        self._check_size(len(self._root) + 1)
         self._root.append(view.joint_position[:, 0].copy())
         self._rotation.append(view.joint_rotation.copy())
         self._present.append(view.present.copy())
@@ -171,13 +175,13 @@ class MotionOutput:
             group = int(self._group[number])
             name = self._groups[group] if group < len(self._groups) else ""
             colour = self._colours[group % len(self._colours)]
-            figure = self._figure(number)
+            figure = self._body(number)
             dancers.append(DancerMotion(clip.name, name, clip, present[:, number], colour, figure))
         return StageMotion(
             self._name, tuple(dancers), self._rate, self._begin, beat[:, 0], beat[:, 1], self._formations
         )
 
-    def _figure(self, dancer: int) -> FigureMesh:
+    def _body(self, dancer: int) -> FigureMesh:
         """Return the body of a dancer; the usual one stands for a character, which stays in its own file."""
         name = self._bodies[dancer] if dancer < len(self._bodies) else DEFAULT_BODY
         return _figure(name if name in BODIES else DEFAULT_BODY)
@@ -191,6 +195,6 @@ class MotionOutput:
         files = made.write_stage(motion, suffix)
         paths = [self._path.with_name(f"{self._path.stem}{part}{self._path.suffix}") for part in files]
         for path, data in zip(paths, files.values(), strict=True):
-            write_atomically(data, path, "--out")
+            write_atomically(data, path, "the motion")
         where = f"{paths[0].resolve()}" if len(paths) == 1 else f"{paths[0].resolve()} to {paths[-1].name}"
         return f"the motion of {len(motion.dancers)} dancers in {motion.sample_count} frames is here: {where}"

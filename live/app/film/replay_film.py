@@ -54,7 +54,7 @@ def film_replay(
         current = replace(loaded, patch=show.patch)
         output: FilmOutput
         if moving:
-            output = MotionOutput(current, show, path, frames=frames, fps=fps, begin=begin)
+            output = MotionOutput(current, show, path, frames=frames if to is None else 0, fps=fps, begin=begin)
         else:
             sound = mixed.film if mixed is not None else _music_from(music, begin)
             options = LaunchOptions(size=size, fps=fps)
@@ -62,6 +62,7 @@ def film_replay(
         progress = stack.enter_context(progress_bar(Console(stderr=True)))
         task = progress.add_task("", total=frames if to is None else None)
         view, frame, patch = show.view(), 0, show.patch
+        view.detailed = moving  # no camera spares them
         while not running.ended and running.damaged is None:
             time = begin + frame / fps
             running.advance(math.floor(time / TICK + 1e-9))

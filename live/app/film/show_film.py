@@ -86,6 +86,7 @@ def film_show(
         output: FilmOutput
         if moving:
             output = MotionOutput(loaded, show, path, frames=frames, fps=options.film_fps, begin=0.0)
+            engine.view.detailed = True  # no camera spares them
         else:
             film = heard if mixed is None else mixed.film
             output = picture_output(stack, options, loaded, path, film, fine=fine, alpha=alpha)

@@ -93,7 +93,9 @@ class StageStream:
         yield ["frame", POSITIONS, self._positions(tick)]
         chosen = wants.get("joints")
         if isinstance(chosen, list | tuple):
-            yield ["frame", JOINTS, joints_frame(tick, self._view().joint_position[:count], list(chosen))]
+            view = self._view()
+            view.detailed = True  # from now on: a page has a camera of its own
+            yield ["frame", JOINTS, joints_frame(tick, view.joint_position[:count], list(chosen))]
         if self._count % CLOCK_EVERY == 0:
             yield from text_parts("clock", 0, json.dumps(self._clock()))
             yield from self._pads()

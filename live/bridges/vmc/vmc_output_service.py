@@ -57,6 +57,7 @@ class VmcOutputService:
                 where = f"{each.host}:{each.port}"
                 words = f"--vmc-out {where}: {error.strerror or error}"
                 raise PersonError(words, "use IP addresses") from None
+        self._engine.view.detailed = True
         self._helper.start()
 
     def stop(self) -> None:

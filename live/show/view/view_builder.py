@@ -37,7 +37,7 @@ WIDEST = 4.0
 """No picture is wider than so many times its height; ..."""
 BESIDE = 3.0
 """... whoever is so far [m] beyond its edges, or behind the camera, is not seen."""
-LIVE_FIELDS: Final = ("brightness", "flash_limit_lifted", "overlay", "guide", "guide_count")
+LIVE_FIELDS: Final = ("brightness", "detailed", "flash_limit_lifted", "overlay", "guide", "guide_count")
 """Fields of a view that still change while the picture is frozen."""
 
 
@@ -102,7 +102,7 @@ class ViewBuilder:
             time,
             out=(view.joint_position, view.joint_rotation),
             visible=self._motion.present,
-            detail=None if view.picture is None else motion_detail(view.picture, hips),
+            detail=None if view.detailed or view.picture is None else motion_detail(view.picture, hips),
             easing=self._easing,
         )
         self._motion.show(view)

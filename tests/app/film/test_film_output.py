@@ -17,6 +17,7 @@ from live.app.session_audio import AudioChoice
 from live.base.errors import PersonError
 from live.motion.formats.ways import COLUMNS
 from live.motion.skeleton import JOINT_COUNT, SKELETON
+from live.show.patch.patch_search_path import PATCHES
 from tests.cli.command import run_live
 
 FPS, FRAMES = 20.0, 31
@@ -199,6 +200,38 @@ def test_motion_that_cannot_be_written_is_refused_before_the_show_begins(tmp_pat
     assert result.returncode == 2
     assert words in " ".join(result.stderr.split())
     assert not list(tmp_path.iterdir())
+
+
+def test_motion_keeps_its_details_where_no_camera_looks(tmp_path):
+    """Dancers behind the camera: their arms keep off each other as those of the same show with a usual camera."""
+    usual = (PATCHES / "first_show.toml").read_text()
+    assert "eye = [0.0, 2.4, 9.9]" in usual
+    found = {}
+    for name, eye in (("usual", "[0.0, 2.4, 9.9]"), ("away", "[0.0, 2.4, -60.0]")):
+        patch = tmp_path / name
+        patch.mkdir()
+        (patch / "show.toml").write_text(usual.replace("[0.0, 2.4, 9.9]", eye))
+        done = run_live(
+            "render", str(patch), "--bpm", "112", "--seconds", "4", "--fps", "5", "--out",
+            str(tmp_path / f"{name}.bvh"),
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        found[name] = b"".join(path.read_bytes() for path in sorted(tmp_path.glob(f"{name}-*.bvh")))
+    assert len(found["usual"]) > 100_000
+    assert found["usual"] == found["away"]
+
+
+def test_motion_longer_than_memory_ends_with_a_remedy(monkeypatch):
+    options = LaunchOptions()
+    loaded = options.load()
+    show = loaded.start()
+    monkeypatch.setattr("live.app.film.film_output.MAX_MOTION_BYTES", 3 * len(show.group) * (16 * JOINT_COUNT + 12))
+    output, view = MotionOutput(loaded, show, loaded.path, frames=0, fps=30.0, begin=0.0), show.view()
+    for _ in range(3):
+        output.draw(view)
+    with pytest.raises(PersonError, match="in 4 frames need") as error:
+        output.draw(view)
+    assert "--fps 30" in str(error.value.remedy)
 
 
 def test_longest_motion_fits_into_the_bound():

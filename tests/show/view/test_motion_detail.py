@@ -5,6 +5,7 @@ import numpy as np
 from live.base import picture_parameters
 from live.base.picture_parameters import EYE, FIELD_OF_VIEW, PLAN, TARGET
 from live.show.view.view_builder import BODY_HEIGHT, FULL_DETAIL, NO_DETAIL, motion_detail
+from tests.show.made_show import made_show
 
 
 def picture(eye=(0.0, 1.6, 10.0), field=40.0, plan=0.0):
@@ -48,3 +49,21 @@ def test_whoever_is_surely_not_seen_has_no_detail():
     assert detail.tolist() == [1.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]
     edge = 10.0 * 16.0 / 9.0 * np.tan(np.radians(20.0))  # of a wide picture, at the middle of the stage
     assert motion_detail(picture(), np.array([[edge, 0.0], [-edge, 0.0]], np.float32)) is None
+
+
+def test_nothing_is_left_out_for_others_than_the_camera():
+    """All dancers are behind the camera; who else looks sees their arms as a usual camera does."""
+    shown = {}
+    for name, away, detailed in (("usual", False, False), ("away", True, False), ("others", True, True)):
+        show = made_show()
+        view = show.view()
+        view.detailed = detailed
+        if away:
+            show.desk.parameters.picture[EYE] = 0.0, 1.6, -300.0
+            show.desk.parameters.picture[TARGET] = 0.0, 1.6, -400.0
+        for tick in range(1, 129):
+            show.tick(tick / 64)
+            show.fill(view, tick / 64)
+        shown[name] = view.joint_position.copy()
+    np.testing.assert_array_equal(shown["others"], shown["usual"])
+    assert shown["away"].shape == shown["usual"].shape
