@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 MUSIC, PICTURE, RECORDING, RECOVERY = "Music and time", "Picture", "Recording", "Staying alive"
 NETWORK, PROGRAMS = "Controls, pages and phones", "Other programs and devices"
-"""Panels of the help text; the options of the network have none."""
+"""Panels of the help text. `PROGRAMS` also holds the options of bridges."""
 
 
 def _tls(text: str, name: str) -> tuple[Path, Path] | None:

@@ -112,12 +112,7 @@ class ElementTable:
 
     def _write_row(self, row: int, element: Element) -> None:
         points = element.points
-        if len(points) == 1:
-            self.vertices[row, 0] = self.outlines[row, 0] = points[0]
-            self.rows[row, : element_table_kernels.ELEMENT_COLUMNS] = element.table_row(self._separation, 1, 1)
-            self.masks[row] = element.groups
-            return
-        corners = simplified_vertices(points, MAX_VERTICES)
+        corners = points if len(points) <= MAX_VERTICES else simplified_vertices(points, MAX_VERTICES)
         outline = corners if len(corners) <= OUTLINE_VERTICES else simplified_vertices(points, OUTLINE_VERTICES)
         self.vertices[row, : len(corners)] = corners
         self.outlines[row, : len(outline)] = outline

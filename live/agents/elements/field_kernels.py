@@ -31,12 +31,7 @@ from live.agents.elements.element_table_kernels import (
 )
 from live.agents.elements.shape_kernels import signed_distance
 from live.agents.steering_kernels import LOOK_AHEAD, flow_grid, flow_radial, flow_vortex, unit
-from live.base.element_kinds import (
-    FLOW,
-    RADIAL,
-    UNIFORM,
-    VORTEX,
-)
+from live.base.element_kinds import FLOW, RADIAL, UNIFORM, VORTEX
 from live.base.jit import inline_kernel, kernel
 
 Float32 = npt.NDArray[np.float32]

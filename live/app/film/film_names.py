@@ -29,14 +29,14 @@ def parse_film_path(path: Path, option: str, *, alpha: bool = False, inputs: lis
         path = path / PICTURES
     if path.suffix.lower() == ".png":
         return _pictures(path, option)
-    moving = stage_suffixes()
-    if path.suffix.lower() not in (*_FILM_ENDINGS, *moving):
+    motion_suffixes = stage_suffixes()
+    if path.suffix.lower() not in (*_FILM_ENDINGS, *motion_suffixes):
         raise PersonError(
             f"{option} {path}: a film's name ends in {', '.join(_FILM_ENDINGS)}, or names a folder for PNG pictures; "
-            f"the dancers' motion goes into {', '.join(moving)}",
-            f"{option} {path.with_suffix(next(iter(_near_suffix(path, (*_FILM_ENDINGS, *moving))), '.mp4'))}",
+            f"the dancers' motion goes into {', '.join(motion_suffixes)}",
+            f"{option} {path.with_suffix(next(iter(_near_suffix(path, (*_FILM_ENDINGS, *motion_suffixes))), '.mp4'))}",
         )
-    if alpha and path.suffix.lower() in moving:
+    if alpha and path.suffix.lower() in motion_suffixes:
         raise PersonError(f"--alpha: {option} {path} has motion and no pictures", "leave --alpha out")
     if alpha and path.suffix.lower() not in _WITH_ALPHA:
         raise PersonError(

@@ -114,7 +114,7 @@ class MotionOutput:
     """The poses of all dancers who are ever on the stage."""
 
     def __init__(self, loaded: LoadedShow, show: Show, path: Path, *, frames: int, fps: float, begin: float) -> None:
-        """`frames` is their number, 0 if it is not known; `begin` [s]: time of the first one in the show.
+        """`frames`: how many there will be, 0 if it is not known; `begin` [s]: time of the first one in the show.
 
         PersonError if so many poses cannot be held.
         """

@@ -34,7 +34,8 @@ def film_replay(
     fine: bool = False,
     alpha: bool = False,
 ) -> tuple[ReplayResult, str]:
-    """Render a journal from measure `first` to the end of `to` (from 1), comparing its hashes; return where it is.
+    """Render a journal from measure `first` to the end of `to` (from 1); return how its hashes compare, and where the
+    file is.
 
     By its suffix the path is a film or the dancers' motion.
 
@@ -46,14 +47,14 @@ def film_replay(
     show, begin = running.show, running.tick * TICK
     if running.ended:
         raise PersonError(f"{journal.path}: it has no measure {first}; it ends in measure {show.span.number + 1}")
-    moving = stage_format(path.suffix) is not None
-    music = None if moving else _music(journal)
-    mixed = None if moving else make_sound_mixer(loaded, show, film_sound(music), begin=begin)
+    as_motion = stage_format(path.suffix) is not None
+    music = None if as_motion else _music(journal)
+    mixed = None if as_motion else make_sound_mixer(loaded, show, film_sound(music), begin=begin)
     frames = max(1, math.ceil((journal.last_tick * TICK - begin) * fps))
     with contextlib.ExitStack() as stack:
         current = replace(loaded, patch=show.patch)
         output: FilmOutput
-        if moving:
+        if as_motion:
             output = MotionOutput(current, show, path, frames=frames if to is None else 0, fps=fps, begin=begin)
         else:
             sound = mixed.film if mixed is not None else _music_from(music, begin)
@@ -62,7 +63,7 @@ def film_replay(
         progress = stack.enter_context(progress_bar(Console(stderr=True)))
         task = progress.add_task("", total=frames if to is None else None)
         view, frame, patch = show.view(), 0, show.patch
-        view.detailed = moving  # no camera spares them
+        view.detailed = as_motion  # no camera spares them
         while not running.ended and running.damaged is None:
             time = begin + frame / fps
             running.advance(math.floor(time / TICK + 1e-9))

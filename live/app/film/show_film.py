@@ -79,12 +79,12 @@ def film_show(
     frames = max(1, math.ceil(seconds * options.film_fps))
     figures = MotionReport(show) if report is not None else None
     heard = film_sound(sound.music)
-    moving = stage_format(path.suffix) is not None
-    mixed = None if moving else make_sound_mixer(loaded, show, heard, click, taps)
+    as_motion = stage_format(path.suffix) is not None
+    mixed = None if as_motion else make_sound_mixer(loaded, show, heard, click, taps)
     with contextlib.ExitStack() as stack:
         stack.enter_context(row_threads())
         output: FilmOutput
-        if moving:
+        if as_motion:
             output = MotionOutput(loaded, show, path, frames=frames, fps=options.film_fps, begin=0.0)
             engine.view.detailed = True  # no camera spares them
         else:

@@ -11,10 +11,11 @@ from live.base.errors import PersonError
 from live.bridges.usd.motion_format import FORMAT
 from live.library.motion_file import read_motion
 from live.motion.clip import Clip
+from live.motion.formats.bone_mesh import bone_mesh
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.stage_motion import DancerMotion, StageMotion
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.quaternion import from_axis_angle
+from live.motion.quaternion import from_axis_angle, rotate
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 pxr = pytest.importorskip("pxr", reason="usd-core is not installed")
@@ -77,7 +78,7 @@ def test_usd_reads_the_joints_where_the_dancers_have_them(tmp_path: Path, suffix
 
 
 def test_figure_is_skinned_to_the_skeleton(tmp_path: Path) -> None:
-    """In the rest pose the skinned mesh is the mesh; in any other every corner goes with its joint."""
+    """USD's own skinning moves each corner rigidly with its joint."""
     from pxr import Usd, UsdSkel
 
     stage = Usd.Stage.Open(str(written(tmp_path, ".usdc")))
@@ -87,8 +88,10 @@ def test_figure_is_skinned_to_the_skeleton(tmp_path: Path) -> None:
     points = np.array(stage.GetPrimAtPath("/show/dancer_1/figure").GetAttribute("points").Get(3))
     assert points.shape == before.shape
     clip = stage_motion().dancers[0].clip
-    joints = forward_kinematics(clip.root_position, clip.rotation)[0][3]
-    assert np.linalg.norm(points[:, None] - joints[None], axis=-1).min(axis=1).max() < 0.5
+    places, turns = (each[3] for each in forward_kinematics(clip.root_position, clip.rotation)[:2])
+    joint = bone_mesh().joints[:, 0]
+    wanted = places[joint] + rotate(turns[joint], before - SKELETON.rest_positions()[joint])
+    np.testing.assert_allclose(points, wanted, atol=1e-4)
     edges = np.linalg.norm(np.diff(points.reshape(-1, 3, 3), axis=1), axis=-1)
     wanted = np.linalg.norm(np.diff(before.reshape(-1, 3, 3), axis=1), axis=-1)
     np.testing.assert_allclose(edges, wanted, atol=1e-4)  # spindles are rigid

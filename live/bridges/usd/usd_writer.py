@@ -8,8 +8,8 @@ from typing import Any, Final
 import numpy as np
 from pxr import Gf, Sdf, Usd, UsdGeom, UsdShade, UsdSkel, Vt
 
-from live.motion import quaternion
-from live.motion.formats.gltf_writer import GENERATOR, bone_mesh
+from live.motion.formats.bone_mesh import bone_mesh
+from live.motion.formats.gltf_writer import GENERATOR
 from live.motion.formats.stage_motion import DancerMotion, FigureMesh, StageMotion
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
@@ -68,7 +68,7 @@ def _add_dancer(stage: Any, dancer: DancerMotion, figure: FigureMesh, material: 
     root.GetPrim().SetCustomDataByKey("group", dancer.group)
     if not dancer.present.all():
         visibility = root.CreateVisibilityAttr()
-        for sample in [0, *(1 + np.flatnonzero(np.diff(dancer.present))).tolist()]:
+        for sample in dancer.presence_changes().tolist():
             seen = UsdGeom.Tokens.inherited if dancer.present[sample] else UsdGeom.Tokens.invisible
             visibility.Set(seen, sample)
     skeleton = UsdSkel.Skeleton.Define(stage, f"{place}/skeleton")
@@ -101,15 +101,14 @@ def _write_poses(animation: Any, dancer: DancerMotion) -> None:
     """Write translations, rotations and scales of all joints: what does not change has one value, the rest one for each
     frame."""
     clip = dancer.clip
-    turns = quaternion.unit(quaternion.align_signs(clip.rotation.astype(np.float64)))
-    ordered = np.ascontiguousarray(turns[..., [1, 2, 3, 0]], np.float32)  # as GfQuatf lies in memory
+    rotation = dancer.rotation_xyzw()  # as GfQuatf lies in memory
     place = np.tile(SKELETON.offsets.astype(np.float32), (clip.sample_count, 1, 1))
     place[:, 0] = clip.root_position
     translations, rotations = animation.CreateTranslationsAttr(), animation.CreateRotationsAttr()
     animation.CreateScalesAttr(_ONES)
     for sample in range(clip.sample_count):
         translations.Set(Vt.Vec3fArray.FromNumpy(place[sample]), sample)
-        rotations.Set(Vt.QuatfArray.FromNumpy(ordered[sample]), sample)
+        rotations.Set(Vt.QuatfArray.FromNumpy(rotation[sample]), sample)
 
 
 def _add_figure(stage: Any, path: str, figure: FigureMesh, dancer: DancerMotion, skeleton: Any, material: Any) -> None:

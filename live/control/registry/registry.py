@@ -16,13 +16,11 @@ from live.control.registry.element_controls import ELEMENT_CONTROLS
 from live.control.registry.parameter_controls import PARAMETER_CONTROLS
 from live.control.registry.rejections import Reason, Rejection
 
+_ROOT: Final = "/dance/"
+"""Beginning of all addresses."""
 _PASS: Final = "/dance/pass/"
 _MOCAP: Final = "/dance/mocap/"
 """Controls under it accept the performer's name in the address: `/dance/mocap/anna/mirrored`."""
-
-
-_ROOT: Final = "/dance/"
-"""Beginning of all addresses."""
 
 
 class Registry:

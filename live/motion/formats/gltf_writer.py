@@ -8,51 +8,10 @@ import numpy.typing as npt
 import pygltflib as gltf
 
 from live.base.errors import PersonError
-from live.motion import quaternion
 from live.motion.clip import Clip, resample
+from live.motion.formats.bone_mesh import bone_mesh
 from live.motion.formats.stage_motion import DancerMotion, FigureMesh, StageMotion
-from live.motion.skeleton import BONE_TIPS, JOINT_COUNT, SKELETON
-
-_THICKEST_AT: Final = 0.2
-"""Fraction of the bone's length at which the spindle is thickest."""
-_THICKNESS: Final = 0.14
-"""Half of its width there as a fraction of its length."""
-_FACES: Final = np.array(
-    ((0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 1), (5, 2, 1), (5, 3, 2), (5, 4, 3), (5, 1, 4)), np.int64
-)
-"""Triangles of a spindle, counterclockwise seen from outside: joint 0, belly 1 to 4, end 5."""
-
-
-def bone_mesh() -> FigureMesh:
-    """Return spindles for all bones of the engine's skeleton, including the tips of head, hands and toes."""
-    rest = SKELETON.rest_positions().astype(np.float64)
-    bones = [(int(SKELETON.parents[joint]), rest[joint]) for joint in range(1, SKELETON.joint_count)]
-    bones += [(joint, rest[joint] + tip) for joint, tip in BONE_TIPS.items()]
-    corners = np.concatenate([_spindle(rest[joint], end)[_FACES] for joint, end in bones])
-    normals = quaternion.unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
-    count = 3 * len(corners)
-    joints = np.zeros((count, 4), np.uint8)
-    joints[:, 0] = np.repeat([joint for joint, _ in bones], 3 * len(_FACES))
-    weights = np.zeros((count, 4), np.float32)
-    weights[:, 0] = 1.0
-    return FigureMesh(
-        positions=corners.reshape(-1, 3).astype(np.float32),
-        normals=np.repeat(normals, 3, axis=0).astype(np.float32),
-        joints=joints,
-        weights=weights,
-        indices=np.arange(count, dtype=np.uint16),
-    )
-
-
-def _spindle(start: npt.NDArray[np.float64], end: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Return six points: the start, four around the thickest part, the end."""
-    along = end - start
-    length = float(np.linalg.norm(along))
-    turn = quaternion.from_two_vectors(np.array((0.0, 1.0, 0.0)), along)
-    width = _THICKNESS * length
-    belly = [(x * width, _THICKEST_AT * length, z * width) for x, z in ((1, 0), (0, 1), (-1, 0), (0, -1))]
-    return np.asarray(start + quaternion.rotate(turn, np.array([(0.0, 0.0, 0.0), *belly, (0.0, length, 0.0)])))
-
+from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 FRAME_RATE: Final = 60.0
 """Keys per second in written files."""
@@ -128,9 +87,9 @@ def _document(
         skin = gltf.Skin(name=dancer.name, joints=joints, skeleton=root, inverseBindMatrices=matrices)
         document.skins.append(skin)
         document.scenes[0].nodes += [root, root + 1]
-        _animate(animation, dancer.clip, base, times, buffer)
+        _animate(animation, dancer, base, times, buffer)
         if not dancer.present.all():
-            _hide(animation, dancer.present, root, sample_rate, buffer)
+            _hide(animation, dancer, root, sample_rate, buffer)
     document.animations = [animation]
     return document, buffer
 
@@ -226,21 +185,19 @@ class _Figures:
         return self._data[id(figure)]
 
 
-def _animate(animation: gltf.Animation, clip: Clip, base: int, times: int, buffer: _Buffer) -> None:
+def _animate(animation: gltf.Animation, dancer: DancerMotion, base: int, times: int, buffer: _Buffer) -> None:
     """Add the hips' translation and all rotations as channels that share one time array."""
-    turns = quaternion.unit(quaternion.align_signs(clip.rotation.astype(np.float64)))[..., [1, 2, 3, 0]]
-    _add_channel(animation, base, gltf.TRANSLATION, times, clip.root_position, buffer)
+    rotation = dancer.rotation_xyzw()
+    _add_channel(animation, base, gltf.TRANSLATION, times, dancer.clip.root_position, buffer)
     for joint in range(JOINT_COUNT):
-        _add_channel(animation, base + joint, gltf.ROTATION, times, turns[:, joint].astype(np.float32), buffer)
+        _add_channel(animation, base + joint, gltf.ROTATION, times, rotation[:, joint], buffer)
 
 
-def _hide(
-    animation: gltf.Animation, present: npt.NDArray[np.bool_], root: int, sample_rate: float, buffer: _Buffer
-) -> None:
-    """Add steps of the root's scale: 1 while the dancer is `present` (T,), else 0."""
-    at = np.concatenate([[0], 1 + np.flatnonzero(np.diff(present))])
+def _hide(animation: gltf.Animation, dancer: DancerMotion, root: int, sample_rate: float, buffer: _Buffer) -> None:
+    """Add steps of the root's scale: 1 while the dancer is on the stage, else 0."""
+    at = dancer.presence_changes()
     times = buffer.add((at / sample_rate).astype(np.float32), bounds=True)
-    scale = np.repeat(present[at].astype(np.float32)[:, None], 3, axis=1)
+    scale = np.repeat(dancer.present[at].astype(np.float32)[:, None], 3, axis=1)
     _add_channel(animation, root, gltf.SCALE, times, scale, buffer, gltf.ANIM_STEP)
 
 

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from live.base.arrays import Bool, Float32, Float64
+from live.base.arrays import Bool, Float32, Float64, Int64
+from live.motion import quaternion
 from live.motion.clip import Clip
 
 
@@ -42,6 +43,15 @@ class DancerMotion:
     """Of the clothes, linear, 0 to 1."""
     figure: FigureMesh | None = None
     """The body; None: the bones. Dancers with the same body have the same object."""
+
+    def presence_changes(self) -> Int64:
+        """Return the samples from which the dancer is there or not: 0, then each at which this changes, (N,)."""
+        return np.concatenate([[0], 1 + np.flatnonzero(np.diff(self.present))])
+
+    def rotation_xyzw(self) -> Float32:
+        """Return the local rotations in the order x, y, z, w, with signs that do not jump, (T, J, 4)."""
+        signed = quaternion.align_signs(self.clip.rotation.astype(np.float64))
+        return np.ascontiguousarray(quaternion.unit(signed)[..., [1, 2, 3, 0]], np.float32)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

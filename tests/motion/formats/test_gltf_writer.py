@@ -10,8 +10,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from live.motion.clip import Clip
+from live.motion.formats.bone_mesh import bone_mesh
 from live.motion.formats.gltf_reader import parse_gltf
-from live.motion.formats.gltf_writer import bone_mesh, write_glb
+from live.motion.formats.gltf_writer import write_glb
 from live.motion.formats.source_motion import LocalPose, world_pose
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.retarget.retarget import retarget
