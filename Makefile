@@ -1,7 +1,7 @@
 # The house's front door. `make help` lists what there is; ARGS goes to the command behind a target:
 #   make play ARGS="--audio song.wav --monitor 1 --fullscreen"
 .DEFAULT_GOAL := help
-.PHONY: help play test test-long test-bounds bench check check-fast format references kernels studio soak clean
+.PHONY: help play test test-long test-bounds bench check check-fast format references docs kernels studio soak clean
 BIN := .venv/bin
 ARGS ?=
 
@@ -48,11 +48,14 @@ format: ## put every file into the project's form
 	$(BIN)/ruff format
 	$(BIN)/ruff check --fix
 
-references: ## write docs/osc.md, docs/patch.md and the studio's forms anew
+references: ## write the studio's forms anew
 	@tools/setup.sh test
-	@$(BIN)/python tools/write_osc_reference.py
-	@$(BIN)/python tools/write_patch_reference.py
 	@$(BIN)/python tools/write_studio_schema.py
+
+docs: ## build the documentation into live/site/, for `live docs` and the packages
+	@tools/setup.sh test
+	@$(BIN)/python -m sphinx -q --fail-on-warning --keep-going -b html -d out/doctrees docs live/site
+	@echo "live/site/index.html; live docs opens it"
 
 kernels: ## build the wheel of compiled kernels for this Python and platform into dist/
 	@tools/setup.sh test

@@ -13,7 +13,9 @@ import pytest
 
 from tests.places import ROOT
 
-MODULES = sorted((ROOT / "live").rglob("*.py"))
+SITE = ROOT / "live" / "site"
+"""The documentation, if it has been built."""
+MODULES = sorted(path for path in (ROOT / "live").rglob("*.py") if not path.is_relative_to(SITE))
 
 
 def _identify(path: Path) -> str:
@@ -54,7 +56,9 @@ def test_modules_have_no_import_cycles() -> None:
 
 
 def test_top_packages_are_the_listed_ones() -> None:
-    packages = {path.name for path in (ROOT / "live").iterdir() if path.is_dir() and any(path.rglob("*.py"))}
+    packages = {
+        path.name for path in (ROOT / "live").iterdir() if path.is_dir() and path != SITE and any(path.rglob("*.py"))
+    }
     assert packages == {
         "agents",
         "app",
@@ -79,12 +83,15 @@ def test_top_packages_are_the_listed_ones() -> None:
 def _folders() -> list[Path]:
     """All folders of live/ and tests/ with content that git tracks."""
     folders = [path for part in ("live", "tests") for path in (ROOT / part, *(ROOT / part).rglob("*")) if path.is_dir()]
-    return [path for path in folders if "__pycache__" not in path.parts and any(path.glob("*.*"))]
+    ours = (path for path in folders if "__pycache__" not in path.parts and not path.is_relative_to(SITE))
+    return [path for path in ours if any(path.glob("*.*"))]
 
 
 def test_folders_are_small_and_not_deep() -> None:
     """At most 25 entries, at most three names below live/, and no package of one module."""
-    entries = {path: [each for each in path.iterdir() if each.name != "__pycache__"] for path in _folders()}
+    entries = {
+        path: [each for each in path.iterdir() if each not in (path / "__pycache__", SITE)] for path in _folders()
+    }
     assert {_identify(path): len(each) for path, each in entries.items() if len(each) > 25} == {}
     assert [_identify(path) for path in MODULES if len(path.relative_to(ROOT / "live").parts) > 3] == []
     assert [

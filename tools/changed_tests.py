@@ -13,7 +13,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-ALWAYS = ("tests/test_architecture.py", "tests/test_documents.py")
+ALWAYS = ("tests/test_architecture.py", "tests/documentation/test_files.py")
 
 
 def changed(commit: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""Draw the pictures of docs/editing.md: ``python tools/draw_edits.py`` writes docs/editing/*.png.
+"""Draw the pictures of docs/explanation/editing.md: ``python tools/draw_edits.py`` writes docs/pictures/editing/*.png.
 
 Each shows one editing tool before and after, on the project's own sketches, with chance from fixed seeds.
 """
@@ -342,7 +342,7 @@ PICTURES: Final[dict[str, Callable[[], Figure]]] = {
 
 def main() -> int:
     """Write all pictures and say how large they are."""
-    folder = ROOT / "docs" / "editing"
+    folder = ROOT / "docs" / "pictures" / "editing"
     folder.mkdir(parents=True, exist_ok=True)
     for name, draw in PICTURES.items():
         data = io.BytesIO()

@@ -1,4 +1,4 @@
-"""Draw the pictures of docs/elements.md: `python tools/draw_elements.py [FOLDER]`.
+"""Draw the pictures of docs/how-to/dance/elements.md: `python tools/draw_elements.py [FOLDER]`.
 
 The stage from above, the audience below; dots are dancers, thin lines their ways.
 """
@@ -141,7 +141,11 @@ def flows(axes: Any) -> None:
 
 def main() -> None:
     """All pictures."""
-    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parents[1] / "docs" / "elements"
+    folder = (
+        Path(sys.argv[1])
+        if len(sys.argv) > 1
+        else Path(__file__).resolve().parents[1] / "docs" / "pictures" / "elements"
+    )
     folder.mkdir(parents=True, exist_ok=True)
     pictures: dict[str, Callable[[Any], None]] = {"sources": sources, "groups": groups, "flows": flows}
     for name, draw in pictures.items():

@@ -1,4 +1,4 @@
-"""Draw the pictures of docs/formations.md: ``python tools/draw_formations.py`` writes docs/formations/*.svg.
+"""Draw the pictures of docs/how-to/dance/formations.md into docs/pictures/formations/.
 
 Shapes as in Fig 4.4 of the thesis, the four patterns of Fig 4.5 in one circle, symmetry as in Fig 4.6, letters, and
 the ways from one formation into another.
@@ -87,7 +87,7 @@ SECTIONS: Final[list[Panel]] = [
 
 def main() -> None:
     """Write all pictures."""
-    folder = ROOT / "docs" / "formations"
+    folder = ROOT / "docs" / "pictures" / "formations"
     folder.mkdir(parents=True, exist_ok=True)
     _write(folder / "shapes.svg", SHAPES, 3, (10.0, 7.0))
     _write(folder / "patterns.svg", PATTERNS, 3, (8.0, 8.0))

@@ -2,7 +2,7 @@
 
 Upper row from the audience, middle row from the dancer's left, lower row from above. The left side of the body is
 orange, the right side blue; a foot on the floor is marked green. With several steps the picture is a sheet of them all,
-four figures each: ``python tools/draw_step.py patches/*/steps/*.toml docs/vocabulary.jpg``.
+four figures each: ``python tools/draw_step.py patches/*/steps/*.toml docs/pictures/vocabulary.jpg``.
 """
 
 import argparse

@@ -1,4 +1,7 @@
-"""Draw the gallery of docs/styles.md: `python tools/draw_styles.py [FOLDER]`. It dances a few measures to do so."""
+"""Draw the gallery of docs/how-to/picture/styles.md: `python tools/draw_styles.py [FOLDER]`.
+
+It dances a few measures to do so.
+"""
 
 import copy
 import sys
@@ -113,4 +116,6 @@ def main(folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parents[1] / "docs" / "styles")
+    main(
+        Path(sys.argv[1]) if len(sys.argv) > 1 else Path(__file__).resolve().parents[1] / "docs" / "pictures" / "styles"
+    )

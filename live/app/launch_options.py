@@ -68,7 +68,7 @@ class LaunchOptions:
     )  # fmt: skip
     midi: str | None = option(
         None, "A MIDI port to listen to (see `live devices`): clock, pedals and keys; tcp:HOST:PORT, raw:PATH "
-        "and others (docs/midi.md); or off.", MUSIC, metavar="NAME",
+        "and others (`live docs midi`); or off.", MUSIC, metavar="NAME",
     )  # fmt: skip
     midi_file: Path | None = option(
         None, "A MIDI file: its tempo map leads the beat, its notes move the dance and trigger what the map says.",

@@ -1,7 +1,7 @@
 """Parameter: a value of the show that has its place in an array and needs no class of its own.
 
 One row describes it: address, kind, range, start value, unit and words. The control (OSC, OSCQuery, MIDI, web page,
-tablet), the patch key with its line in docs/patch.md and the editor's schema, the event, fades, scenes, undo, reading
+tablet), the patch key with its line in the reference and the editor's schema, the event, fades, scenes, undo, reading
 back and the tests are made from the row. Rows: `picture_parameters` for the picture, `motion_parameters` for the motion
 of each group.
 """

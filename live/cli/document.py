@@ -265,7 +265,7 @@ def music(
         typer.Option(help="Its measure lines, a file in the show's folder. Left out: as the tracker proposes them."),
     ] = None,
     fix: Annotated[
-        Path | None, typer.Option(help="Corrections of the proposal, as a JSON list (docs/music.md).")
+        Path | None, typer.Option(help="Corrections of the proposal, as a JSON list (`live docs measures`).")
     ] = None,
     by: BY = None,
     to: TO = None,

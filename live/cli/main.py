@@ -24,7 +24,7 @@ from live.app.exit_codes import (
 from live.app.machine import kernel_warmup as warm
 from live.app.option_values import expand_audience_option
 from live.base.errors import PersonError
-from live.cli import bench, document, music, pair, play, render, replay, service, simulate, soak
+from live.cli import bench, docs, document, music, pair, play, render, replay, service, simulate, soak
 from live.cli.beats import beats, clock_check
 from live.cli.inspect import check, contact_sheet, formation, journal, schema, score
 from live.cli.motion import bvh, character, export, sync
@@ -58,7 +58,7 @@ app = typer.Typer(
     name="live",
     cls=_Commands,
     help="Virtual dancers that dance live to music, on a projector.",
-    epilog="Play the first show: [bold]live play[/]. Check this machine: [bold]live doctor[/].",
+    epilog="First show: [bold]live play[/]. Check this machine: [bold]live doctor[/]. Read: [bold]live docs[/].",
     no_args_is_help=True,
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,
@@ -97,6 +97,7 @@ PANELS: Final[Mapping[str, Mapping[str, Registered]]] = {
         "service": service.app,
         "warm": warm.warm,
     },
+    "Help": {"docs": docs.docs},
     "For those who work on it": {
         "bench": bench.bench,
         "soak": soak.soak,

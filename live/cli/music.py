@@ -13,7 +13,8 @@ app = typer.Typer(help="Annotate music: measures and phrases.", no_args_is_help=
 def measure_map(
     file: Annotated[Path, typer.Argument(help="A music file: wav, flac, ogg, mp3, m4a …")],
     fix: Annotated[
-        Path | None, typer.Option("--fix", help="Corrections, as a JSON list (docs/music.md).", metavar="FIXES.json")
+        Path | None,
+        typer.Option("--fix", help="Corrections, as a JSON list (`live docs measures`).", metavar="FIXES.json"),
     ] = None,
     start: Annotated[
         Path | None,

@@ -109,14 +109,14 @@ def lint_show(show: Show) -> list[LintSection]:
         ("sections", len(patch.section) or 1, section_warnings(patch),
          "then = its name, a cue with section = its name, or leave it out"),
         ("sequences", len(patch.sequence), sequence_warnings(show), "give it more measures, or fewer steps"),
-        ("improvisations", len(patch.improvise), call_response_warnings(patch), "see docs/score.md"),
+        ("improvisations", len(patch.improvise), call_response_warnings(patch), "see `live docs score`"),
         ("cues", len(patch.cue), cue_warnings(patch),
          "make the fade or the count-in shorter, or place them later"),
-        ("music", len(patch.music.line), music_warnings(patch), "see docs/music.md"),
+        ("music", len(patch.music.line), music_warnings(patch), "see `live docs measures`"),
         ("cameras", 1 + len(patch.view), camera_warnings(patch), "place it higher"),
         ("formations", len(patch.formation), formation_warnings(show), "see `live formation`"),
         ("ends", len(patch.segment) + len(patch.element), span_warnings(patch), "fewer measures, or begin earlier"),
-        ("ways", len(patch.segment), dry_run_warnings(show), "see docs/evolutions.md"),
+        ("ways", len(patch.segment), dry_run_warnings(show), "see `live docs evolutions`"),
     )  # fmt: skip
     things = {"music": "measure lines", "ways": "segments", "ends": "segments and elements"}
     return [

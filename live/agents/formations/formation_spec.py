@@ -364,7 +364,7 @@ def spec_from_table(table: Mapping[str, Any], where: str = "formation") -> Forma
     try:
         return FormationSpec(**values)
     except TypeError:  # nested in a way that no field accepts
-        raise PersonError(f"{where}: a value has an unexpected nesting", "compare docs/formations.md") from None
+        raise PersonError(f"{where}: a value has an unexpected nesting", "compare `live docs formations`") from None
 
 
 def _to_tuples(value: Any) -> Any:

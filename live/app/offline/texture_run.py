@@ -182,7 +182,7 @@ def _sketches(library: Path | None, wanted: list[str]) -> dict[str, str]:
     for folder in library_folders(library):
         found |= read_step_files(folder).sketches
     if not found:
-        raise PersonError("there is no sketched step to texture", "sketches are TOML files: docs/steps.md")
+        raise PersonError("there is no sketched step to texture", "sketches are TOML files: `live docs steps`")
     if not wanted:
         return found
     names = {plain_name(sketched_steps({file: text})[0].step): file for file, text in found.items()}

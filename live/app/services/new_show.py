@@ -112,7 +112,7 @@ def _patch_text(name: str, song: str, measures: MeasureMap, metre: int, dancers:
     depth = round(width / 1.5, 1)
     groups = GROUPS[: 1 if dancers < 4 else 2 if dancers < 9 else 3]
     parts = [
-        f"# {_title(name)}: begun from {song}. What every key means: docs/patch.md.\n",
+        f"# {_title(name)}: begun from {song}. What every key means: `live docs patch`.\n",
         f"name = {json.dumps(_title(name), ensure_ascii=False)}\nseed = 1\nsteps = {json.dumps(STEPS[metre])}\n"
         f"loop_measures = {len(measures.lines)}          # the music's length: the score comes again with it",
         f"\n[music]\nfile = {json.dumps(song, ensure_ascii=False)}",

@@ -5,12 +5,12 @@ from typing import Annotated
 
 import typer
 
-app = typer.Typer(help="Live motion capture (docs/mocap.md).", no_args_is_help=True)
+app = typer.Typer(help="Live motion capture (`live docs mocap`).", no_args_is_help=True)
 
 
 @app.command("send")
 def send(
-    file: Annotated[Path, typer.Argument(help="A motion file of any format (docs/steps.md).")],
+    file: Annotated[Path, typer.Argument(help="A motion file of any format (`live docs steps`).")],
     to: Annotated[
         str, typer.Option("--to", help="The show's VMC address (`--vmc`).", metavar="[HOST:]PORT")
     ] = "127.0.0.1:39539",

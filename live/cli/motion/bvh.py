@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def bvh(
-    file: Annotated[Path, typer.Argument(help="A motion file of any format (docs/steps.md).")],
+    file: Annotated[Path, typer.Argument(help="A motion file of any format (`live docs steps`).")],
     fps: Annotated[float | None, typer.Option(help="The true frame rate, if the header is wrong.")] = None,
     unit: Annotated[float | None, typer.Option(help="Metres per unit.", metavar="METRES")] = None,
     up: Annotated[str | None, typer.Option(help="The axis that points up.", metavar="Y|Z")] = None,

@@ -10,7 +10,7 @@ if TYPE_CHECKING:
 
 
 def sync(
-    file: Annotated[Path, typer.Argument(help="A recording: a motion file of any format (docs/steps.md).")],
+    file: Annotated[Path, typer.Argument(help="A recording: a motion file of any format (`live docs steps`).")],
     click: Annotated[
         float | None, typer.Option(help="Tempo of the click that the claps follow.", metavar="BPM")
     ] = None,

@@ -42,7 +42,7 @@ JsonOut = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 
 @app.command("add")
 def add(
-    file: Annotated[Path, typer.Argument(help="A recording: a motion file of any format (docs/steps.md).")],
+    file: Annotated[Path, typer.Argument(help="A recording: a motion file of any format (`live docs steps`).")],
     name: Annotated[str, typer.Option(help="The step's name; steps with the same name are variations.")],
     bpm: Bpm = None,
     anchor: Anchor = None,

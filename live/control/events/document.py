@@ -11,7 +11,7 @@ from live.control.registry.control import Argument
 
 MAX_EDIT_LENGTH: Final = 15_000
 """Maximum length of an edit by OSC [characters], within one packet; a stroke of 512 points with millimetres fits."""
-_EDIT: Final = "as JSON (docs/document.md); the answer is in /dance/status/document_answers"
+_EDIT: Final = "as JSON (`live docs document`); the answer is in /dance/status/document_answers"
 Person = Annotated[str, Argument.label("who edits, as in the edits; left out: everybody")]
 
 

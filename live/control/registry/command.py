@@ -1,6 +1,6 @@
 """Commands: frozen dataclasses whose fields are their arguments, declared once.
 
-A declaration makes the control (OSC, OSCQuery, MIDI, keys, web pages, tablet layouts), its line in docs/osc.md, the
+A declaration makes the control (OSC, OSCQuery, MIDI, keys, web pages, tablet layouts), its line in `live docs osc`, the
 event's form in the journal and its tests. The first paragraph of the docstring is the description; a field with an
 `Argument` in its annotation is an argument, its default makes it optional.
 

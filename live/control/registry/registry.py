@@ -1,6 +1,6 @@
 """Registry of all controls (for OSC, keys and web pages) and readings, and the store of their current values.
 
-The reference in docs/osc.md is generated from it. Readings are figures of a running show, under /dance/status.
+The reference in `live docs osc` is generated from it. Readings are figures of a running show, under /dance/status.
 """
 
 import difflib

@@ -63,7 +63,7 @@ class StageSubscriber:
             sock.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, SEND_BUFFER_BYTES)
 
     def choose(self, said: dict[str, Any]) -> str:
-        """Take what the page chooses; return why it is refused, or an empty text. See docs/web.md."""
+        """Take what the page chooses; return why it is refused, or an empty text. See `live docs web`."""
         if not set(said) <= {*CHOICES}:
             return f"an object of {', '.join(CHOICES)} expected"
         dancers, name, notes = said.get("dancers", self.joints), said.get("name", self.name), said.get("notes")

@@ -44,7 +44,7 @@ class MidiMapSection(Section):
     channel: Annotated[int, Field(ge=1, le=16)] | None = None
     """1 to 16; all if left out."""
     control: Annotated[str, Field(min_length=1, max_length=100)]
-    """The address of a control, as in docs/osc.md."""
+    """The address of a control, as in `live docs osc`."""
     values: dict[str, float | bool | str] = Field(default={})
     """Constant values of the control, by their names."""
     scale: tuple[Bound, Bound] | None = None

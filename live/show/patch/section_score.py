@@ -254,7 +254,7 @@ def _check_formation(table: dict[str, Any], info: ValidationInfo) -> dict[str, A
 
 
 FormationTable = Annotated[dict[str, Any], AfterValidator(_check_formation)]
-"""`[[formation]]`: the keys of docs/formations.md."""
+"""`[[formation]]`: the keys of `live docs formations`."""
 
 
 def formation_names(tables: tuple[dict[str, Any], ...]) -> list[str]:

@@ -29,7 +29,7 @@ def _check_call(address: str, values: Sequence[Any], words: str) -> None:
     if not isinstance(made, ControlEvent):
         unknown = isinstance(made, Rejection) and made.reason is Reason.UNKNOWN_ADDRESS
         near = REGISTRY.near(address) if unknown else None
-        raise ValueError(f"{words}: {made}; {f'did you mean {near!r}? ' if near else ''}see docs/osc.md")
+        raise ValueError(f"{words}: {made}; {f'did you mean {near!r}? ' if near else ''}see `live docs osc`")
 
 
 def _check_at(at: AtSection) -> None:
@@ -113,7 +113,7 @@ def _check_picture(picture: PictureSection) -> None:
             found = difflib.get_close_matches(address, BY_ADDRESS, n=1, cutoff=0.75)
             hint = f"did you mean {found[0]!r}? " if found else ""
             raise InvalidEntry(
-                f"{address!r} is no parameter of the picture; {hint}docs/osc.md lists them", "set", address
+                f"{address!r} is no parameter of the picture; {hint}`live docs osc` lists them", "set", address
             )
         try:
             parse_value(address, value)

@@ -139,7 +139,7 @@ export class ShowDocument {
     };
   }
 
-  /** Say what this page wants to see; see docs/web.md. */
+  /** Say what this page wants to see; see `live docs web`. */
   want(wants: Record<string, unknown>): void {
     this.wants = { ...this.wants, ...wants };
     this.link.send(wants);

@@ -1,4 +1,4 @@
-// Binary frames of the stage: u8 kind, u8 flags, u16 count, u32 tick, then int16, all little-endian (docs/web.md).
+// Binary frames of the stage: u8 kind, u8 flags, u16 count, u32 tick, then int16, all little-endian (`live docs web`).
 
 export const POSITIONS = 1;
 export const JOINTS = 2;

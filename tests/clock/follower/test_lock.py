@@ -1,6 +1,6 @@
 """The lock against an independent model: hysteresis, and slew rate toward the beat of the source.
 
-The model is independent of the follower's code. It is the differential equation in docs/clock.md: an error is
+The model is independent of the follower's code. It is the differential equation of `live docs clock`: an error is
 corrected within 0.8 s (0.4 s for a clock of exact times), but the Timeline is never more than 12 % faster or slower
 than the music while locked, 20 % while not; a lock is made within 0.1 beats and holds to 0.25.
 """

@@ -1,4 +1,4 @@
-// What a pass of somebody's own has: see docs/picture.md. Its text follows, then own_footer.glsl.
+// What a pass of somebody's own has: see `live docs passes`. Its text follows, then own_footer.glsl.
 in vec2 at;
 uniform sampler2D own_light_;
 uniform sampler2D own_last_;
