@@ -17,8 +17,10 @@ release = version = __version__
 language = "en"
 html_title = f"ChoreoGraphics Live {__version__}"
 html_theme = "furo"
-html_static_path = ["site.css"]  # furo has no other file of ours
+html_static_path = ["site.css", "site.js"]
 html_css_files = ["site.css"]
+html_js_files = ["site.js"]
+html_use_index = False
 html_show_sphinx = False
 html_show_copyright = False
 html_copy_source = False

@@ -19,14 +19,14 @@ SHOWN_PAGES: Final = 8
 
 
 def list_pages(site: Path) -> dict[str, str]:
-    """Return the addresses of all pages by their names and paths; a folder's name is that of its first page."""
+    """Return the addresses of all pages by the ends of their paths; a folder's name is that of its first page."""
     pages: dict[str, str] = {}
     for file in sorted(site.rglob("*.html")):
         path = file.relative_to(site)
         named = path.parent if path.name == "index.html" else path.with_suffix("")
         if named.name and not path.parts[0].startswith("_"):
-            pages.setdefault(named.name, path.as_posix())
-            pages[named.as_posix()] = path.as_posix()
+            for begin in range(len(named.parts)):
+                pages.setdefault("/".join(named.parts[begin:]), path.as_posix())
     return pages
 
 
@@ -43,7 +43,7 @@ def find_page(site: Path, wanted: str) -> str:
     name = wanted.strip().strip("/").removesuffix(".md").removesuffix(".html")
     if found := pages.get(name) or pages.get(name.replace(" ", "-").replace("_", "-").lower()):
         return found
-    near = difflib.get_close_matches(name, pages, SHOWN_PAGES, 0.6)
+    near = difflib.get_close_matches(name, [each for each in pages if "/" not in each], SHOWN_PAGES)
     if near:
         raise PersonError(f"there is no page {wanted!r}", f"did you mean {' or '.join(near)}?")
     from urllib.parse import urlencode

@@ -1,7 +1,7 @@
 """A newcomer makes a piece of 64 measures for 12 dancers to a song: by mouse alone, then by keyboard alone.
 
-Nothing but the page is used: its controls, and what it shows. `STUDIO_PICTURES=docs/first-piece` writes the pictures of
-docs/tutorials/choreographer.md anew.
+Nothing but the page is used: its controls, and what it shows. `STUDIO_PICTURES=docs/pictures/first-piece` writes the
+pictures of docs/tutorials/choreographer.md anew.
 """
 
 import json

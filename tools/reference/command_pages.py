@@ -65,7 +65,7 @@ def _describe(path: str, command: Any, level: int) -> list[str]:
     for panel, row in _rows(command):
         panels.setdefault(panel, []).append(row)
     for panel, rows in panels.items():
-        lines += [f"**{panel}**", "", "| | |", "|-|-|", *rows, ""]
+        lines += [f"**{panel}**", "", "| name | meaning |", "|-|-|", *rows, ""]
     for name, below in getattr(command, "commands", {}).items():
         lines += _describe(f"{path} {name}", below, level + 1)
     return lines
@@ -91,5 +91,5 @@ def command_pages() -> dict[str, str]:
         "```",
     ]
     for panel, rows in groups.items():
-        index += ["", f"## {panel}", "", "| command | |", "|-|-|", *rows]
+        index += ["", f"## {panel}", "", "| command | purpose |", "|-|-|", *rows]
     return {"index.md": "\n".join([*index, ""]), **pages}

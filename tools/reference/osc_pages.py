@@ -49,9 +49,9 @@ its valid ones by {MAX_INVALID_SURPLUS} within {FLOOD_WINDOW:g} s, for the rest 
 
 **Process.** In a show with a supervisor ([Processes](../../explanation/processes.md)) a separate process receives OSC,
 so floods cost the frame loop little (`--no-osc-process`: the show's process receives). It keeps running while
-engines change. Messages sent meanwhile wait. It passes on {PER_SECOND:.0f} messages a second, {BURST:.0f} at once after a pause, and
-{FLOODED_PER_SECOND:.0f} a second while more than {FLOOD_RATE:.0f} a second arrive. Waiting values are replaced by later
-ones (counted as `replaced`). Events keep their order.
+engines change. Messages sent meanwhile wait. It passes on {PER_SECOND:.0f} messages a second, {BURST:.0f} at once after
+a pause, and {FLOODED_PER_SECOND:.0f} a second while more than {FLOOD_RATE:.0f} a second arrive. Waiting values are
+replaced by later ones (counted as `replaced`). Events keep their order.
 
 **Values and events.** A *value* sets a state. If several messages for one value arrive within a tick, the last one
 counts. An *event* acts each time it arrives. An operator's value has priority over a musician's, and a musician's over
@@ -115,8 +115,8 @@ oscsend localhost 9010 /dance/subscribe sfi /dance/status 60 9011
 
 `live play --osc-out HOST:PORT` sends the events of the show to other programs. Repeat the option for several programs,
 or set `[osc] out` in the venue or the patch. [`[osc]`](../patch/osc.md) also has the keys for the rate of positions
-and for feet. A separate process sends, and sends beats when they are due, not with the next frame. Dancers count from 1.
-The sender never waits: a program that does not read loses messages, and no other program is affected.
+and for feet. A separate process sends, and sends beats when they are due, not with the next frame. Dancers count from
+1. The sender never waits: a program that does not read loses messages, and no other program is affected.
 
 Example for an instrument in SuperCollider:
 

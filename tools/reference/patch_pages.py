@@ -59,7 +59,7 @@ def patch_pages() -> dict[str, str]:
             pages[f"{name}.md"] = "\n".join(["#" + _table(title, section).removeprefix("##"), *_inner(name, section)])
             rows.append(f"| [{title}]({name}.md) | {_about(section)} |")
     tree = ["```{toctree}", ":maxdepth: 1", ":hidden:", "", *(page.removesuffix(".md") for page in pages), "```", ""]
-    tables = ["## Tables", "", "| table | |", "|-|-|", *rows, ""]
+    tables = ["## Tables", "", "| table | purpose |", "|-|-|", *rows, ""]
     return {"index.md": "\n".join([HEAD, *tree, *tables, _table("At the top", Patch, top=True)]), **pages}
 
 
@@ -89,7 +89,7 @@ def _table(title: str, section: type[Section], *, top: bool = False) -> str:
     rows = [
         f"## {title}\n",
         f"{about}\n" if about else "",
-        "| key | value | default | |",
+        "| key | value | default | meaning |",
         "|-|-|-|-|",
     ]
     texts = field_docs(section)

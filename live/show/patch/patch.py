@@ -70,7 +70,7 @@ class Patch(WholeFile):
     """Of a step with several takes, those that are danced, by their names: `walk = ["walk, textured 2"]`."""
     variations: Annotated[int, Field(ge=0, le=8)] = 0
     """Variations that are made of each step when the show starts: trunk, arms and head otherwise, feet, balance and
-    momentum the same (see [steps.md](steps.md)). `[motion] arms` and `mix` dance them."""
+    momentum the same (see `live docs steps`). `[motion] arms` and `mix` dance them."""
     music: MusicSection = MusicSection()
     sound: SoundSection = SoundSection()
     clock: ClockSection = ClockSection()

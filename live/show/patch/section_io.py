@@ -105,7 +105,7 @@ AXES = r"^-?[xyz] -?[xyz]$"
 
 class PsnSection(Section):
     """`[psn]`: trackers received by PosiStageNet (`live play PATCH --psn 236.10.10.10:56565`). A tracker with the name
-    or number of a `[[mocap]]` is that performer; see [mocap.md](mocap.md)."""
+    or number of a `[[mocap]]` is that performer; see `live docs mocap`."""
 
     axes: Annotated[str, Field(pattern=AXES)] = "x z"
     """Axes of the tracking system that point to the right as the audience sees it, and towards the audience: `x z`,
@@ -155,7 +155,7 @@ Selection = Annotated[str, Field(min_length=1, max_length=250)]
 
 class MocapSection(Section):
     """`[[mocap]]`: a real dancer whose whole body is captured live and who dances among the others; see
-    [mocap.md](mocap.md). With `live play PATCH --vmc PORT` and no such table there is one performer named `live`."""
+    `live docs mocap`. With `live play PATCH --vmc PORT` and no such table there is one performer named `live`."""
 
     name: Name
     """Name of the performer, as in `/dance/mocap/NAME/shown`."""

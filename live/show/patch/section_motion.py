@@ -182,7 +182,7 @@ class GroupSection(Section):
     A name given twice is drawn twice as often. Left out: all have the default body."""
     draw: Draw = Field(default={})
     """Initial drawing style, as in `{ solid = 0, ink = 1, ink_width = 3 }`: each key is a control at `/dance/draw/`
-    (see [osc.md](osc.md))."""
+    (see `live docs osc`)."""
     attributes: Annotated[tuple[Name, ...], Field(max_length=64)] = ()
     """Attributes of its dancers ("tall", "red"), by which they can be selected later."""
     soloists: Annotated[int, Field(ge=0, le=10_000)] = 0

@@ -14,7 +14,7 @@ from live.show.patch.section_base import InvalidEntry, Section, run_check
 
 
 class MusicLine(Section):
-    """`[[music.line]]`: a measure line of the music, as `live music map` proposes them ([music.md](music.md), T007)."""
+    """`[[music.line]]`: a measure line of the music, as `live music map` proposes them (`live docs measures`, T007)."""
 
     time_s: Annotated[float, Field(ge=0, le=36000, allow_inf_nan=False)]
     """Its time in the music [s]; lines are written in their order."""
