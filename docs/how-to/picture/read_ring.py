@@ -12,7 +12,7 @@ import numpy as np
 
 
 class Ring:
-    """The ring of pictures of a running show; see docs/how-to/picture/film.md for its header."""
+    """The ring of pictures of a running show; see docs/how-to/picture/share.md for its header."""
 
     def __init__(self, name):
         memory = Path("/dev/shm")

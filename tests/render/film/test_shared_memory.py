@@ -15,7 +15,7 @@ from live.render.film.shared_memory import HEADER_SIZE, SLOTS, FrameRing, ring_p
 from tests.places import ROOT
 
 SIZE = (40, 24)
-READER = ROOT / "docs" / "read_ring.py"
+READER = ROOT / "docs/how-to/picture/read_ring.py"
 pytestmark = pytest.mark.skipif(not Path("/dev/shm").is_dir(), reason="memory files are at another place here")
 
 

@@ -82,7 +82,7 @@ def test_running_show_applies_cues_and_scenes_of_edited_patch():
 
 
 def test_documented_example_is_valid_and_its_cues_fire():
-    page = (ROOT / "docs" / "cues.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/how-to/picture/cues.md").read_text(encoding="utf-8")
     blocks = [block.split("```")[0] for block in page.split("```toml\n")[1:]]
     text = next(block for block in blocks if "[[cue]]" in block).replace('"groove"', '"sway"')
     session = DeskSession(text).run(1)
