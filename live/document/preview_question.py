@@ -1,4 +1,4 @@
-"""Questions to the preview, as pages ask them (`live docs web`)."""
+"""Questions to the preview, as pages ask them (`live docs preview`)."""
 
 from typing import Annotated, Any, Final, Literal
 
@@ -15,7 +15,7 @@ _Measure = Annotated[int, Field(ge=1, le=MAX_MEASURE)]
 
 
 class Question(BaseModel):
-    """What a page asks; see `live docs web`."""
+    """What a page asks; see `live docs preview`."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
     id: Annotated[str, Field(max_length=100)] | int | None = None
@@ -65,4 +65,4 @@ def parse_question(values: object) -> Question:
         first = error.errors(include_url=False)[0]
         where = ".".join(str(part) for part in first["loc"][:2]) or "question"
         words = first["msg"][:1].lower() + first["msg"][1:]
-        raise PersonError(f"{where}: {words}", "`live docs web` has the form of questions") from None
+        raise PersonError(f"{where}: {words}", "`live docs preview` has the form of questions") from None

@@ -1,4 +1,4 @@
-// Questions to the second engine: any measures, as written or with edits that are only tried (`live docs web`).
+// Questions to the second engine: any measures, as written or with edits that are only tried (`live docs preview`).
 import { signal } from "@preact/signals";
 import { Link } from "./link";
 import { frameKind, JOINTS, POSITIONS, readJoints, readPositions, readWaveform, WAVEFORM, type Joints, type Positions, type Waveform } from "./frames";
