@@ -180,7 +180,7 @@ def _parse_pairs(toml: Path) -> tuple[PairsFile, Callable[[KeyPath, str], Person
         return PairsFile.model_validate(data), fail
     except ValidationError as error:
         told = [fail(tuple(one["loc"]), _problem_text(one)).message for one in error.errors(include_url=False)]
-        raise PersonError("; ".join(told[:SHOWN_PROBLEMS]), "`live docs partner` describes files of pairs") from None
+        raise PersonError("; ".join(told[:SHOWN_PROBLEMS]), "`live docs partners` describes files of pairs") from None
 
 
 def _problem_text(problem: Any) -> str:

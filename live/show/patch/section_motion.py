@@ -64,7 +64,7 @@ class PartnerSection(Section):
     follower: Selection
     """The followers, likewise: as many as leaders, in their order, or any number for one leader."""
     examples: Annotated[str, Field(min_length=1, max_length=1000)] | None = None
-    """A TOML file of pairs (`live docs partner`), looked up in the patch's folder, then in the project's patches; left
+    """A TOML file of pairs (`live docs partners`), looked up in the patch's folder, then in the project's patches; left
     out: the steps of the show, each paired with the step that fits it best."""
     steps: Annotated[tuple[Annotated[str, Field(min_length=1, max_length=100)], ...], Field(max_length=100)] = ()
     """Which of the show's steps to use without `examples`; left out: all, or `walk` along a path."""
