@@ -176,7 +176,7 @@ class MocapSection(Section):
     scale: Annotated[float, Field(ge=0, le=10)] = 1.0
     """Scale of travelled distances; feet slide if it is not 1."""
     canon: Selection = "none"
-    """Dancers who repeat the motion in canon, such as `mist` or `mist & 1-4`."""
+    """Dancers who repeat the motion in canon, such as `mist` or `mist & 13-16`."""
     canon_beats: Annotated[float, Field(ge=0, le=16)] = 2.0
     """Delay in beats from one dancer of the canon to the next."""
     obstacle: bool = False
@@ -184,7 +184,7 @@ class MocapSection(Section):
     attract: Annotated[float, Field(ge=-10, le=10)] = 0.0
     """How strongly the performer attracts dancers; below 0 they are repelled."""
     attracts: Selection = "*"
-    """Dancers who are attracted or repelled, as in `mist & 1-4`; `*` is all."""
+    """Dancers who are attracted or repelled, as in `mist & 13-16`; `*` is all."""
     delay_ms: Annotated[float, Field(ge=0, le=1000)] = 40.0
     """Delay between receiving and showing a pose; it absorbs the jitter of the network."""
     floor: bool = True
