@@ -4,7 +4,7 @@ import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path.insert(0, str(ROOT))
+sys.path[:0] = [str(ROOT), str(ROOT / "docs")]
 
 from live import __version__  # noqa: E402
 from tools.reference.reference_pages import write_pages  # noqa: E402
@@ -27,7 +27,7 @@ html_copy_source = False
 html_last_updated_fmt = None
 templates_path: list[str] = []
 
-extensions = ["myst_parser", "sphinx_design", "sphinx_copybutton"]
+extensions = ["film", "myst_parser", "sphinx_design", "sphinx_copybutton"]
 myst_enable_extensions = ["colon_fence", "deflist"]
 myst_heading_anchors = 3
 myst_links_external_new_tab = False
