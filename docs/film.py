@@ -55,7 +55,10 @@ def copy_films(app: Any, failed: Exception | None) -> None:
     """Copy films and posters beside the pages."""
     if failed is None:
         shutil.copytree(
-            FILMS, Path(app.outdir) / "films", dirs_exist_ok=True, ignore=shutil.ignore_patterns("*.md", "*.toml", "*.webp")
+            FILMS,
+            Path(app.outdir) / "films",
+            dirs_exist_ok=True,
+            ignore=shutil.ignore_patterns("*.md", "*.toml", "*.webp"),
         )
 
 

@@ -68,7 +68,9 @@ class CanonMocap(ControlEvent):
     """Other dancers repeat a captured performer in canon: the first by that delay, the second by twice as much."""
 
     performer: PerformerName
-    group: Annotated[str, Argument.text("dancers that repeat: `ember` or `mist & 13-16`; none: nobody", "group")] = "none"
+    group: Annotated[str, Argument.text("dancers that repeat: `ember` or `mist & 13-16`; none: nobody", "group")] = (
+        "none"
+    )
     beats: Annotated[float, Argument.number("delay from one dancer to the next", 0, 16, "beats")] = 2.0
 
 

@@ -6,16 +6,18 @@ from pathlib import Path
 import pytest
 
 from live.base.compression import compress_text
+from live.base.picture_parameters import CUSTOM_PASS_SLICE
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.show.loader import LoadedShow, load_show
-from live.show.patch.patch_reader import parse_patch
+from live.show.patch.patch_reader import parse_patch, read_patch
 from live.show.patch.patch_search_path import find_patch
 from live.show.patch.patch_update import patch_version, split_deferred
 from live.show.patch.table_batches import patch_json
 from live.show.state.snapshot import FORMAT, SnapshotError, Snapshotter, at_rest, restore, snapshot, snapshot_header
 from tests.show.desk.desk_show import DESK
 from tests.show.made_show import GRAPH, PATCH
+from tests.show.patch.test_custom_passes import PICTURE, WAVES
 
 MADE = LoadedShow(Path("test.toml"), parse_patch(PATCH.replace("reserve = 0", "reserve = 2"), "test.toml"), GRAPH)
 SCRIPT = {
@@ -70,6 +72,22 @@ def test_restored_show_continues_bit_identically(tick):
     assert restored.state_hash() == show.state_hash()
     assert run(restored, at + 1, at + 200) == run(show, at + 1, at + 200)
     assert at - tick <= 64
+
+
+def test_show_with_a_pass_of_its_own_is_restored(tmp_path):
+    (tmp_path / "passes").mkdir()
+    (tmp_path / "passes" / "waves.glsl").write_text(WAVES)
+    (tmp_path / "a.toml").write_text(PATCH + PICTURE)
+    loaded = LoadedShow(tmp_path / "a.toml", read_patch(tmp_path / "a.toml"), GRAPH)
+    script = {at: events.SetPass(time=at * TICK, source="osc", name="waves", parameter="speed", amount=3.0, measures=1.0)
+              for at in (40, 120)}  # fmt: skip
+    show = loaded.start()
+    run(show, 1, 60, script)
+    at, data = capture_from(show, 60, script)
+    restored = restore(loaded, data)
+    assert run(restored, at + 1, at + 100, script) == run(show, at + 1, at + 100, script)
+    level = [each.desk.parameters.value[CUSTOM_PASS_SLICE][1] for each in (show, restored)]
+    assert level == [3.0, 3.0]
 
 
 @pytest.mark.long
