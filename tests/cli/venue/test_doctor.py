@@ -129,8 +129,11 @@ def test_missing_portaudio_names_its_package(monkeypatch: pytest.MonkeyPatch) ->
 @pytest.mark.parametrize(
     ("why", "remedy"),
     [
-        ("rtmidi: libasound.so.2: cannot open shared object file", "sudo dnf install alsa-lib"),
-        ("No module named 'rtmidi': python-rtmidi is ready-made for …", "make clean play PYTHON=python3.12"),
+        ("ALSA: cannot load library 'libasound.so.2': libasound.so.2: cannot open …", "sudo dnf install alsa-lib"),
+        ("No module named 'rtmidi': on macOS and Windows MIDI needs …", "make clean play PYTHON=python3.12"),
+        ("ALSA: No module named 'alsa_midi', no JACK server runs", "make play"),
+        ("ALSA: /dev/snd/seq: Permission denied, no JACK server runs", "and log in again"),
+        ("the kernel has no ALSA sequencer, no JACK server runs", "or start a JACK server"),
         ("MIDI is available, but no device is connected", "plug in a MIDI device"),
     ],
 )
