@@ -182,5 +182,5 @@ class AlsaSystem:
             client.close()
 
     def open_port(self, direction: Direction, name: str) -> AlsaPort:
-        """Connect to a port; OSError if that fails."""
+        """Connect to a port; MidiUnavailable or OSError if that fails."""
         return AlsaPort(direction, name)

@@ -22,6 +22,10 @@ OPEN_TIMEOUT: Final = 10.0
 """Longest wait for the process to connect [s] ..."""
 CLOSE_TIMEOUT: Final = 1.0
 """... and to end."""
+ATTEMPTS: Final = 5
+"""The server refuses a client while it tells others of it that have just died ..."""
+ATTEMPT_INTERVAL: Final = 0.05
+"""... until it has noticed that [s]."""
 READ_SIZE: Final = 65536
 """Size of a pipe."""
 
@@ -37,11 +41,16 @@ def jack_client() -> Any:
         raise MidiUnavailable(f"JACK: {error}") from None
     jack.set_error_function(_ignore)
     jack.set_info_function(_ignore)
-    try:
-        return jack.Client(CLIENT_NAME, no_start_server=True)
-    except jack.JackOpenError as error:
-        why = "no JACK server runs" if error.status.server_failed else f"JACK: {error.status}"
-        raise MidiUnavailable(why) from None
+    for attempt in range(ATTEMPTS):
+        if attempt:
+            time.sleep(ATTEMPT_INTERVAL)
+        try:
+            return jack.Client(CLIENT_NAME, no_start_server=True)
+        except jack.JackOpenError as error:
+            status = error.status
+            if status.server_failed:
+                raise MidiUnavailable("no JACK server runs") from None
+    raise MidiUnavailable(f"JACK: {status}")
 
 
 def _ignore(message: str) -> None:

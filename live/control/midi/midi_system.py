@@ -22,7 +22,7 @@ class MidiSystem(Protocol):
         ...
 
     def open_port(self, direction: Direction, name: str) -> Port:
-        """Connect to the port of exactly this name; OSError if that fails."""
+        """Connect to the port of exactly this name; MidiUnavailable or OSError if that fails."""
         ...
 
 

@@ -1,36 +1,48 @@
-"""A program with one MIDI port on JACK: sends the lines of its input, and writes what it receives as lines, in hex."""
+"""A program with one MIDI port on JACK: sends the lines of its input, or writes what it receives as lines; in hex.
+
+All is done in JACK's real-time thread, which waits for no other: a server without a card overwrites what is late.
+"""
 
 import gc
+import os
 import sys
+import threading
 from collections import deque
 
 import jack
 
 
 def main(name: str, port: str, does: str) -> None:
-    """Run until the input ends."""
+    """Run until it is killed."""
     gc.disable()
+    os.set_blocking(0, False)
     waiting: deque[bytes] = deque()
+    rest = b""
     jack.set_error_function(lambda message: None)
     jack.set_info_function(lambda message: None)
     client = jack.Client(name, no_start_server=True)
     own = client.midi_outports.register(port) if does == "sends" else client.midi_inports.register(port)
 
     def send(frames: int) -> None:
+        nonlocal rest
         own.clear_buffer()
+        try:
+            *lines, rest = (rest + os.read(0, 65536)).split(b"\n")
+        except BlockingIOError:
+            lines = []
+        waiting.extend(bytes.fromhex(line.decode()) for line in lines)
         while waiting and own.max_event_size >= len(waiting[0]):
             own.write_midi_event(0, waiting.popleft())
 
     def receive(frames: int) -> None:
-        for _, event in own.incoming_midi_events():
-            sys.stdout.write(bytes(event).hex() + "\n")
-        sys.stdout.flush()
+        lines = [bytes(event).hex() for _, event in own.incoming_midi_events()]
+        if lines:
+            os.write(1, "".join(f"{line}\n" for line in lines).encode())
 
     client.set_process_callback(send if does == "sends" else receive)
     client.activate()
-    print("ready", flush=True)
-    for line in sys.stdin:
-        waiting.append(bytes.fromhex(line))
+    os.write(1, b"ready\n")
+    threading.Event().wait()
 
 
 if __name__ == "__main__":

@@ -157,7 +157,7 @@ def test_sent_clock_is_received_at_same_beat(monkeypatch: pytest.MonkeyPatch) ->
     beats = [event for event in events if isinstance(event, BeatHeard) and event.anchored]
     last = beats[-1]
     # The server without a card loses some pulses on a busy machine, and delivers the others up to 5 ms late.
-    assert 60.0 / last.period == pytest.approx(200.0, rel=0.03)
+    assert 60.0 / float(np.median([beat.period for beat in beats[-4:]])) == pytest.approx(200.0, rel=0.03)
     off = faster.beat_at(last.beat_time) - round(faster.beat_at(last.beat_time))
     assert abs(off) * 0.3 < 0.05
     assert round(faster.beat_at(last.beat_time)) % 4 == last.beat
