@@ -114,6 +114,7 @@ _MIDI_REMEDIES: Final = {
     "no ALSA sequencer": "sudo modprobe snd-seq, or start a JACK server",
 }
 """What helps against a reason why there is no MIDI, by a part of it."""
+_PLATFORM: Final = re.compile(r"""sys_platform (==|!=) ['"](\w+)['"]""")
 _EXTRA: Final = re.compile(r"""extra == ['"]([\w-]+)['"]""")
 
 
@@ -146,8 +147,11 @@ def check_packages() -> Iterator[Check]:
         return
     for requirement in requirements:
         name = re.split(r"[^\w.-]", requirement, maxsplit=1)[0]
-        optional, extra = ";" in requirement, _EXTRA.search(requirement)
+        extra, platform = _EXTRA.search(requirement), _PLATFORM.search(requirement)
+        optional = extra is not None or "python_version" in requirement
         if extra is not None and extra[1] not in EXTRAS:
+            continue
+        if platform is not None and (sys.platform == platform[2]) != (platform[1] == "=="):
             continue
         try:
             yield Check(name, "ok", importlib.metadata.version(name), needed=not optional)
