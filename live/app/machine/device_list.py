@@ -44,7 +44,8 @@ def audio_sections() -> tuple[Section, Section]:
 
 def midi_sections() -> tuple[Section, Section]:
     """Return MIDI inputs and outputs by name, of all running MIDI systems (ALSA, JACK, Core MIDI)."""
-    from live.control.midi.midi_ports import MidiUnavailable, port_names
+    from live.control.midi.midi_ports import port_names
+    from live.control.midi.midi_system import MidiUnavailable
 
     def section(title: str, direction: Literal["input", "output"]) -> Section:
         try:

@@ -107,6 +107,14 @@ EXTRAS: Final = {
 _IN_CHECKOUT: Final = (Path(live.__file__).parents[1] / "tools" / "setup.sh").exists()
 _INSTALL: Final = "make play" if _IN_CHECKOUT else "pip install --upgrade choreographics-live"
 _OTHER_PYTHON: Final = "use Python 3.11 or 3.12" + (": make clean play PYTHON=python3.12" if _IN_CHECKOUT else "")
+_MIDI_REMEDIES: Final = {
+    "'rtmidi'": _OTHER_PYTHON,
+    "'alsa_midi'": _INSTALL,
+    "Permission denied": "sudo usermod -aG audio $USER, and log in again",
+    "no ALSA sequencer": "sudo modprobe snd-seq, or start a JACK server",
+}
+"""What helps against a reason why there is no MIDI, by a part of it."""
+_PLATFORM: Final = re.compile(r"""sys_platform (==|!=) ['"](\w+)['"]""")
 _EXTRA: Final = re.compile(r"""extra == ['"]([\w-]+)['"]""")
 
 
@@ -139,8 +147,11 @@ def check_packages() -> Iterator[Check]:
         return
     for requirement in requirements:
         name = re.split(r"[^\w.-]", requirement, maxsplit=1)[0]
-        optional, extra = ";" in requirement, _EXTRA.search(requirement)
+        extra, platform = _EXTRA.search(requirement), _PLATFORM.search(requirement)
+        optional = extra is not None or "python_version" in requirement
         if extra is not None and extra[1] not in EXTRAS:
+            continue
+        if platform is not None and (sys.platform == platform[2]) != (platform[1] == "=="):
             continue
         try:
             yield Check(name, "ok", importlib.metadata.version(name), needed=not optional)
@@ -211,11 +222,10 @@ def _portaudio_version() -> str:
 def check_midi() -> Iterator[Check]:
     """Check MIDI inputs and outputs."""
     inputs, outputs = midi_sections()
-    remedy = "plug in a MIDI device"
-    if inputs.why is not None and "libasound" in inputs.why:
+    why = inputs.why or ""
+    remedy = next((act for part, act in _MIDI_REMEDIES.items() if part in why), "plug in a MIDI device")
+    if "libasound" in why:
         remedy = install_command("alsa")
-    elif inputs.why is not None and "rtmidi'" in inputs.why:
-        remedy = _OTHER_PYTHON
     yield _check_section("MIDI in", inputs, "no MIDI control", remedy)
     yield _check_section("MIDI out", outputs, "nothing is sent over MIDI", remedy)
 

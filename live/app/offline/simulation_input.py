@@ -9,7 +9,8 @@ from live.agents.scenarios.generate import SCENARIOS
 from live.agents.scenarios.reading import MAX_BYTES, read_scenario, unknown_fields
 from live.agents.scenarios.scenario import Scenario
 from live.base.errors import PersonError
-from live.control.midi.midi_ports import MidiUnavailable, UnknownPort, open_port
+from live.control.midi.midi_ports import UnknownPort, open_port
+from live.control.midi.midi_system import MidiUnavailable
 from live.rehearse.simulated_band import DRIFT, Irregularities, SimulatedBand, render_audio, write_sound
 
 

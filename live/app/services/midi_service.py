@@ -21,8 +21,9 @@ from live.control.midi.midi_feedback import MidiFeedback, MidiOutput
 from live.control.midi.midi_file import MidiSongPlayer, read_song
 from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_mapping import MidiMap
-from live.control.midi.midi_ports import MidiUnavailable, UnknownPort, find_port, open_port
+from live.control.midi.midi_ports import UnknownPort, find_port, open_port
 from live.control.midi.midi_streams import SCHEMES, Direction, Opener
+from live.control.midi.midi_system import MidiUnavailable
 from live.control.registry.control import ROLE_RANKS
 from live.control.registry.registry import Changes, Values
 from live.show.engine import Engine

@@ -9,7 +9,8 @@ import pytest
 from live.app.bridges import installed_bridges
 from live.base.fault_isolation import FAULTS
 from live.bridges.rtp_midi.rtp_midi import MAX_SESSIONS, SESSION_TIMEOUT, BadPacket, RtpMidi, RtpPort, midi_bytes
-from live.control.midi.midi_ports import MidiUnavailable, UnknownPort, find_port, open_port
+from live.control.midi.midi_ports import UnknownPort, find_port, open_port
+from live.control.midi.midi_system import MidiUnavailable
 from tests.control.midi.test_threads_go_on import FirstCallFailure
 from tests.control.waiting import wait_for
 

@@ -1,6 +1,6 @@
 """MIDI input port: puts clocks, notes and mapped controls into the inbox.
 
-rtmidi's thread time-stamps messages and queues them. A second thread decodes them, checks that the port still exists,
+The port's thread time-stamps messages and queues them. A second thread decodes them, checks that the port still exists,
 and opens it again by name.
 """
 

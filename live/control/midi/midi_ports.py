@@ -1,189 +1,46 @@
-"""MIDI ports of this machine, looked up by name through python-rtmidi, which is loaded on demand.
+"""MIDI ports of this machine, looked up by name.
 
-ALSA, JACK, Core MIDI and Windows are queried in rtmidi's order; a system that is not running has no ports. Ports are
-always looked up by name, because their numbers change. `PortThread` keeps a port open in the background.
+A MIDI system that is not running has no ports. Ports are always looked up by name, because their numbers change.
+`PortThread` keeps a port open in the background.
 """
 
-import ctypes
-import glob
-import os
 import re
 import sys
 from collections.abc import Callable, Mapping
-from functools import partial
-from types import ModuleType
 from typing import Any, Final
 
+from live.control.midi.alsa_system import AlsaSystem
+from live.control.midi.jack_system import JackSystem
 from live.control.midi.midi_streams import SCHEMES, Direction, Opener, Port
+from live.control.midi.midi_system import MidiSystem, MidiUnavailable
+from live.control.midi.rtmidi_system import RtMidiSystem
 from live.control.worker_thread import WorkerThread
 
-CLIENT_NAME: Final = "ChoreoGraphics"
-"""Name of our end of a connection in the system's patch bays."""
-JACK_POLL_INTERVAL: Final = 0.001
-"""Seconds between two looks at JACK's messages; a cycle of JACK takes 3 to 20 ms."""
-
-
-class MidiUnavailable(RuntimeError):
-    """python-rtmidi is missing or no MIDI system runs; the message gives the remedy."""
+SYSTEMS: Final[tuple[MidiSystem, ...]] = (AlsaSystem(), JackSystem()) if sys.platform == "linux" else (RtMidiSystem(),)
+"""The MIDI systems that this machine may have, in the order in which a name is looked up."""
 
 
 class UnknownPort(ValueError):
     """No port has that name; the message lists the available ones."""
 
 
-def rtmidi() -> ModuleType:
-    """Return the rtmidi module; MidiUnavailable if it cannot be loaded."""
-    try:
-        import rtmidi as module
-    except ModuleNotFoundError as error:
-        raise MidiUnavailable(f"{error}: python-rtmidi is ready-made for Python 3.11 and 3.12 only") from None
-    except ImportError as error:
-        raise MidiUnavailable(f"rtmidi: {error}") from None
-    return module  # type: ignore[no-any-return]
+def port_names(direction: Direction) -> dict[str, list[str]]:
+    """Return the ports of each running MIDI system by its name; MidiUnavailable if none runs."""
+    return {system.name: names for system, names in _running(direction)}
 
 
-class OpenPort:
-    """One open connection. Create, use and close it in one thread; messages arrive on rtmidi's thread."""
-
-    def __init__(self, direction: Direction, api: int, wanted: str) -> None:
-        """Connect to the port named `wanted`; UnknownPort or OSError (of rtmidi) if that fails."""
-        self.direction = direction
-        self._client = _client(direction, api)
-        self._jack = api == rtmidi().API_UNIX_JACK
-        self._poll: WorkerThread | None = None
-        try:
-            names: list[str] = self._client.get_ports()
-            self.name = match_port(wanted, names)
-            self._client.open_port(names.index(self.name), "in" if direction == "input" else "out")
-        except BaseException:
-            self.close()
-            raise
-
-    def listen(self, receive: Callable[[list[int]], None]) -> None:
-        """Pass every message, including clock, active sensing and system exclusive, to `receive` as it arrives."""
-        self._client.ignore_types(sysex=False, timing=False, active_sense=False)
-        if self._jack:
-            self._poll = WorkerThread("midi in", partial(self._pass_on, receive), every=JACK_POLL_INTERVAL)
-            self._poll.start()
-        else:
-            self._client.set_callback(lambda event, _data=None: receive(event[0]))
-
-    def _pass_on(self, receive: Callable[[list[int]], None]) -> None:
-        """Take JACK's messages from rtmidi's own queue.
-
-        A callback would wait for the interpreter within JACK's cycle. If it waits too long, the next cycle empties the
-        buffer, and rtmidi passes on the last message again instead of each that follows.
-        """
-        while (event := self._client.get_message()) is not None:
-            receive(event[0])
-
-    def send(self, message: bytes) -> None:
-        """Send one message."""
-        self._client.send_message(message)
-
-    @property
-    def exists(self) -> bool:
-        """Whether the other side still exists. A port that has returned under another number must be opened again."""
-        return self.name in self._client.get_ports()
-
-    @property
-    def system_runs(self) -> bool:
-        """Whether the MIDI system itself still answers; JACK keeps listing its ports when its server has died.
-
-        The check takes some milliseconds, so call it only when no messages arrive.
-        """
-        if not self._jack:
-            return True
-        try:
-            _client(self.direction, rtmidi().API_UNIX_JACK).delete()
-        except Exception:
-            return False
-        return True
-
-    def close(self) -> None:
-        """Close the port; errors of the system are ignored."""
-        if self._poll is not None:
-            self._poll.stop()
-        client, self._client = self._client, _ClosedClient()
-        if self._jack and not client.get_ports():
-            leak_client(client)
-            return
-        try:
-            if self.direction == "input":
-                client.cancel_callback()
-            client.close_port()
-            client.delete()
-        except Exception:  # the system is gone
-            return
-
-
-def leak_client(client: Any) -> None:
-    """Leak a client on purpose: closing a client of a dead JACK server would end this process.
-
-    An empty list of ports is taken for a dead server; if the server is alive, an unconnected client stays behind.
-    """
-    ctypes.pythonapi.Py_IncRef(ctypes.py_object(client))
-
-
-class _ClosedClient:
-    """Replacement for a closed client."""
-
-    def get_ports(self) -> list[str]:
-        return []
-
-    def send_message(self, message: bytes) -> None:
-        raise OSError("the MIDI port is closed")
-
-    def cancel_callback(self) -> None: ...
-
-    def get_message(self) -> None: ...
-
-    def close_port(self) -> None: ...
-
-    def delete(self) -> None: ...
-
-
-def _client(direction: Direction, api: int) -> Any:
-    module = rtmidi()
-    make = module.MidiIn if direction == "input" else module.MidiOut
-    return make(api, name=CLIENT_NAME)
-
-
-def port_names(direction: Direction) -> dict[int, list[str]]:
-    """Return the ports of each running MIDI system by rtmidi's API number; MidiUnavailable if none runs."""
-    found: dict[int, list[str]] = {}
+def _running(direction: Direction) -> list[tuple[MidiSystem, list[str]]]:
+    """Return the systems that run, with their ports; MidiUnavailable if none does."""
+    found: list[tuple[MidiSystem, list[str]]] = []
     reasons: list[str] = []
-    for api in rtmidi().get_compiled_api():
-        if absent := _unavailable_reason(api):
-            reasons.append(absent)
-            continue
+    for system in SYSTEMS:
         try:
-            client = _client(direction, api)
-        except Exception as error:  # rtmidi.SystemError, not the built-in one
-            reasons.append(f"rtmidi: {' '.join(str(error).split())}")
-            continue
-        try:
-            names = client.get_ports()
-        finally:
-            client.delete()
-        found[api] = [name for name in names if not name.startswith(CLIENT_NAME)]
+            found.append((system, system.port_names(direction)))
+        except MidiUnavailable as error:
+            reasons.append(error_text(error))
     if not found:
-        raise MidiUnavailable(f"no MIDI system runs here: {', '.join(reasons) or 'rtmidi knows none'}")
+        raise MidiUnavailable(f"no MIDI system runs here: {', '.join(reasons)}")
     return found
-
-
-def _unavailable_reason(api: int) -> str:
-    """Return why a system cannot run on this Linux, else ""; a failing query would print to the terminal."""
-    if sys.platform != "linux":
-        return ""
-    module = rtmidi()
-    if api == getattr(module, "API_LINUX_ALSA", None) and not os.path.exists("/dev/snd/seq"):
-        return "the kernel has no ALSA sequencer"
-    if api == getattr(module, "API_UNIX_JACK", None):
-        server = glob.escape(os.environ.get("JACK_DEFAULT_SERVER", "default"))
-        if not any(glob.glob(f"{folder}/jack_{server}_*_0") for folder in ("/dev/shm", "/tmp")):
-            return "no JACK server runs"
-    return ""
 
 
 def stable_name(name: str) -> str:
@@ -237,13 +94,13 @@ def open_port(direction: Direction, wanted: str, schemes: Mapping[str, Opener] =
     opener = _opener(wanted, schemes)
     if opener is not None:
         return opener(direction, wanted)
-    for api, names in port_names(direction).items():
+    for system, names in _running(direction):
         try:
-            match_port(wanted, names)
+            name = match_port(wanted, names)
         except UnknownPort as error:
             problem = error
             continue
-        return OpenPort(direction, api, wanted)
+        return system.open_port(direction, name)
     raise problem
 
 

@@ -17,10 +17,10 @@ from live.control.events.event import ControlEvent
 from live.control.events.events import Launch
 from live.control.midi import midi_ports
 from live.control.midi.grid_layout import LAYOUTS
-from live.control.midi.midi_ports import UnknownPort, rtmidi
+from live.control.midi.midi_ports import UnknownPort
 from live.control.midi.midi_streams import Direction, Port, Receive
 from live.show.venue.venue import VenueMidi
-from tests.control.midi.jack import JackServer, jack_server  # noqa: F401 - a fixture
+from tests.control.midi.jack import JackPeer, JackServer, jack_server  # noqa: F401 - a fixture
 from tests.control.waiting import wait_for
 from tests.show.made_show import made_show
 
@@ -203,29 +203,21 @@ def test_a_grid_is_found_by_its_name_among_real_ports(
     monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.1)
     with pytest.raises(UnknownPort, match="no grid controller"):
         open_grid("input", AUTO)
-    module = rtmidi()
     lights: dict[tuple[int, int], int] = {}
     with contextlib.ExitStack() as ends:
 
-        def client(direction: Any) -> Any:
-            made = direction(module.API_UNIX_JACK, name="LPMiniMK3 MIDI")
-            ends.callback(made.delete)
-            return made
+        def light(message: list[int]) -> None:
+            lights[message[0], message[1]] = message[2]
 
         night = GridNight(Device(), AUTO, opener=open_grid)
         night.service.start()
         ends.callback(night.service.stop)
-        keys, lamps = client(module.MidiOut), client(module.MidiIn)
-        lamps.open_virtual_port("in")
-        keys.open_virtual_port("out")
-
-        def all_lit() -> bool:
-            while (event := lamps.get_message()) is not None:
-                lights[event[0][0], event[0][1]] = event[0][2]
-            return len(lights) >= 80 and bool(night.service._input.connected)
-
-        night.until(all_lit)
-        keys.send_message([0x90, 81, 127])
+        lamps = JackPeer("LPMiniMK3 MIDI", "in", "receives", light)
+        ends.callback(lamps.close)
+        keys = JackPeer("LPMiniMK3 MIDI", "out", "sends")
+        ends.callback(keys.close)
+        night.until(lambda: len(lights) >= 80 and bool(night.service._input.connected))
+        keys.send([0x90, 81, 127])
         night.until(lambda: not night.service._input._arrived.empty() or bool(night.inbox))
         night.run(3)
         assert [event.pad for event in night.events if isinstance(event, Launch)] == ["step sway"]

@@ -2,7 +2,6 @@
 
 import json
 import os
-import sys
 from pathlib import Path
 
 import pytest
@@ -10,6 +9,9 @@ import pytest
 from live.app.machine import device_list
 from live.control.audio import devices as sound_devices
 from live.control.audio.devices import SoundDevice
+from live.control.midi import midi_ports
+from live.control.midi.midi_streams import Direction, Port
+from live.control.midi.midi_system import MidiUnavailable
 from tests.cli.command import run_live, run_live_process
 from tests.fixtures import two_monitor_x
 
@@ -45,45 +47,34 @@ def test_unresponsive_screen_is_explained() -> None:
     assert ":4711" in section["why"]
 
 
-class _Midi:
-    """Replacement of rtmidi: a system with these ports, or one that fails to start."""
+class MidiSystemOf:
+    """A MIDI system with these ports, or one that does not run."""
 
-    def __init__(self, inputs: list[str] | None, outputs: list[str] | None = None) -> None:
-        self._inputs = inputs
-        self._outputs = outputs
+    name = "bus"
 
-    def get_compiled_api(self) -> list[int]:
-        return [2]
+    def __init__(self, why: str = "", **ports: list[str]) -> None:
+        self.why, self.ports = why, ports
 
-    def MidiIn(self, _api: int, *, name: str) -> "_Client":  # noqa: N802 - as rtmidi calls it
-        return _Client(self._inputs)
+    def port_names(self, direction: Direction) -> list[str]:
+        if self.why:
+            raise MidiUnavailable(self.why)
+        return self.ports[direction]
 
-    def MidiOut(self, _api: int, *, name: str) -> "_Client":  # noqa: N802
-        return _Client(self._outputs)
-
-
-class _Client:
-    def __init__(self, names: list[str] | None) -> None:
-        if names is None:
-            raise OSError("MidiInAlsa::initialize: error creating\nALSA sequencer client object.")
-        self._names = names
-
-    def get_ports(self) -> list[str]:
-        return self._names
-
-    def delete(self) -> None: ...
+    def open_port(self, direction: Direction, name: str) -> Port:
+        raise OSError("it is taken")
 
 
-def test_midi_without_sequencer_gives_reason(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "rtmidi", _Midi(None))
+def test_midi_without_sequencer_gives_every_reason(monkeypatch: pytest.MonkeyPatch) -> None:
+    systems = (MidiSystemOf("the kernel has no\nsequencer"), MidiSystemOf("no server runs"))
+    monkeypatch.setattr(midi_ports, "SYSTEMS", systems)
     first, second = device_list.midi_sections()
     assert first.items == second.items == ()
-    assert first.why is not None
-    assert first.why.endswith("rtmidi: MidiInAlsa::initialize: error creating ALSA sequencer client object.")
+    assert first.why == "no MIDI system runs here: the kernel has no sequencer, no server runs"
 
 
 def test_midi_ports_are_listed_by_name(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(sys.modules, "rtmidi", _Midi(["keys:0", "pads:1"], []))
+    there = MidiSystemOf(input=["keys:0", "pads:1"], output=[])
+    monkeypatch.setattr(midi_ports, "SYSTEMS", (MidiSystemOf("no server runs"), there))
     inputs, outputs = device_list.midi_sections()
     assert [item["name"] for item in inputs.items] == ["keys:0", "pads:1"]
     assert inputs.why is None

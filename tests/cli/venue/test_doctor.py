@@ -5,6 +5,7 @@ import json
 import re
 import socket
 import subprocess
+import sys
 from importlib.metadata import PackageNotFoundError
 from pathlib import Path
 
@@ -76,6 +77,7 @@ def test_every_package_requirement_is_checked() -> None:
         each
         for each in requires("choreographics-live") or []
         if not re.search("'(bench|train)'|\"(bench|train)\"", each)
+        and not re.search(f"sys_platform (!= '{sys.platform}'|== '(?!{sys.platform}'))", each)
     ]
     assert len(list(machine_check.check_packages())) == len(asked)
     assert len(asked) > 30
@@ -94,6 +96,15 @@ def test_package_excluded_by_python_version_is_limited(monkeypatch: pytest.Monke
     (found,) = machine_check.check_packages()
     assert (found.state, found.needed) == ("limited", False)
     assert 'python_version < "3.13"' in found.detail
+
+
+def test_packages_of_other_systems_are_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked = [f"not-there-{number}; sys_platform {each}" for number, each in enumerate(("!= 'linux'", "== 'linux'"))]
+    monkeypatch.setattr("importlib.metadata.requires", lambda name: asked)
+    monkeypatch.setattr(machine_check.sys, "platform", "linux")
+    assert [(each.name, each.state) for each in machine_check.check_packages()] == [("not-there-1", "missing")]
+    monkeypatch.setattr(machine_check.sys, "platform", "darwin")
+    assert [(each.name, each.state) for each in machine_check.check_packages()] == [("not-there-0", "missing")]
 
 
 def test_missing_ableton_link_does_not_prevent_shows(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -129,8 +140,11 @@ def test_missing_portaudio_names_its_package(monkeypatch: pytest.MonkeyPatch) ->
 @pytest.mark.parametrize(
     ("why", "remedy"),
     [
-        ("rtmidi: libasound.so.2: cannot open shared object file", "sudo dnf install alsa-lib"),
-        ("No module named 'rtmidi': python-rtmidi is ready-made for …", "make clean play PYTHON=python3.12"),
+        ("ALSA: cannot load library 'libasound.so.2': libasound.so.2: cannot open …", "sudo dnf install alsa-lib"),
+        ("No module named 'rtmidi': on macOS and Windows MIDI needs …", "make clean play PYTHON=python3.12"),
+        ("ALSA: No module named 'alsa_midi', no JACK server runs", "make play"),
+        ("ALSA: /dev/snd/seq: Permission denied, no JACK server runs", "and log in again"),
+        ("the kernel has no ALSA sequencer, no JACK server runs", "or start a JACK server"),
         ("MIDI is available, but no device is connected", "plug in a MIDI device"),
     ],
 )

@@ -8,7 +8,7 @@ from live.clock.midi.pulse_schedule import PulseMessages
 from live.clock.time_source import SystemClock
 from live.clock.timeline import Timeline
 from live.control.midi.midi_clock_output import MidiClockOutput
-from live.control.midi.midi_ports import OpenPort
+from live.control.midi.midi_streams import Port
 from tests.control.waiting import wait_for
 
 
@@ -29,7 +29,7 @@ class FakePort:
 
 def test_scheduling_error_does_not_stop_clock_output(monkeypatch: pytest.MonkeyPatch) -> None:
     port = FakePort()
-    sends = MidiClockOutput("synth", SystemClock(), open_by_name=lambda _: cast(OpenPort, port))
+    sends = MidiClockOutput("synth", SystemClock(), open_by_name=lambda _: cast(Port, port))
 
     def fail(_timeline: Timeline, _now: float) -> PulseMessages:
         raise OverflowError("no such pulse")

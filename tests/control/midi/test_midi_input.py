@@ -11,7 +11,8 @@ from live.control.events.events import BeatHeard, ControlEvent, SourceChanged, T
 from live.control.midi import midi_input, midi_ports
 from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_mapping import MidiMap
-from live.control.midi.midi_ports import OpenPort, UnknownPort, match_port
+from live.control.midi.midi_ports import UnknownPort, match_port
+from live.control.midi.midi_streams import Port
 from tests.control.waiting import wait_for
 
 
@@ -54,11 +55,11 @@ def test_unplugged_port_is_lost_and_found_by_name(monkeypatch: pytest.MonkeyPatc
     ports: list[FakePort] = []
     plugged = True
 
-    def open_by_name(name: str) -> OpenPort:
+    def open_by_name(name: str) -> Port:
         if not plugged:
             raise OSError("no such port")
         ports.append(FakePort(f"{name}:1 20:{len(ports)}"))
-        return cast(OpenPort, ports[-1])
+        return cast(Port, ports[-1])
 
     listens = MidiInput("box", inbox, ManualClock(5.0), open_by_name=open_by_name)
     listens.start()
@@ -88,9 +89,9 @@ def test_quickly_replugged_port_is_reopened(monkeypatch: pytest.MonkeyPatch) -> 
     monkeypatch.setattr(midi_input, "CHECK_INTERVAL", 0.0)
     ports: list[FakePort] = []
 
-    def open_by_name(name: str) -> OpenPort:
+    def open_by_name(name: str) -> Port:
         ports.append(FakePort(name))
-        return cast(OpenPort, ports[-1])
+        return cast(Port, ports[-1])
 
     listens = MidiInput("box", EventQueue(), ManualClock(), open_by_name=open_by_name)
     listens.start()
@@ -124,7 +125,7 @@ def test_decoder_exception_is_counted_and_reported(monkeypatch: pytest.MonkeyPat
 
 def test_failing_advance_does_not_stop_the_input(monkeypatch: pytest.MonkeyPatch) -> None:
     port = FakePort("box")
-    listens = MidiInput("box", EventQueue(), ManualClock(), open_by_name=lambda _: cast(OpenPort, port))
+    listens = MidiInput("box", EventQueue(), ManualClock(), open_by_name=lambda _: cast(Port, port))
 
     def fail(_now: float) -> None:
         raise ZeroDivisionError("no beats")

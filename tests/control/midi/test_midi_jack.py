@@ -1,7 +1,6 @@
 """Tests of MIDI over real ports: two programs on a private JACK server."""
 
 import threading
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,18 +14,15 @@ from live.control.midi.midi_clock_output import MidiClockOutput
 from live.control.midi.midi_feedback import MidiOutput
 from live.control.midi.midi_input import MidiInput
 from live.control.midi.midi_mapping import MidiMap
-from live.control.midi.midi_ports import OpenPort, UnknownPort, find_port, leak_client, rtmidi
-from tests.control.midi.jack import JackServer, jack_server  # noqa: F401 - a fixture
+from live.control.midi.midi_ports import UnknownPort, find_port, open_port
+from tests.control.midi.jack import JackPeer, JackServer, jack_server  # noqa: F401 - a fixture
 from tests.control.waiting import wait_for
 
 pytestmark = pytest.mark.usefixtures("jack_server")
 
 
-def sender(name: str, port: str = "out") -> Any:
-    module = rtmidi()
-    client = module.MidiOut(module.API_UNIX_JACK, name=name)
-    client.open_virtual_port(port)
-    return client
+def sender(name: str, port: str = "out") -> JackPeer:
+    return JackPeer(name, port, "sends")
 
 
 def test_port_is_found_by_part_of_name() -> None:
@@ -36,7 +32,7 @@ def test_port_is_found_by_part_of_name() -> None:
         with pytest.raises(UnknownPort, match="drumbox:out"):
             find_port("input", "piano")
     finally:
-        box.delete()
+        box.close()
 
 
 def test_messages_are_received_and_lost_port_is_reopened(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -48,18 +44,18 @@ def test_messages_are_received_and_lost_port_is_reopened(monkeypatch: pytest.Mon
     try:
         assert wait_for(lambda: listens.connected == "footswitch:out", 10.0)
         for message in ([0xB0, 64, 127], [0xFA], [0xF8], [0xF8], [0xFE]):
-            box.send_message(message)
+            box.send(message)
         assert wait_for(lambda: listens.messages == 5, 10.0)
-        box.delete()
+        box.close()
         assert wait_for(lambda: listens.connected == "", 10.0)
         box = sender("footswitch")
         assert wait_for(lambda: listens.connected == "footswitch:out", 10.0)
-        box.send_message([0xB0, 64, 0])
-        box.send_message([0xB0, 64, 127])
+        box.send([0xB0, 64, 0])
+        box.send([0xB0, 64, 127])
         assert wait_for(lambda: listens.messages == 7, 10.0)
     finally:
         listens.stop()
-        box.delete()
+        box.close()
     events = inbox.drain()
     assert sum(isinstance(event, Tap) for event in events) == 2
     assert any(isinstance(event, BeatHeard) and event.jump for event in events)
@@ -76,52 +72,46 @@ def test_replugged_controller_with_new_number_is_found(monkeypatch: pytest.Monke
     listens.start()
     try:
         assert wait_for(lambda: listens.connected == f"a2j:{names[0]}", 10.0)
-        box.delete()
+        box.close()
         box = sender("a2j", names[1])
         assert wait_for(lambda: listens.connected == f"a2j:{names[1]}", 10.0)
-        box.send_message([0xB0, 64, 127])
+        box.send([0xB0, 64, 127])
         assert wait_for(lambda: listens.messages == 1, 10.0)
     finally:
         listens.stop()
-        box.delete()
+        box.close()
     assert [type(event) for event in inbox.drain()] == [Tap]
 
 
 def test_burst_is_received_whole_while_python_is_busy() -> None:
-    box, received, done = sender("keyboard"), list[list[int]](), threading.Event()
+    box, received, done = sender("keyboard"), list[bytes](), threading.Event()
     sent = [[0x90, key, velocity] for velocity in range(1, 6) for key in range(100)]
-    system = rtmidi().API_UNIX_JACK
 
     def busy() -> None:
         while not done.is_set():
             sum(range(10_000))
 
     busy_threads = [threading.Thread(target=busy) for _ in range(3)]
-    port = OpenPort("input", system, "keyboard")
+    port = open_port("input", "keyboard")
     try:
-        port.listen(received.append)
+        port.listen(lambda message: received.append(bytes(message)))
         for thread in busy_threads:
             thread.start()
-        for message in sent:
-            box.send_message(message)
+        box.send(*sent)
         assert wait_for(lambda: len(received) >= len(sent), 20.0)
-        assert received == sent
+        assert received == [bytes(message) for message in sent]
     finally:
         done.set()
         port.close()
-        box.delete()
+        box.close()
 
 
 def test_pad_feedback_is_received_at_port(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.2)
-    module = rtmidi()
     found: list[list[int]] = []
 
-    def plugged_in() -> Any:
-        pads = module.MidiIn(module.API_UNIX_JACK, name="pads")
-        pads.set_callback(lambda event, _data=None: found.append(event[0]))
-        pads.open_virtual_port("in")
-        return pads
+    def plugged_in() -> JackPeer:
+        return JackPeer("pads", "in", "receives", found.append)
 
     pads = plugged_in()
     tells = MidiOutput("pads", SystemClock())
@@ -132,12 +122,12 @@ def test_pad_feedback_is_received_at_port(monkeypatch: pytest.MonkeyPatch) -> No
             tells.send(b"\x90\x24\x7f")
             assert wait_for(lambda: found == [[0x90, 0x24, 0x7F]], 10.0)
             found.clear()
-            pads.delete()
+            pads.close()
             assert wait_for(lambda: not tells.connected, 10.0)
             pads = plugged_in()
     finally:
         tells.stop()
-        pads.delete()
+        pads.close()
 
 
 def test_sent_clock_is_received_at_same_beat(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -145,12 +135,8 @@ def test_sent_clock_is_received_at_same_beat(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.2)
     clock = SystemClock()
     inbox: EventQueue[ControlEvent] = EventQueue()
-    module = rtmidi()
-    bus = module.MidiIn(module.API_UNIX_JACK, name="synth")
-    bus.open_virtual_port("in")
-    bus.ignore_types(False, False, False)
     listens = MidiInput("synth", inbox, clock)
-    bus.set_callback(lambda event, _data=None: listens.receive(event[0]))
+    bus = JackPeer("synth", "in", "receives", listens.receive)
     sends = MidiClockOutput("synth", clock)
     sends.set_timeline(Timeline(tempo=180.0))
     sends.start()
@@ -166,12 +152,12 @@ def test_sent_clock_is_received_at_same_beat(monkeypatch: pytest.MonkeyPatch) ->
     while not listens._arrived.empty():
         time, message = listens._arrived.get()
         listens.decode(message, time)
-    bus.delete()
+    bus.close()
     events = inbox.drain()
     beats = [event for event in events if isinstance(event, BeatHeard) and event.anchored]
     last = beats[-1]
     # The server without a card loses some pulses on a busy machine, and delivers the others up to 5 ms late.
-    assert 60.0 / last.period == pytest.approx(200.0, rel=0.03)
+    assert 60.0 / float(np.median([beat.period for beat in beats[-4:]])) == pytest.approx(200.0, rel=0.03)
     off = faster.beat_at(last.beat_time) - round(faster.beat_at(last.beat_time))
     assert abs(off) * 0.3 < 0.05
     assert round(faster.beat_at(last.beat_time)) % 4 == last.beat
@@ -191,10 +177,10 @@ def test_input_survives_server_crash(
         assert wait_for(lambda: listens.connected == "sequencer:out", 10.0)
         jack_server.crash()
         assert wait_for(lambda: listens.connected == "", 15.0)
-        leak_client(box)
+        box.close()
         jack_server.start()
         box = sender("sequencer")
         assert wait_for(lambda: listens.connected == "sequencer:out", 15.0)
     finally:
         listens.stop()
-        box.delete()
+        box.close()
