@@ -1,8 +1,8 @@
 """Draw the moving pictures of the documentation: `python tools/draw_docs_films.py [NAME…]`.
 
 Without a name it draws all of docs/films/, which takes some minutes; `--list` prints the names. Each film is danced or
-computed by the engine from fixed seeds, so that its pictures are the same each time on one machine; the encoder's bytes
-may differ a little. docs/films/README.md says what is seen.
+computed by the engine from fixed seeds and encoded in one thread, so that files are the same each time on one machine.
+docs/films/README.md says what is seen.
 """
 
 import argparse
@@ -20,8 +20,8 @@ from tools.docs_films.film_file import Picture, write_film, write_poster, write_
 
 ROOT: Final = Path(__file__).resolve().parent.parent
 FOLDER: Final = ROOT / "docs" / "films"
-FILM_BYTES: Final = 250_000
-EXCERPT_BYTES: Final = 100_000
+FILM_BYTES: Final = 235_000
+EXCERPT_BYTES: Final = 90_000
 WEBP_BYTES: Final = 900_000
 WEBP_WIDTH: Final = 480
 GALLERY: Final = "gallery/"
@@ -39,7 +39,7 @@ class Film:
 
 
 FILMS: Final[dict[str, Film]] = {
-    "first-show": Film(gallery.draw_first_show, 0.35, max_bytes=400_000, webp=True),
+    "first-show": Film(gallery.draw_first_show, 0.35, max_bytes=390_000, webp=True),
     "beat-clock": Film(music_films.draw_beat_clock, 0.6),
     "motion-graph": Film(step_films.draw_motion_graph),
     "measure-line": Film(step_films.draw_measure_line),

@@ -55,7 +55,10 @@ def _encode_into(path: Path, options: dict[str, str], pictures: Sequence[Picture
         stream.height, stream.width = pictures[0].shape[:2]
         stream.pix_fmt = "yuv420p"
         stream.codec_context.thread_count = 1
-        stream.options = {"preset": "slow", "crf": str(quality), "tune": "animation", "flags": "+bitexact"}
+        stream.options = {
+            "preset": "slow", "crf": str(quality), "tune": "animation", "flags": "+bitexact",
+            "x264-params": "cpu-independent=1",  # without it bytes differ from run to run
+        }  # fmt: skip
         for picture in pictures:
             container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, format="rgb24")))
         container.mux(stream.encode(None))
