@@ -3,9 +3,12 @@
 import re
 from pathlib import Path
 
+import av
 import pytest
 
 from tests.places import ROOT
+from tools.docs_films.film_file import POSTER_BYTES
+from tools.draw_docs_films import FILMS, FOLDER, WEBP_BYTES, files_of
 from tools.reference.reference_pages import reference_pages
 
 MADE = {ROOT / "docs/reference" / path for path in reference_pages()}
@@ -80,3 +83,30 @@ def test_docstrings_name_code_that_exists() -> None:
         if word.isascii() and re.search(r"[A-Z_.]", word) and not set(word.split(".")) <= names
     ]
     assert stale == []
+
+
+def test_films_are_those_of_their_tool_and_small() -> None:
+    """All files of docs/films/ come from the tool, have a caption, and fit on a page."""
+    expected = {path for name in FILMS for path in files_of(name)}
+    found = {path.relative_to(FOLDER) for path in FOLDER.rglob("*") if path.is_file() and path.suffix != ".toml"}
+    assert found == {*expected, Path("README.md")}
+    limits = {".mp4": 400_000, ".jpg": POSTER_BYTES, ".webp": WEBP_BYTES}
+    size = {path: (FOLDER / path).stat().st_size for path in expected}
+    assert [path for path in expected if not 1_000 < size[path] <= limits[path.suffix]] == []
+    assert sum(size[path] for path in expected if path.suffix == ".mp4") <= 4_000_000
+    captions = (FOLDER / "README.md").read_text(encoding="utf-8")
+    assert [name for name in FILMS if f"`{name}.mp4`" not in captions] == []
+    for folder in (FOLDER, *(path for path in FOLDER.rglob("*") if path.is_dir())):
+        assert len(list(folder.iterdir())) <= 25, folder
+
+
+@pytest.mark.parametrize("name", FILMS)
+def test_films_play_on_web_pages(name: str) -> None:
+    """H.264 in 4:2:0, 25 pictures a second, silent, 6 to 12 seconds or so, with the index before the pictures."""
+    film = FOLDER / files_of(name)[0]
+    data = film.read_bytes()
+    assert data.index(b"moov") < data.index(b"mdat")
+    with av.open(str(film)) as container:
+        (stream,) = container.streams
+        assert (stream.codec_context.name, stream.codec_context.pix_fmt) == ("h264", "yuv420p")
+        assert 5.0 <= stream.frames / stream.average_rate <= 12.2
