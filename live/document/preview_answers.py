@@ -1,7 +1,7 @@
 """Answers of the preview to questions of pages, as frames: those of the stage's stream, and what is doubtful.
 
-A question is an object: {"id", "from", "to"} or {"id", "measure"} or {"id", "segment"} (`live docs preview`). It names the
-document by `document`, a revision, or by `with`, edits that are tried and not saved.
+A question is an object: {"id", "from", "to"} or {"id", "measure"} or {"id", "segment"} (`live docs preview`). It names
+the document by `document`, a revision, or by `with`, edits that are tried and not saved.
 """
 
 import json

@@ -79,8 +79,10 @@ def test_show_with_a_pass_of_its_own_is_restored(tmp_path):
     (tmp_path / "passes" / "waves.glsl").write_text(WAVES)
     (tmp_path / "a.toml").write_text(PATCH + PICTURE)
     loaded = LoadedShow(tmp_path / "a.toml", read_patch(tmp_path / "a.toml"), GRAPH)
-    script = {at: events.SetPass(time=at * TICK, source="osc", name="waves", parameter="speed", amount=3.0, measures=1.0)
-              for at in (40, 120)}  # fmt: skip
+    script = {
+        at: events.SetPass(time=at * TICK, source="osc", name="waves", parameter="speed", amount=3.0, measures=1.0)
+        for at in (40, 120)
+    }
     show = loaded.start()
     run(show, 1, 60, script)
     at, data = capture_from(show, 60, script)
