@@ -53,6 +53,8 @@ measures = 2
 group = "ember"
 formation = "star"
 """
+CLAPS: Final = "stamp and clap x12"
+VARIED: Final = ", ".join(2 * ["walk x2, grapevine, samba x2, side step x2, mambo, turn, groove x2, kick, reach, jump"])
 HEART: Final = (
     '<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 30 C-60 -20 -20 -60 0 -30 C20 -60 60 -20 0 30 Z"/></svg>'
 )
@@ -96,7 +98,7 @@ def make_tour_folder(folder: Path) -> None:
     (folder / "my_show.toml").write_text(SHOW)
     (folder / "show.toml").write_text(SHOW)
     shutil.copytree(folder / "my_show", folder / "my show")
-    (folder / "gate.toml").write_text('shape = "arc"\nsize = [5.0, 3.0]\ndancers = 12\n')
+    (folder / "gate.toml").write_text('shape = "arc"\nsize = [5.0, 3.0]\n')
     (folder / "heart.svg").write_text(HEART)
     (folder / "score.txt").write_text("side step, samba x2\n*\n")
     (folder / "path.csv").write_text("".join(f"{t / 10:.1f},{t / 20:.2f},0.0\n" for t in range(60)))
@@ -108,14 +110,15 @@ def make_tour_folder(folder: Path) -> None:
         _write_song(folder / name)
         wav = folder / f"{name}.wav"
         _convert(wav, folder / f"{name}.ogg")
-    dance = ("--sequence", "stamp and clap x3, stamp and clap left, stamp and clap right", "--bpm", "124")
-    live(folder, "dance", str(ROOT / "patches/folk/steps"), *dance, "--out", "take_3.bvh")
-    for name in ("take_7", "rehearsal", "a", "b", "c", "real", "walk"):
-        shutil.copy(folder / "take_3.bvh", folder / f"{name}.bvh")
-    live(folder, "dance", "sketches", "--sequence", "samba x6", "--bpm", "124", "--out", "leader.bvh")
+    live(folder, "dance", str(ROOT / "patches/folk/steps"), "--sequence", CLAPS, "--bpm", "124", "--out", "take_3.bvh")
+    live(folder, "dance", "sketches", "--sequence", VARIED, "--bpm", "124", "--out", "rehearsal.bvh")
+    for source, names in (("take_3", ("take_7", "real", "walk")), ("rehearsal", ("a", "b", "c", "leader"))):
+        for name in names:
+            shutil.copy(folder / f"{source}.bvh", folder / f"{name}.bvh")
     (folder / "salsa.toml").write_text(PAIRS)
     (folder / "walks.toml").write_text(PAIRS)
-    shutil.copytree(ROOT / "patches/steps", folder / "my_steps")
+    for steps in ("my_steps", "my_show/steps"):
+        shutil.copytree(ROOT / "patches/steps", folder / steps)
     (folder / "mocap").mkdir()
     shutil.copy(folder / "take_3.bvh", folder / "mocap")
     live(folder, "render", "my_show", "--out", "other.csv", "--seconds", "66", "--fps", "5", "--journal", "night.jsonl")
