@@ -136,7 +136,6 @@ def _compile_slowly(
         store.write("a", b"theirs")
 
 
-@pytest.mark.skipif(kernel_store.fcntl is None, reason="no file locks here")
 def test_a_process_waits_for_the_one_that_compiles(tmp_path: Path) -> None:
     context = multiprocessing.get_context("spawn")
     begun, go = context.Event(), context.Event()

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from live.base.disk.kernel_store import SHIPPED_PACKAGE
+from live.base.system.process_control import own_session
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -179,7 +180,7 @@ def start_native_build() -> None:
     quiet, environment = subprocess.DEVNULL, {**os.environ, "LIVE_KERNEL_TARGET": "native"}
     subprocess.Popen(
         [sys.executable, "-m", "live", "warm", "--background"],
-        stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True, env=environment,
+        stdin=quiet, stdout=quiet, stderr=quiet, env=environment, **own_session(),
     )  # fmt: skip
 
 

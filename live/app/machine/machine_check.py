@@ -55,9 +55,9 @@ def _has_time64_names() -> bool:
 
 
 _PROBE = """
-import json, sys, moderngl
-options = {"backend": "egl"} if sys.platform == "linux" else {}
-context = moderngl.create_context(standalone=True, **options)
+import json, moderngl
+from live.base.system.features import OFFSCREEN_GL
+context = moderngl.create_context(standalone=True, **OFFSCREEN_GL)
 print(json.dumps([context.info["GL_RENDERER"], context.info["GL_VERSION"], context.version_code]))
 """
 

@@ -7,10 +7,11 @@ out its position (GLFW issue 2903).
 
 import os
 import re
-import sys
 from collections import deque
 from dataclasses import dataclass
 from typing import Any
+
+from live.base.system.features import has_desktop, has_x11
 
 _messages: deque[str] = deque(maxlen=64)
 _changes = 0
@@ -54,7 +55,7 @@ def _on_monitor(_monitor: Any, _event: int) -> None:
 
 def load_glfw() -> None:
     """Load GLFW without starting it; ImportError if it is not installed."""
-    if sys.platform == "linux" and os.environ.get("DISPLAY"):
+    if has_x11():
         # the wheel holds one library for X11 and another for Wayland and chooses by the kind of the session
         os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")
     import glfw  # noqa: F401
@@ -75,12 +76,12 @@ def start_glfw() -> bool:
         _problem = f"GLFW cannot be loaded ({error}); install it with: pip install glfw"
         return False
     glfw.set_error_callback(_on_error)
-    if sys.platform == "linux" and os.environ.get("DISPLAY") and glfw.platform_supported(glfw.PLATFORM_X11):
+    if has_x11() and glfw.platform_supported(glfw.PLATFORM_X11):
         glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_X11)
     _messages.clear()
     if not glfw.init():
         _problem = _messages.popleft() if _messages else "GLFW cannot be started"
-        if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        if not has_desktop():
             _problem = "no screen: neither DISPLAY nor WAYLAND_DISPLAY is set"
         return False
     _started, _problem = True, ""
