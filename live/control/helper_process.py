@@ -18,9 +18,8 @@ from live.base.fault_isolation import run_once
 from live.base.system.channel import (
     Packets,
     listening_socket_of,
-    packet_end,
     packets_of_argument,
-    start_child,
+    start_packet_child,
 )
 from live.base.system.process_control import ignore_interrupts, yield_priority
 from live.clock.time_source import Clock
@@ -40,11 +39,7 @@ def spawn_helper(module: str, *inherit: int) -> tuple[Packets, "subprocess.Popen
 
     `inherit`: file descriptors that the child gets under the same numbers.
     """
-    ours, process = start_child(
-        [sys.executable, "-m", module], packets=True, inherit=inherit, stdout=subprocess.DEVNULL
-    )  # fmt: skip
-    ours.setblocking(False)
-    return packet_end(ours), process
+    return start_packet_child([sys.executable, "-m", module], inherit=inherit, stdout=subprocess.DEVNULL)
 
 
 class HelperProcess:
@@ -190,7 +185,10 @@ class HelperChannel:
         """Wait for the plan; `word`: how to find this end. A process that already has a plan, because the show did not
         start it, passes it."""
         ignore_interrupts()
-        self.socket = packets_of_argument(word)
+        try:
+            self.socket = packets_of_argument(word)
+        except OSError:  # the show has ended meanwhile
+            raise SystemExit(0) from None
         if plan is None:
             self.socket.setblocking(True)
             plan = decode_packet(self.socket.recv(MAX_PACKET_BYTES))

@@ -8,7 +8,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, Final
 
-from live.base.system.channel import NO_SIGNAL
+from live.base.system.packet_socket import NO_SIGNAL
 
 BUFFER: Final = 4 * 1024 * 1024
 """Requested size of the socket's buffers."""

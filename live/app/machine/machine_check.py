@@ -18,7 +18,7 @@ from typing import Final, Literal
 
 import live
 from live.app.machine.device_list import Section, audio_sections, midi_sections, monitor_section, one_line
-from live.base.native_stderr import suppress_native_stderr
+from live.base.system.native_stderr import suppress_native_stderr
 
 _PACKAGES = {
     "opengl": {"apt-get": "libegl1 libgl1", "dnf": "mesa-libEGL mesa-libGL mesa-dri-drivers"},

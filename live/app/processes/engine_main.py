@@ -27,8 +27,8 @@ from live.app.exit_codes import (
 from live.app.launch_options import LaunchOptions
 from live.app.machine.systemd_unit import check_name
 from live.base.errors import PersonError
-from live.base.native_stderr import survive_terminal_close
 from live.base.system.features import LINUX, has_desktop
+from live.base.system.native_stderr import survive_terminal_close
 from live.base.system.process_control import HANG_UP_CODE, INTERRUPT_CODE, TERMINATE_CODE, machine_memory
 from live.show.journal.journal_writer import move_aside
 from live.supervisor.adoption.adoption import Adoption, CannotAdopt, EngineHung, find_engine

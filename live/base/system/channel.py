@@ -1,109 +1,66 @@
 """Connections between a process and the children that it starts.
 
-On Linux a child inherits its end of a socket pair. Elsewhere the parent listens on loopback, the child connects and
-shows a token that it got through its standard input, which no other process sees.
+On Linux a child inherits its end of a socket pair, as any other socket. Elsewhere it connects over loopback
+(`loopback.py`), packets are framed (`packet_socket.py`), and a child listens itself where its parent did.
 """
 
 import contextlib
 import os
 import socket
-import struct
 import subprocess
-import threading
 from collections.abc import Sequence
 from typing import Any, Final
 
 from live.base.system.features import LINUX
+from live.base.system.packet_socket import PacketSocket
 from live.base.system.process_control import own_session
 
-MAX_PACKET_BYTES: Final = 1 << 20
-"""Longest packet; a longer one violates the protocol and ends the connection."""
-_LENGTH: Final = struct.Struct("<I")
-NO_SIGNAL: Final = getattr(socket, "MSG_NOSIGNAL", 0)
-"""Flag of `send`: a connection that has ended is an error and no signal."""
-
-
-class PacketSocket:
-    """Packets over a stream: `send` and `recv` as of a socket of packets. Threads: one that receives, any that send."""
-
-    def __init__(self, sock: socket.socket) -> None:
-        self._socket = sock
-        self._received = bytearray()
-        self._unsent = b""
-        self._sending = threading.Lock()
-
-    def fileno(self) -> int:
-        """Return the descriptor, for `select`: `recv` reads no further than its packet."""
-        return self._socket.fileno()
-
-    def setblocking(self, blocking: bool) -> None:
-        """Whether `recv` waits; `send` never does."""
-        self._socket.setblocking(blocking)
-
-    def send(self, data: bytes) -> int:
-        """Send a packet; BlockingIOError if the one before does not fit yet, another OSError if the peer has gone."""
-        with self._sending:
-            self._flush()
-            if self._unsent:
-                raise BlockingIOError
-            self._unsent = _LENGTH.pack(len(data)) + data
-            self._flush()
-        return len(data)
-
-    def _flush(self) -> None:
-        while self._unsent:
-            try:
-                sent = self._socket.send(self._unsent, NO_SIGNAL)
-            except (BlockingIOError, InterruptedError):
-                return
-            self._unsent = self._unsent[sent:]
-
-    def recv(self, _most: int = MAX_PACKET_BYTES) -> bytes:
-        """Return the next packet, empty if the peer has gone; BlockingIOError if none has arrived whole."""
-        if self._unsent:
-            with self._sending, contextlib.suppress(OSError):
-                self._flush()
-        while missing := self._missing_bytes():
-            data = self._socket.recv(missing)
-            if not data:
-                return b""
-            self._received += data
-        packet = bytes(self._received[_LENGTH.size :])
-        self._received.clear()
-        return packet
-
-    def _missing_bytes(self) -> int:
-        """Return how many bytes of the next packet have not arrived, as far as is known."""
-        if len(self._received) < _LENGTH.size:
-            return _LENGTH.size - len(self._received)
-        (length,) = _LENGTH.unpack_from(self._received)
-        if length > MAX_PACKET_BYTES:
-            raise ConnectionAbortedError("a packet is too long")
-        return _LENGTH.size + int(length) - len(self._received)
-
-    def close(self) -> None:
-        """Close the connection."""
-        self._socket.close()
-
-
 Packets = socket.socket | PacketSocket
-"""An end of a connection of packets."""
+"""An end of a connection of packets, which has `send`, `recv`, `fileno`, `setblocking` and `close`."""
+MAX_PACKET_BYTES: Final = 1 << 16
+CONNECT_POLL: Final = 0.02
+"""Seconds between two looks whether a child has connected."""
 
 
 def start_child(
-    command: Sequence[str], *words: str, packets: bool = False, inherit: Sequence[int] = (), **options: Any
+    command: Sequence[str], *words: str, inherit: Sequence[int] = ()
 ) -> "tuple[socket.socket, subprocess.Popen[bytes]]":
-    """Start a process with a connection to it; return this end, and the process. OSError if it cannot be started.
+    """Start a process with a stream to it; return this end, and the process. OSError if it cannot be started.
 
-    The command gets a word for its end (`stream_of_argument`, `packets_of_argument`) and `words` as its last arguments.
-    `packets`: a connection of whole packets, where Linux has them (see `packet_end`); `inherit`: descriptors that it
-    inherits under the same numbers, on Linux; `options`: of `subprocess.Popen`.
+    The command gets a word for its end (`stream_of_argument`) and `words` as its last arguments. `inherit`: descriptors
+    that it inherits under the same numbers, on Linux.
     """
-    if not LINUX:
-        from live.base.system.loopback import start_on_loopback
+    if LINUX:
+        return _start_with_pair(socket.socketpair(), command, words, inherit, {})
+    from live.base.system.loopback import ChildConnection
 
-        return start_on_loopback(command, *words, **options)
-    mine, theirs = packet_pair() if packets else socket.socketpair()
+    there = ChildConnection(command, words, {})
+    return there.wait(), there.process
+
+
+def start_packet_child(
+    command: Sequence[str], *, inherit: Sequence[int] = (), **options: Any
+) -> "tuple[Packets, subprocess.Popen[bytes]]":
+    """Start a process with a connection of packets; return this end, which does not block, and the process.
+
+    Packets that are sent before it is ready wait. The rest is as for `start_child` (`packets_of_argument`); `options`:
+    of `subprocess.Popen`.
+    """
+    if LINUX:
+        mine, process = _start_with_pair(packet_pair(), command, (), inherit, options)
+        mine.setblocking(False)
+        return mine, process
+    from live.base.system.loopback import ChildConnection
+
+    there = ChildConnection(command, (), options)
+    return PacketSocket(there), there.process
+
+
+def _start_with_pair(
+    pair: tuple[socket.socket, socket.socket], command: Sequence[str], words: Sequence[str], inherit: Sequence[int],
+    options: dict[str, Any],
+) -> "tuple[socket.socket, subprocess.Popen[bytes]]":  # fmt: skip
+    mine, theirs = pair
     try:
         with theirs:
             return mine, subprocess.Popen(
@@ -120,11 +77,6 @@ def packet_pair() -> tuple[socket.socket, socket.socket]:
     return socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
 
 
-def packet_end(sock: socket.socket) -> Packets:
-    """Return the parent's end of a connection of packets."""
-    return sock if LINUX else PacketSocket(sock)
-
-
 async def receive_packet(channel: Packets) -> bytes:
     """Return the next packet of a channel that does not block, empty if the peer has gone."""
     import asyncio
@@ -133,6 +85,9 @@ async def receive_packet(channel: Packets) -> bytes:
     while True:
         with contextlib.suppress(BlockingIOError):
             return channel.recv(MAX_PACKET_BYTES)
+        if isinstance(channel, PacketSocket) and not channel.connected:
+            await asyncio.sleep(CONNECT_POLL)
+            continue
         ready = asyncio.Event()
         loop.add_reader(channel, ready.set)
         try:
@@ -147,7 +102,7 @@ def stream_of_argument(word: str) -> socket.socket:
         return socket.socket(fileno=int(word))
     from live.base.system.loopback import connect_to_parent
 
-    return connect_to_parent(int(word.removeprefix("tcp:")))
+    return connect_to_parent(word)
 
 
 def packets_of_argument(word: str) -> Packets:

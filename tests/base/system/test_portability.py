@@ -20,7 +20,6 @@ LINUX_ROOMS = {
     "supervisor/network/remote_standby.py": "reads its own delay in /proc, as --lead and --standby need Linux",
     "control/realtime_priority.py": "asks the scheduler of Linux; does nothing elsewhere",
     "control/osc/udp_batch.py": "recvmmsg of Linux; one call for each datagram elsewhere",
-    "control/osc/osc_socket.py": "counts dropped datagrams in /proc",
     "control/audience/arp_table.py": "netlink of Linux",
     "control/midi/": "ALSA and JACK of Linux; other systems have their own ports",
     "render/window/fallback_window.py": "the colour of an X11 window before its first frame",
