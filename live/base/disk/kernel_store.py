@@ -125,14 +125,24 @@ def make_private(folder: Path) -> bool:
 def writable_root() -> Path:
     """Return `cache_root`, or a private folder among the temporary files where it cannot be written.
 
-    A show starts with a read-only home, too; it compiles again after the next start of the machine.
+    A show starts with a read-only home, too; it compiles again after the next start of the machine. Where nothing can
+    be written at all the folder stays as it is, and each process compiles for itself.
     """
     root = cache_root()
     if make_private(root):
         return root
     user = user_number()
-    root = Path(tempfile.gettempdir()) / f"choreographics-live-kernels-{'user' if user is None else user}"
-    return root if make_private(root) else Path(tempfile.mkdtemp(prefix="choreographics-live-kernels-"))
+    try:
+        temporary = Path(tempfile.gettempdir())
+    except OSError:  # there is no folder that can be written
+        return root
+    root = temporary / f"choreographics-live-kernels-{'user' if user is None else user}"
+    if make_private(root):
+        return root
+    try:
+        return Path(tempfile.mkdtemp(prefix="choreographics-live-kernels-"))
+    except OSError:
+        return cache_root()
 
 
 def shipped_folder(set_name: str) -> Path | None:
