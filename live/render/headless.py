@@ -96,7 +96,9 @@ def create_headless_context() -> moderngl.Context:
         raise NoOpenGL(
             f"no OpenGL 4.1 without a screen: {error}; install EGL and OpenGL "
             "(Debian, Ubuntu: apt-get install --no-install-recommends libegl1 libgl1; "
-            "Fedora: dnf install mesa-libEGL mesa-libGL mesa-dri-drivers)"
+            "Fedora: dnf install mesa-libEGL mesa-libGL mesa-dri-drivers), which no package of pip brings; "
+            "motion needs none: `live render --out show.glb` writes the dancers for other programs, and "
+            "`live play --headless` plays without a picture"
         ) from error
 
 

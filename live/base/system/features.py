@@ -8,7 +8,7 @@ set, which is how they are tested.
 import os
 import sys
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import Any, Final, Literal
 
 LINUX: Final = sys.platform == "linux" and not os.environ.get("LIVE_PORTABLE")
 """Whether the ways of Linux are used."""
@@ -22,6 +22,9 @@ def has_desktop() -> bool:
     return sys.platform != "linux" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
 
 
-def has_x11() -> bool:
-    """Whether X11 is announced."""
-    return sys.platform == "linux" and bool(os.environ.get("DISPLAY"))
+def window_system() -> Literal["x11", "wayland"] | None:
+    """Return which of them is used: X11 if it is announced, since it alone lets windows choose their monitors; None
+    where neither is, or the system has its own."""
+    if sys.platform != "linux" or not has_desktop():
+        return None
+    return "x11" if os.environ.get("DISPLAY") else "wayland"
