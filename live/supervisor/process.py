@@ -253,7 +253,11 @@ class ProcessManager:
     def poll(self) -> float:
         """Read what arrives within a round; return the time [s, monotonic]."""
         before = time.monotonic()
-        ready = self.selector.select(ROUND)
+        ready = []
+        if self.selector.get_map():
+            ready = self.selector.select(ROUND)
+        else:
+            time.sleep(ROUND)  # Windows cannot wait for nothing
         woken = time.monotonic()
         self.load.record_wakeup(max(woken - before - ROUND, 0.0), woken - before)
         for key, _ in ready:

@@ -175,7 +175,7 @@ def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop]:
     try:
         import uvloop
     except ImportError:
-        return asyncio.new_event_loop
+        return asyncio.SelectorEventLoop  # the one that waits for sockets on every system
     made: Callable[[], asyncio.AbstractEventLoop] = uvloop.new_event_loop
     return made
 
