@@ -56,7 +56,6 @@ class AudienceService:
         assert options.audience is not None
         self._options, self._venue = options, VenueAudience() if venue is None else venue.audience
         self._identity: TlsIdentity | None = None
-        self._port = 0
         self._expires = math.inf
         self._crowd_reported = False
         self._bind_address, self._given_link, self._secret = (
@@ -64,6 +63,7 @@ class AudienceService:
             options.audience_link,
             options.audience_secret,
         )
+        self._port = self._bind_address[1]
         self._show, self._lane, self._clock = show, lane, clock
         self._socket: socket.socket | None = None
         self._helper: HelperProcess | None = None
