@@ -1,7 +1,7 @@
 """Check that the locked dependencies have wheels for every system and Python, and hold all that `live` imports.
 
-`python tools/check_wheels.py` downloads the wheels of uv.lock for Windows (x86-64) and macOS (arm64) and looks into them:
-nothing of them is run. It needs a network and uv, about 10 minutes and 1.5 GB of the temporary folder at a time.
+`python tools/check_wheels.py` downloads the wheels of uv.lock for Windows (x86-64) and macOS (arm64) and looks into
+them: nothing of them is run. It needs a network, uv, some minutes, and about 1 GB of the temporary folder.
 """
 
 import ast
