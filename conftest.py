@@ -28,6 +28,10 @@ settings.load_profile("steady")
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
 sys.dont_write_bytecode = False
 
+# Everything is drawn as macOS can: Mesa gives a forward-compatible core context of OpenGL 4.1, and no more.
+os.environ.setdefault("MESA_GL_VERSION_OVERRIDE", "4.1FC")
+os.environ.setdefault("MESA_GLSL_VERSION_OVERRIDE", "410")
+
 BEGAN = pytest.StashKey[float]()
 """Time of the first test [s], for `--budget`."""
 

@@ -241,7 +241,7 @@ def _longest_chain(imports: dict[str, frozenset[str]], start: str) -> list[str]:
     [
         ("live.app.window_loop", False, 25),  # the process that runs a live show
         ("live.cli.play", True, 35),  # `live play`, with what it imports only when it needs it
-        ("live.show.assembly", False, 16),
+        ("live.show.assembly", False, 17),
         ("live.show.show", True, 7),
     ],
 )

@@ -346,5 +346,7 @@ class Session:
         return 0.0 if self.lifeline is None else float(self.lifeline.facts.get("overload", 0.0))
 
     def finished(self, time: float) -> bool:
-        """Whether the time limit of `--seconds` is reached."""
+        """Whether the time limit of `--seconds` is reached; raises SystemExit if the supervisor asks for the end."""
+        if self.lifeline is not None:
+            self.lifeline.leave_if_asked()
         return self.options.seconds is not None and time >= self.options.seconds

@@ -206,13 +206,15 @@ def make_audio(
     inbox: EventQueue[ControlEvent],
     clock: Clock,
     measures: MapClock | None = None,
+    *,
+    begun: float | None = None,
 ) -> tuple[AudioSource | None, Callable[[ControlEvent], None]]:
     """Return the source of a show, and the handler for events that concern it; `measures`: the known ones of its
-    music."""
+    music; `begun`: when music that goes on began [s of the show]."""
     if sound.music is not None:
         from live.control.audio.music_player import MusicPlayer
 
-        one_at = loaded.patch.music.first_downbeat if sound.from_patch else None
+        one_at = loaded.patch.music.first_downbeat if sound.from_patch and begun is None else None
         output: bool | str = sound.output or True
         try:
             player = MusicPlayer(
@@ -222,6 +224,7 @@ def make_audio(
                 output=output,
                 latency=latencies.output,
                 one_at=one_at,
+                begun=begun,
                 analysis=make_show_analysis(sound, loaded, show, measures),
             )
         except ValueError as error:  # the named output does not exist
@@ -271,10 +274,14 @@ class SessionAudio:
         """The source; None for a show without audio."""
         self.handle: Callable[[ControlEvent], None]
         """Handler for events that concern the audio."""
+        self._supervised = lifeline is not None
         there = None if lifeline is None else lifeline.sound
         if there is None or (sound.file is None and sound.device is None):
             self._measures = make_map_clock(sound, show.patch)
-            self.source, self.handle = make_audio(sound, loaded, show, latencies, inbox, clock, self._measures)
+            begun = None if resumed is None else resumed.audio_start
+            self.source, self.handle = make_audio(
+                sound, loaded, show, latencies, inbox, clock, self._measures, begun=begun
+            )
             return
         plan = audio_plan(sound, loaded)
         self._remote = AudioClient(there, plan, show, latencies, inbox, clock, resumed=resumed)
@@ -293,8 +300,10 @@ class SessionAudio:
 
     @property
     def start_time(self) -> float | None:
-        """Start time of the audio process [s of the show]; None for audio in this process."""
-        return None if self._remote is None else self._remote.start_time
+        """When the music of a supervised show began [s of the show]; None for other audio."""
+        if self._remote is not None:
+            return self._remote.start_time
+        return getattr(self.source, "began", None) if self._supervised else None
 
     def start(self) -> None:
         """Start to listen or to play; raise PersonError if that fails."""

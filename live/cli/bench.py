@@ -6,7 +6,6 @@ A benchmark is a file with a docstring (its first line is the title) and `run(fu
 import importlib.util
 import inspect
 import json
-import os
 import platform
 import sys
 from collections.abc import Callable, Mapping
@@ -18,6 +17,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import typer
 
 from live.base.errors import PersonError
+from live.base.system.process_control import processor_count, processor_name
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -116,20 +116,11 @@ def machine_info() -> dict[str, Any]:
     from live.app.machine.machine_check import probe_opengl
 
     return {
-        "cpu": _cpu_name(),
-        "cores": len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count(),
+        "cpu": processor_name(),
+        "cores": processor_count(),
         "python": platform.python_version(),
         "gl": probe_opengl().renderer,
     }
-
-
-def _cpu_name() -> str:
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
-    except OSError:
-        lines = []
-    models = (line.partition(":")[2].strip() for line in lines if line.startswith("model name"))
-    return next(models, platform.processor() or platform.machine())
 
 
 def _table(title: str, rows: list[Row]) -> "Table":

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import typer
 
+from live.base.system.process_control import yield_priority
+
 if TYPE_CHECKING:
     from live.app.document_remote import RemoteDocument
     from live.document.document_store import Accepted, DocumentStore
@@ -133,14 +135,12 @@ def preview(
 
     Without sound and picture, at low priority. Exit 1 if an edit was refused.
     """
-    import os
     from dataclasses import replace
 
     from live.app.launch_options import LaunchOptions
     from live.document.edit import parse_edits
 
-    with contextlib.suppress(OSError, AttributeError):
-        os.nice(15)
+    yield_priority(15)
     parsed = [] if edits is None else parse_edits(_read_edits(edits), edits)
     store = _open(show, dry=True)
     answers = _apply_all(store, parsed, "")

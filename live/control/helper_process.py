@@ -6,7 +6,6 @@ is dropped and counted. A child that has died is restarted and gets its configur
 
 import contextlib
 import os
-import signal
 import socket
 import subprocess
 import sys
@@ -16,6 +15,13 @@ from collections.abc import Callable, Iterator
 from typing import Any, Final
 
 from live.base.fault_isolation import run_once
+from live.base.system.channel import (
+    Packets,
+    listening_socket_of,
+    packets_of_argument,
+    start_packet_child,
+)
+from live.base.system.process_control import ignore_interrupts, yield_priority
 from live.clock.time_source import Clock
 from live.control.message_codec import PacketError, decode_packet, encode_packet
 
@@ -27,24 +33,13 @@ HELLO: Final = {"hello": True}
 """First message of a process that the show did not start: it asks for the plan."""
 
 
-def spawn_helper(module: str, *inherit: int) -> tuple[socket.socket, "subprocess.Popen[bytes]"]:
+def spawn_helper(module: str, *inherit: int) -> tuple[Packets, "subprocess.Popen[bytes]"]:
     """Start a child that runs `module`; return the non-blocking end of its channel, and the child. OSError if there are
     no resources for it.
 
     `inherit`: file descriptors that the child gets under the same numbers.
     """
-    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    ours.setblocking(False)
-    try:
-        with theirs:
-            return ours, subprocess.Popen(
-                [sys.executable, "-m", module, str(theirs.fileno())],
-                stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, pass_fds=[theirs.fileno(), *inherit],
-                start_new_session=True,  # Ctrl-C ends the show, which then ends the child
-            )  # fmt: skip
-    except BaseException:
-        ours.close()
-        raise
+    return start_packet_child([sys.executable, "-m", module], inherit=inherit, stdout=subprocess.DEVNULL)
 
 
 class HelperProcess:
@@ -64,7 +59,7 @@ class HelperProcess:
         """
         self._inherit, self._on_packet, self._descriptor = inherit, on_packet, descriptor
         self._module, self._clock, self._plan, self._on_start = module, clock, plan, on_start
-        self._socket: socket.socket | None = None
+        self._socket: Packets | None = None
         self._process: subprocess.Popen[bytes] | None = None
         self._starting: threading.Thread | None = None
         self._started_at = 0.0
@@ -186,20 +181,26 @@ class HelperProcess:
 class HelperChannel:
     """The child's end of the channel. Thread: one."""
 
-    def __init__(self, descriptor: int, plan: dict[str, Any] | None = None) -> None:
-        """Wait for the plan. A process that already has one, because the show did not start it, passes it as `plan`."""
-        for number in (signal.SIGINT, signal.SIGHUP):
-            signal.signal(number, signal.SIG_IGN)
-        self.socket = socket.socket(fileno=descriptor)
+    def __init__(self, word: str, plan: dict[str, Any] | None = None) -> None:
+        """Wait for the plan; `word`: how to find this end. A process that already has a plan, because the show did not
+        start it, passes it."""
+        ignore_interrupts()
+        try:
+            self.socket = packets_of_argument(word)
+        except OSError:  # the show has ended meanwhile
+            raise SystemExit(0) from None
         if plan is None:
             self.socket.setblocking(True)
             plan = decode_packet(self.socket.recv(MAX_PACKET_BYTES))
         self.plan: dict[str, Any] = plan
         self.socket.setblocking(False)
-        with contextlib.suppress(OSError):
-            os.nice(self.plan.get("nice", 2))  # the show's frames have priority
+        yield_priority(self.plan.get("nice", 2))  # the show's frames have priority
         self.closed = False
         """Whether the show has closed the channel."""
+
+    def listening_socket(self) -> socket.socket:
+        """Return the listening socket that the show handed over (`http` in the plan)."""
+        return listening_socket_of(self.plan["http"])
 
     def packets(self) -> Iterator[Any]:
         """Return the packets received so far."""

@@ -4,9 +4,10 @@ import contextlib
 import ctypes
 import os
 import platform
-import sys
 import threading
 from typing import Final
+
+from live.base.system.features import LINUX
 
 PRIORITY: Final = 10
 """Real-time priority, below that of audio."""
@@ -47,7 +48,7 @@ def request_realtime() -> bool:
     except (AttributeError, OSError):
         with contextlib.suppress(AttributeError, OSError):  # not allowed: keep the default share
             os.setpriority(os.PRIO_PROCESS, thread, NICE)
-        if sys.platform == "linux":
+        if LINUX:
             _request_short_slices(thread)
         return False
     return True

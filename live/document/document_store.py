@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import IO, Any, Final
 
 from live.base.errors import PersonError
+from live.base.system.file_lock import lock_file
 from live.document.document import Document, DocumentFile, Splice
 from live.document.edit import Edit, EditRefused, Fault
 from live.document.edit_actions import apply_edits, concerned
@@ -201,10 +202,7 @@ class DocumentStore:
         """Open the history for one writer at a time; what was appended is removed again if the block fails."""
         self._log.parent.mkdir(exist_ok=True)
         with self._log.open("ab+") as log:
-            with contextlib.suppress(ImportError):
-                import fcntl  # not on every system
-
-                fcntl.flock(log, fcntl.LOCK_EX)
+            lock_file(log, within=None)
             size = log.seek(0, os.SEEK_END)
             if size != self._known_log_size or self.has_changed():
                 raise refuse((), "another program changed the files in this moment", "look again, and repeat it")

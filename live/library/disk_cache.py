@@ -13,6 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from live.base.disk.array_cache import ArrayCache, digest_of_code
+from live.base.system.files import open_to_read
 from live.motion.clip import Clip
 from live.motion.step_clip import StepClip
 
@@ -81,7 +82,7 @@ def read_regular_file(path: Path, max_bytes: int) -> bytes:
 
     OSError if it cannot be read, or is a folder, a pipe or a device.
     """
-    handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_CLOEXEC", 0))
+    handle = open_to_read(path)
     with open(handle, "rb") as file:  # closes the handle
         kind = os.fstat(handle).st_mode
         if stat.S_ISDIR(kind):

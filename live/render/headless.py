@@ -1,11 +1,12 @@
 """Headless rendering: an OpenGL context without a screen, an offscreen target, and asynchronous frame readback."""
 
-import sys
 from typing import Any
 
 import moderngl
 import numpy as np
 import numpy.typing as npt
+
+from live.base.system.features import OFFSCREEN_GL
 
 Picture = npt.NDArray[np.uint8]
 
@@ -89,14 +90,15 @@ def create_headless_context() -> moderngl.Context:
 
     Raises `NoOpenGL`.
     """
-    settings: dict[str, Any] = {"backend": "egl"} if sys.platform == "linux" else {}
     try:
-        return moderngl.create_context(require=410, standalone=True, **settings)
+        return moderngl.create_context(require=410, standalone=True, **OFFSCREEN_GL)
     except Exception as error:  # moderngl raises bare Exceptions
         raise NoOpenGL(
             f"no OpenGL 4.1 without a screen: {error}; install EGL and OpenGL "
             "(Debian, Ubuntu: apt-get install --no-install-recommends libegl1 libgl1; "
-            "Fedora: dnf install mesa-libEGL mesa-libGL mesa-dri-drivers)"
+            "Fedora: dnf install mesa-libEGL mesa-libGL mesa-dri-drivers), which no package of pip brings; "
+            "motion needs none: `live render --out show.glb` writes the dancers for other programs, and "
+            "`live play --headless` plays without a picture"
         ) from error
 
 

@@ -2,11 +2,12 @@
 
 import contextlib
 import os
-import sys
 import time
 from collections.abc import Iterable
 from pathlib import Path
 from typing import Final
+
+from live.base.system.features import LINUX
 
 ENGINE_NICE: Final = -5
 AUDIO_NICE: Final = -10
@@ -58,7 +59,7 @@ def lower_priority() -> frozenset[int]:
 
     Does not use `nice`, which cannot be undone without privileges. Returns the processors it had.
     """
-    if sys.platform != "linux":
+    if not LINUX:
         return frozenset()
     mine = os.sched_getaffinity(0)
     _set_scheduling(sorted(mine)[-1:], os.SCHED_BATCH)
@@ -68,14 +69,14 @@ def lower_priority() -> frozenset[int]:
 
 def restore_priority(process: int) -> None:
     """Give a process of lowered priority all processors and normal weight, because it is needed now."""
-    if sys.platform == "linux":
+    if LINUX:
         _set_scheduling(os.sched_getaffinity(0), os.SCHED_OTHER, process)
         _set_session_nice(0, process)
 
 
 def raise_priority(nice: int, processors: frozenset[int] = frozenset()) -> None:
     """Restore those processors (none: no change) and raise the priority if the system allows it (limits.conf, nice)."""
-    if sys.platform == "linux":
+    if LINUX:
         if processors:
             _set_scheduling(processors, os.SCHED_OTHER)
         if not _set_session_nice(nice):  # needs a privilege

@@ -6,6 +6,8 @@ import signal
 from collections.abc import Callable
 from typing import Any, Final
 
+from live.base.system.features import LINUX
+from live.base.system.process_control import KILL_CODE
 from live.supervisor.adoption.adoption import AdoptedProcess, Adoption
 from live.supervisor.adoption.journal_resume import InterruptedShow
 from live.supervisor.cpu_priority import restore_priority
@@ -180,8 +182,11 @@ class EngineFailover:
         if engine is None:
             return 128 + number
         starting = engine.phase is Phase.STARTING
-        engine.channel.send_json(alive="leave")
-        engine.signal(signal.SIGTERM if starting else number)  # a starting interpreter handles only SIGTERM
+        engine.channel.send_json(alive="leave", signal=number)
+        if LINUX:
+            engine.signal(signal.SIGTERM if starting else number)  # a starting interpreter handles only SIGTERM
+        elif starting:
+            engine.kill()  # it has nothing to close
         self._starter.drain(engine.channel, LEAVES_WITHIN)
         code, self.engine = engine.end(within=LEAVES_WITHIN), None
         if starting or isinstance(
@@ -281,7 +286,7 @@ class EngineFailover:
         ended, running = self._announced_codes.pop(engine.process.pid, None), engine.heartbeat.running
         if ended is None and code is None and not engine.wait_for_end(ENDS_WITHIN):
             engine.kill()  # only its channel broke: it would go on next to its successor
-            code = -signal.SIGKILL
+            code = KILL_CODE
         code = self._discard(engine, code)
         if ended is not None:
             self.code = ended

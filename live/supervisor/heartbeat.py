@@ -1,12 +1,9 @@
 """Heartbeat of a process in shared memory; neither the writer nor the reader ever waits."""
 
-import mmap
-import os
 import time
 from enum import IntEnum
-from typing import Final
 
-SIZE: Final = 4096
+from live.base.system.shared_page import SharedPage
 
 
 class Phase(IntEnum):
@@ -29,15 +26,10 @@ class Heartbeat:
     writer.
     """
 
-    def __init__(self, descriptor: int | None = None) -> None:
-        """Create a new page, or, in the watched process, map the one of an inherited `descriptor`."""
-        if descriptor is None:
-            descriptor = os.memfd_create("heartbeat", 0)
-            os.ftruncate(descriptor, SIZE)
-        self.descriptor = descriptor
-        """Descriptor of the page, inherited by the watched process."""
-        self._page = mmap.mmap(descriptor, SIZE)
-        self._words = memoryview(self._page).cast("Q")
+    def __init__(self, page: SharedPage | None = None) -> None:
+        """Use the page of the process that watches, or make a new one."""
+        self.page = SharedPage.create() if page is None else page
+        self._words = memoryview(self.page.memory).cast("Q")
         self._stage = self._words[3:4]
 
     def beat(self, tick: int, phase: Phase) -> None:
@@ -80,5 +72,4 @@ class Heartbeat:
         """Release the memory."""
         self._stage.release()
         self._words.release()
-        self._page.close()
-        os.close(self.descriptor)
+        self.page.close()

@@ -8,6 +8,8 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any, Final
 
+from live.base.system.packet_socket import NO_SIGNAL
+
 BUFFER: Final = 4 * 1024 * 1024
 """Requested size of the socket's buffers."""
 BACKLOG: Final = 256 * 1024 * 1024
@@ -152,7 +154,7 @@ class LineChannel:
 
     def _send(self, data: bytes) -> int:
         try:
-            return self.socket.send(data, socket.MSG_NOSIGNAL)
+            return self.socket.send(data, NO_SIGNAL)
         except (BlockingIOError, InterruptedError):
             return 0
         except OSError:

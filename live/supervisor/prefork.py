@@ -16,8 +16,8 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any, Final
 
-from live.supervisor.heartbeat import Heartbeat, Phase
-from live.supervisor.line_channel import LineChannel
+from live.base.system.features import LINUX
+from live.supervisor.heartbeat import Phase
 from live.supervisor.process import Child, ProcessManager
 from live.supervisor.restart_policy import Backoff
 from live.supervisor.supervisor_link import SupervisorLink, is_abandoned
@@ -37,6 +37,8 @@ MAX_DEATHS: Final = 3
 
 def become_subreaper() -> bool:
     """Make this process the parent of descendants that lose their own; False if the system does not support it."""
+    if not LINUX:
+        return False
     with contextlib.suppress(OSError, AttributeError):
         return bool(ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0) == 0)
     return False
@@ -82,6 +84,10 @@ class ForkedProcess:
         """Send it a signal if it still runs."""
         if self.poll() is None:
             os.kill(self.pid, number)
+
+    def kill(self) -> None:
+        """Kill it if it still runs."""
+        self.send_signal(signal.SIGKILL)
 
 
 class PreforkProcess:
@@ -187,7 +193,7 @@ def serve_forks(link: SupervisorLink) -> SupervisorLink | None:
         if not pid:
             link.channel.close()
             link.heartbeat.close()
-            return SupervisorLink(LineChannel(socket.socket(fileno=descriptors[0])), Heartbeat(descriptors[1]))
+            return SupervisorLink.of_descriptors(*descriptors)
         for descriptor in descriptors:
             os.close(descriptor)
         link.channel.send_line(str(pid))

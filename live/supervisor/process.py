@@ -11,6 +11,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Final, Protocol
 
+from live.base.system.channel import start_child
+from live.base.system.process_control import KILL_CODE, memory_of
 from live.supervisor.heartbeat import Heartbeat, Phase
 from live.supervisor.line_channel import ChannelError, LineChannel
 from live.supervisor.process_stats import read_machine, stat_of, usage_of
@@ -38,6 +40,10 @@ class Process(Protocol):
         """Send it a signal, if it still lives."""
         ...
 
+    def kill(self) -> None:
+        """End it at once, if it still lives."""
+        ...
+
 
 class Child:
     """A child process in its own session, so that Ctrl-C on the terminal reaches only the supervisor, which passes it
@@ -54,7 +60,7 @@ class Child:
         inherit: Sequence[int] = (),
         spawn: Callable[[int, int], Process] | None = None,
     ) -> None:
-        """Start `command`, with the descriptors of its channel and its heartbeat as two more arguments.
+        """Start `command`, with the words for its channel and its heartbeat as two more arguments.
 
         `inherit`: more descriptors that it inherits, with the same numbers; `spawn`: starts the process instead, given
         those two descriptors. OSError if it cannot be started.
@@ -62,29 +68,17 @@ class Child:
         self.role = role
         self.heartbeat = Heartbeat()
         self.watchdog = Watchdog()
+        page = self.heartbeat.page
+        self.process: Process
         try:
-            mine, theirs = socket.socketpair()
+            if spawn is not None:
+                mine, self.process = _forked(spawn, page.descriptor)
+            else:
+                mine, self.process = start_child(command, page.argument, inherit=(*page.inherit, *inherit))
         except OSError:
             self.heartbeat.close()
             raise
         self.channel = LineChannel(mine)
-        self.process: Process
-        try:
-            if spawn is not None:
-                self.process = spawn(theirs.fileno(), self.heartbeat.descriptor)
-            else:
-                self.process = subprocess.Popen(
-                    [*command, str(theirs.fileno()), str(self.heartbeat.descriptor)],
-                    stdin=subprocess.DEVNULL,
-                    pass_fds=(theirs.fileno(), self.heartbeat.descriptor, *inherit),
-                    start_new_session=True,
-                )
-        except OSError:
-            self.channel.close()
-            self.heartbeat.close()
-            raise
-        finally:
-            theirs.close()
         self.killed = False
         """Whether it was killed, even if it has not ended yet."""
 
@@ -113,11 +107,7 @@ class Child:
 
     def memory(self) -> int:
         """Return its resident bytes; 0 if the system does not report them."""
-        try:
-            with open(f"/proc/{self.process.pid}/statm", encoding="ascii") as file:
-                return int(file.read().split()[1]) * os.sysconf("SC_PAGE_SIZE")
-        except (OSError, ValueError, IndexError):
-            return 0
+        return memory_of(self.process.pid)
 
     def exit_code(self) -> int | None:
         """Return its exit code (negative: the signal) once its main thread is dead; None before.
@@ -144,13 +134,14 @@ class Child:
 
     def signal(self, number: int) -> None:
         """Send it a signal, if it still lives."""
-        with contextlib.suppress(OSError):
+        with contextlib.suppress(OSError, ValueError):  # Windows has few signals
             self.process.send_signal(number)
 
     def kill(self) -> None:
         """Kill it."""
         self.killed = True
-        self.signal(signal.SIGKILL)
+        with contextlib.suppress(OSError):
+            self.process.kill()
 
     def terminate(self) -> None:
         """Ask it to end (SIGTERM)."""
@@ -162,14 +153,25 @@ class Child:
         try:
             code = self.process.wait(within)
         except subprocess.TimeoutExpired:
-            self.signal(signal.SIGKILL)
+            self.kill()
             try:
                 code = self.process.wait(within)
             except subprocess.TimeoutExpired:
-                code = -signal.SIGKILL
+                code = KILL_CODE
         with contextlib.suppress(ValueError, OSError):
             self.heartbeat.close()
         return code
+
+
+def _forked(spawn: Callable[[int, int], Process], page: int) -> tuple[socket.socket, Process]:
+    """Return this end of a process' channel, and the process, forked elsewhere."""
+    mine, theirs = socket.socketpair()
+    try:
+        with theirs:
+            return mine, spawn(theirs.fileno(), page)
+    except OSError:
+        mine.close()
+        raise
 
 
 @dataclass(slots=True)
@@ -251,7 +253,11 @@ class ProcessManager:
     def poll(self) -> float:
         """Read what arrives within a round; return the time [s, monotonic]."""
         before = time.monotonic()
-        ready = self.selector.select(ROUND)
+        ready = []
+        if self.selector.get_map():
+            ready = self.selector.select(ROUND)
+        else:
+            time.sleep(ROUND)  # Windows cannot wait for nothing
         woken = time.monotonic()
         self.load.record_wakeup(max(woken - before - ROUND, 0.0), woken - before)
         for key, _ in ready:

@@ -1,4 +1,6 @@
-"""Readings of processes and of the machine from /proc (Linux only), and a reaper for orphaned children.
+"""Readings of processes and of the machine from /proc, and a reaper for orphaned children.
+
+Other systems tell less: only how long a process has run; and their children are never orphaned.
 
 The supervisor adopts descendants that lose their parent: helpers of a killed engine, or the intermediate process of a
 killed prefork process. No part holds a handle on these, so `Reaper` waits for them and none stays a zombie.
@@ -9,16 +11,21 @@ import os
 from collections.abc import Iterator
 from typing import Final
 
+from live.base.system.features import LINUX
+from live.base.system.process_control import processor_time_of
 from live.supervisor.watchdog import MachineReading, Usage
 
-CLOCK: Final = os.sysconf("SC_CLK_TCK")
+CLOCK: Final = os.sysconf("SC_CLK_TCK") if LINUX else 100
 PARENT, USER, KERNEL = 1, 11, 12
 """Indices of parent and processor times among the words of /proc/PID/stat after the name: fields 4, 14, 15 of proc(5).
 """
 
 
 def stat_of(process: int, thread: int | None = None) -> list[str]:
-    """Return the words of /proc/PID/stat after the name, the state first; empty if there is no such process."""
+    """Return the words of /proc/PID/stat after the name, the state first; empty if there is no such process, or no
+    /proc."""
+    if not LINUX:
+        return []
     where = f"/proc/{process}/stat" if thread is None else f"/proc/{process}/task/{thread}/stat"
     with contextlib.suppress(OSError), open(where, encoding="utf-8", errors="replace") as file:
         return file.read().rpartition(")")[2].split()
@@ -27,6 +34,9 @@ def stat_of(process: int, thread: int | None = None) -> list[str]:
 
 def usage_of(process: int) -> Usage | None:
     """Return the times of a process' threads; None if there is no such process. Takes some tenths of a millisecond."""
+    if not LINUX:
+        run = processor_time_of(process)
+        return None if run is None else Usage("S", run, None)
     stat = stat_of(process, process)
     if len(stat) <= KERNEL:
         return None
@@ -53,6 +63,8 @@ def _run_and_delay(process: int, thread: int) -> tuple[float, float] | None:
 
 def read_machine() -> MachineReading:
     """Return the machine's runnable threads and its stalls for processors, memory and disks."""
+    if not LINUX:
+        return MachineReading()
     runnable = None
     with contextlib.suppress(OSError, ValueError, IndexError), open("/proc/loadavg", encoding="ascii") as file:
         runnable = max(int(file.read().split()[3].partition("/")[0]) - 1, 0) / len(os.sched_getaffinity(0))
@@ -97,7 +109,7 @@ class Reaper:
 
     def update(self, now: float) -> None:
         """Reap children that have been dead for longer than `GRACE`; `now` [s]."""
-        if now < self._look_at:
+        if now < self._look_at or not LINUX:
             return
         self._look_at = now + EVERY
         try:

@@ -12,6 +12,7 @@ import time
 from collections.abc import Callable
 from typing import Any, Final
 
+from live.base.system.channel import packet_pair
 from live.show.journal.line_writer import WriteProgress
 from live.supervisor.adoption.adoption import Adoption
 from live.supervisor.adoption.audio_adoption import adopt_audio
@@ -53,7 +54,7 @@ class Supervisor:
         there = {} if adoption is None else adoption.descriptors
         self._sound = self._sound_pair(there) if config.audio else None
         self._rendezvous = self._open_rendezvous(adoption)
-        self._osc_pair = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET) if config.osc_reader else None
+        self._osc_pair = packet_pair() if config.osc_reader else None
         inherit = {} if config.osc is None else {"osc": config.osc.fileno()}
         if self._osc_pair is not None:
             inherit["osc_reader"] = self._osc_pair[0].fileno()
@@ -167,7 +168,7 @@ class Supervisor:
     def _sound_pair(self, there: dict[str, int]) -> tuple[socket.socket, socket.socket]:
         if "sound" in there and "sound_peer" in there:
             return socket.socket(fileno=there["sound"]), socket.socket(fileno=there["sound_peer"])
-        return socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+        return packet_pair()
 
     def _open_rendezvous(self, adoption: Adoption | None) -> RendezvousListener | None:
         """Return the socket where another supervisor finds the engine; None if there is none, which matters only if

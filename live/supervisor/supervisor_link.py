@@ -11,6 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, NoReturn
 
+from live.base.system.channel import parent_has_gone, stream_of_argument
+from live.base.system.features import LINUX
+from live.base.system.shared_page import SharedPage
 from live.show.journal.line_writer import UnfinishedFile, WriteProgress
 from live.supervisor.adoption.rendezvous import EngineRendezvous, send_engine, send_unwritten
 from live.supervisor.heartbeat import Heartbeat, Phase
@@ -72,9 +75,14 @@ class SupervisorLink:
         self._sent_following: dict[str, int] = {}
 
     @classmethod
-    def inherited(cls, channel: int, heartbeat: int) -> "SupervisorLink":
-        """Make one from the descriptors inherited from the supervisor."""
-        return cls(LineChannel(socket.socket(fileno=channel)), Heartbeat(heartbeat))
+    def of_arguments(cls, channel: str, heartbeat: str) -> "SupervisorLink":
+        """Make one from the words that the supervisor put at the end of the command line."""
+        return cls(LineChannel(stream_of_argument(channel)), Heartbeat(SharedPage.of_argument(heartbeat)))
+
+    @classmethod
+    def of_descriptors(cls, channel: int, page: int) -> "SupervisorLink":
+        """Make one from the descriptors of both, received from the supervisor (Linux)."""
+        return cls(LineChannel(socket.socket(fileno=channel)), Heartbeat(SharedPage.of_descriptor(page)))
 
     @property
     def orphaned(self) -> bool:
@@ -155,7 +163,7 @@ class SupervisorLink:
             return
         names = {"osc": self.osc, "sound": self.sound, "sound_peer": self.sound_peer}
         descriptors = {name: number for name, number in names.items() if number is not None}
-        descriptors |= {"heart": self.heartbeat.descriptor, "rendezvous": self._rendezvous.fileno()}
+        descriptors |= {"heart": self.heartbeat.page.descriptor, "rendezvous": self._rendezvous.fileno()}
         told = {"facts": self.facts, "screen": self._screen, "show": self._show}
         if not send_engine(sock, told, descriptors):
             return
@@ -196,6 +204,12 @@ class SupervisorLink:
         """Send a note for the person."""
         self.channel.send_json(alive="note", words=words)
 
+    def leave_if_asked(self) -> None:
+        """Raise SystemExit if the supervisor asks for the end of the show, where no signal says so."""
+        asked = None if LINUX else next((order for order in self.requests if order["alive"] == "leave"), None)
+        if asked is not None:
+            raise SystemExit(128 + int(asked["signal"]))
+
     @property
     def may_leave(self) -> bool:
         """Whether a termination signal concerns the show and not only this process: the supervisor has confirmed it, or
@@ -227,4 +241,4 @@ def describe_error(error: BaseException) -> str:
 
 def is_abandoned(link: SupervisorLink) -> bool:
     """Return whether supervisor and parent have gone, so that a waiting process has to end."""
-    return link.orphaned or os.getppid() == 1
+    return link.orphaned or parent_has_gone()

@@ -1,5 +1,6 @@
 """`live warm`: compiles once, names every kernel, keeps what is ready; a first start compiles what it needs."""
 
+import io
 import os
 import re
 import signal
@@ -8,8 +9,9 @@ import sys
 from pathlib import Path
 
 import pytest
+from rich.console import Console
 
-from live.app.machine import kernel_build
+from live.app.machine import kernel_build, kernel_warmup
 from live.app.machine.kernel_build import FIRST_KERNELS, KernelBuild, all_kernels, kernel_name
 from live.base import jit
 from live.base.disk import kernel_store
@@ -138,3 +140,21 @@ def test_the_first_kernels_are_those_that_the_default_show_uses() -> None:
         capture_output=True, text=True, check=True, cwd=Path(kernel_store.__file__).parents[3],
     )  # fmt: skip
     assert done.stdout.split() == FIRST_KERNELS.read_text(encoding="utf-8").split()
+
+
+def test_kernels_that_are_kept_elsewhere_are_told_where(tmp_path, monkeypatch):
+    store = kernel_store.KernelStore((tmp_path / "elsewhere",))
+    for name, value in (("is_warm", lambda: False), ("_compile", lambda *_: 1), ("find_spec", lambda _: None)):
+        monkeypatch.setattr(kernel_warmup, name, value)
+    monkeypatch.setattr(kernel_build, "first_kernels", lambda: ())
+    monkeypatch.setattr(jit, "KERNEL_STORE", store)
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "home"))
+    console = Console(file=io.StringIO(), width=1000)
+    kernel_warmup.warm_kernels(console)
+    told = console.file.getvalue()
+    assert f"{tmp_path / 'home' / 'kernels'} cannot be written" in told
+    assert f"kept in {tmp_path / 'elsewhere'}" in told
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path))
+    monkeypatch.setattr(jit, "KERNEL_STORE", kernel_store.KernelStore((tmp_path / "kernels" / "x",)))
+    kernel_warmup.warm_kernels(console)
+    assert console.file.getvalue() == told

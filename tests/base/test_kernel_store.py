@@ -136,7 +136,6 @@ def _compile_slowly(
         store.write("a", b"theirs")
 
 
-@pytest.mark.skipif(kernel_store.fcntl is None, reason="no file locks here")
 def test_a_process_waits_for_the_one_that_compiles(tmp_path: Path) -> None:
     context = multiprocessing.get_context("spawn")
     begun, go = context.Event(), context.Event()
@@ -159,3 +158,19 @@ def test_levels_of_processors() -> None:
     assert processor_levels({**v3, **v4, "avx512vl": False}) == ["x86-64-v3"]
     assert processor_levels({**v3, **v4, "avx2": False}) == []
     assert processor_levels({}) == []
+
+
+def test_where_nothing_can_be_written_nothing_is_kept_and_nothing_fails(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "file").write_text("not a folder")
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path / "file"))
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "file"))
+    writable_root.cache_clear()
+    try:
+        found = writable_root()
+    finally:
+        writable_root.cache_clear()
+    store = KernelStore((found,))
+    store.write("kernel", b"code")
+    assert store.read("kernel") is None

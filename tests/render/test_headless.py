@@ -132,7 +132,7 @@ def test_missing_egl_error_names_packages(monkeypatch: pytest.MonkeyPatch) -> No
         raise Exception("libEGL.so not loaded")
 
     monkeypatch.setattr(moderngl, "create_context", missing)
-    with pytest.raises(NoOpenGL, match=r"libEGL\.so not loaded.*apt-get install .*libegl1 libgl1"):
+    with pytest.raises(NoOpenGL, match=r"libEGL\.so not loaded.*apt-get install .*libegl1 libgl1.*--out show\.glb"):
         create_headless_context()
 
 

@@ -60,7 +60,7 @@ def follow(lifeline: SupervisorLink, role: str, nursery: int | None, plan: dict[
 
 def connect_supervisor() -> tuple[SupervisorLink, Brief, int | None]:
     """The link to the supervisor, the brief, and the prefork parent that created this process."""
-    lifeline = SupervisorLink.inherited(int(sys.argv[1]), int(sys.argv[2]))
+    lifeline = SupervisorLink.of_arguments(*sys.argv[1:3])
     brief = lifeline.receive_brief()
     if brief.role != "nursery":
         return lifeline, brief, None

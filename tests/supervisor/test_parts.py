@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from live.base.system.shared_page import SharedPage
 from live.show.view.status import FULL_PRESSURE_SHARE, HALFLIFE, Pressure
 from live.supervisor.engine_deaths import DeathHistory
 from live.supervisor.heartbeat import Heartbeat, Phase
@@ -23,7 +24,7 @@ from tests.control.waiting import wait_for
 
 def test_second_mapping_of_page_contains_beat():
     mine = Heartbeat()
-    theirs = Heartbeat(os.dup(mine.descriptor))
+    theirs = Heartbeat(SharedPage.of_descriptor(os.dup(mine.page.descriptor)))
     assert (mine.last, mine.phase) == (0.0, Phase.STARTING)
     before = time.monotonic()
     theirs.beat(1234, Phase.RUNNING)

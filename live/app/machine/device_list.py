@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from typing import Any, Literal
 
-from live.base.native_stderr import suppress_native_stderr
+from live.base.system.native_stderr import suppress_native_stderr
 
 Item = dict[str, Any]
 

@@ -8,7 +8,6 @@ import contextlib
 import dis
 import gc
 import importlib
-import os
 import selectors
 import subprocess
 import sys
@@ -20,6 +19,7 @@ import psutil
 
 from live.base.disk.kernel_store import kernel_files
 from live.base.jit import KERNEL_STORE, Kernel, kernels
+from live.base.system.process_control import own_session, processor_count, yield_priority
 
 FIRST_KERNELS: Final = Path(__file__).with_name("first_kernels.txt")
 """Names of the kernels that the default show uses, written by `tools/write_first_kernels.py`."""
@@ -84,7 +84,7 @@ class _Worker:
         self.process = subprocess.Popen(
             [sys.executable, "-c", _WORK, *(["background"] if background else [])],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, bufsize=1,
-            start_new_session=True,
+            **own_session(),
         )  # fmt: skip
 
     def order(self, kernel: Kernel) -> None:
@@ -106,7 +106,7 @@ class _Worker:
 
 def worker_count() -> int:
     """Return how many processes may compile at once: one for each core, as far as the memory goes."""
-    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+    cores = processor_count()
     return max(1, min(cores, int(psutil.virtual_memory().available) // MEMORY_EACH))
 
 
@@ -205,8 +205,7 @@ class KernelBuild:
 def work() -> None:
     """Compile what the lines of standard input name, `MODULE FUNCTION`; answer each with a line, end with the input."""
     if "background" in sys.argv:
-        with contextlib.suppress(OSError):
-            os.nice(LOW_PRIORITY)
+        yield_priority(LOW_PRIORITY)
     gc.freeze()  # what is here stays
     for line in sys.stdin:
         module, function = line.split()

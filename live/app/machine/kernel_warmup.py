@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from live.base.disk.kernel_store import SHIPPED_PACKAGE
+from live.base.system.process_control import own_session
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -103,6 +104,7 @@ def warm_kernels(console: "Console", tell: Tell | None = None) -> None:
     if is_warm():
         return
     from live.app.machine.kernel_build import first_kernels
+    from live.base.disk.kernel_store import cache_root
     from live.base.jit import KERNEL_SET, KERNEL_STORE
 
     if find_spec(SHIPPED_PACKAGE) is not None:
@@ -116,6 +118,12 @@ def warm_kernels(console: "Console", tell: Tell | None = None) -> None:
     if not all(KERNEL_STORE.has(each.file_name) for each in first_kernels()):
         console.print(
             f"note: compiled kernels cannot be kept in {KERNEL_STORE.own}; every start compiles them again",
+            style="yellow", soft_wrap=True, markup=False,
+        )  # fmt: skip
+    elif not KERNEL_STORE.own.is_relative_to(cache_root()):
+        console.print(
+            f"note: {cache_root()} cannot be written: compiled kernels are kept in {KERNEL_STORE.own}, "
+            "often only until the machine starts again; LIVE_CACHE_DIR names another folder",
             style="yellow", soft_wrap=True, markup=False,
         )  # fmt: skip
 
@@ -179,7 +187,7 @@ def start_native_build() -> None:
     quiet, environment = subprocess.DEVNULL, {**os.environ, "LIVE_KERNEL_TARGET": "native"}
     subprocess.Popen(
         [sys.executable, "-m", "live", "warm", "--background"],
-        stdin=quiet, stdout=quiet, stderr=quiet, start_new_session=True, env=environment,
+        stdin=quiet, stdout=quiet, stderr=quiet, env=environment, **own_session(),
     )  # fmt: skip
 
 

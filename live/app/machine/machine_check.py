@@ -18,7 +18,7 @@ from typing import Final, Literal
 
 import live
 from live.app.machine.device_list import Section, audio_sections, midi_sections, monitor_section, one_line
-from live.base.native_stderr import suppress_native_stderr
+from live.base.system.native_stderr import suppress_native_stderr
 
 _PACKAGES = {
     "opengl": {"apt-get": "libegl1 libgl1", "dnf": "mesa-libEGL mesa-libGL mesa-dri-drivers"},
@@ -55,9 +55,9 @@ def _has_time64_names() -> bool:
 
 
 _PROBE = """
-import json, sys, moderngl
-options = {"backend": "egl"} if sys.platform == "linux" else {}
-context = moderngl.create_context(standalone=True, **options)
+import json, moderngl
+from live.base.system.features import OFFSCREEN_GL
+context = moderngl.create_context(standalone=True, **OFFSCREEN_GL)
 print(json.dumps([context.info["GL_RENDERER"], context.info["GL_VERSION"], context.version_code]))
 """
 

@@ -1,8 +1,6 @@
 """Measure map of a music file for `live music map`: proposed, corrected by fixes, read and written in other forms."""
 
-import contextlib
 import json
-import os
 import statistics
 import subprocess
 import sys
@@ -16,6 +14,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from live.base.arrays import Float64
 from live.base.errors import PersonError
+from live.base.system.process_control import lower_priority_of, own_session
 from live.clock.beat_estimate import Samples
 from live.clock.measure_map import MeasureLine, MeasureMap, Phrase
 from live.clock.tracking.beat_network import ActivationStream, BeatNetwork
@@ -250,10 +249,9 @@ def measures_of_resource(patch: Path, file: str, lines: str = "") -> MeasureMap:
         return read_map(known)
     command = [sys.executable, "-m", "live", "music", "map", str(music), "--json"]
     process = subprocess.Popen(
-        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
+        command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **own_session()
     )
-    with contextlib.suppress(OSError, AttributeError):
-        os.setpriority(os.PRIO_PROCESS, process.pid, PROPOSAL_NICE)
+    lower_priority_of(process.pid, PROPOSAL_NICE)
     try:
         told, errors = process.communicate(timeout=PROPOSAL_TIMEOUT)
     except subprocess.TimeoutExpired:

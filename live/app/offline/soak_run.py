@@ -21,6 +21,7 @@ from live.app.session import Session
 from live.app.session_audio import AudioChoice
 from live.base.errors import PersonError
 from live.base.fault_isolation import FAULTS
+from live.base.system.features import LINUX
 from live.control.events.events import ControlEvent
 from live.rehearse.campaign import Campaign, Facts, Job, problem_lines, report_lines, run_safely
 from live.rehearse.failure import Failure
@@ -292,6 +293,8 @@ def run(plan: SoakOptions, folder: Path, console: Console, wanted: RunOptions) -
         return virtual_chaos(
             plan, folder, sites=wanted.sites, on_progress=lambda words: console.print(words, style="dim")
         )
+    if wanted.chaos and not LINUX:
+        raise PersonError("chaos stops and ends the processes of a show, which needs Linux", "add --virtual")
     if wanted.chaos:
         from live.rehearse.chaos.real_run import real_chaos
 

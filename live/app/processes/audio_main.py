@@ -6,7 +6,6 @@ without delay while the engine's Python is busy, and music plays on when an engi
 
 import contextlib
 import json
-import signal
 import socket
 import sys
 from collections import deque
@@ -14,6 +13,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from live.base.event_queue import EventQueue
+from live.base.system.process_control import ignore_interrupts
 from live.clock.bar_pointer.state_space import BarPointerModel
 from live.clock.follower.manual_control import TrackerHint
 from live.clock.map_clock import MapClock
@@ -140,13 +140,12 @@ class AudioWorker:
 
 def main() -> None:
     """Carry out the engine's orders until supervisor and engine have ended."""
-    for number in (signal.SIGINT, signal.SIGHUP):
-        signal.signal(number, signal.SIG_IGN)
+    ignore_interrupts()
     sock = socket.socket(fileno=int(sys.argv[1]))
     sock.setblocking(False)
     there = AudioLink(
         sock,
-        SupervisorLink.inherited(int(sys.argv[2]), int(sys.argv[3])),
+        SupervisorLink.of_arguments(*sys.argv[2:4]),
         round_s=POLL_INTERVAL,
         largest=MAX_PACKET_BYTES,
     )

@@ -7,11 +7,10 @@ import hashlib
 import ipaddress
 import json
 import os
-import signal
 import socket
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -28,7 +27,9 @@ from live.app.exit_codes import (
 from live.app.launch_options import LaunchOptions
 from live.app.machine.systemd_unit import check_name
 from live.base.errors import PersonError
-from live.base.native_stderr import survive_terminal_close
+from live.base.system.features import LINUX, has_desktop
+from live.base.system.native_stderr import survive_terminal_close
+from live.base.system.process_control import HANG_UP_CODE, INTERRUPT_CODE, TERMINATE_CODE, machine_memory
 from live.show.journal.journal_writer import move_aside
 from live.supervisor.adoption.adoption import Adoption, CannotAdopt, EngineHung, find_engine
 from live.supervisor.adoption.journal_resume import read_interrupted
@@ -98,7 +99,7 @@ def main() -> None:
     collect_garbage_rarely()
     survive_terminal_close()
     try:
-        run_role(SupervisorLink.inherited(int(sys.argv[1]), int(sys.argv[2])))
+        run_role(SupervisorLink.of_arguments(*sys.argv[1:3]))
     except PersonError as error:
         show_person_error(error)
         sys.exit(EXIT_PERSON_ERROR)
@@ -108,7 +109,7 @@ def main() -> None:
 
 MIN_SUPERVISED_SECONDS: Final = 60.0
 """Runs shorter than this [s] are not supervised."""
-SIGNAL_EXIT_CODES: Final = tuple(128 + number for number in (signal.SIGHUP, signal.SIGINT, signal.SIGTERM))
+SIGNAL_EXIT_CODES: Final = (HANG_UP_CODE, INTERRUPT_CODE, TERMINATE_CODE)
 """Exit codes of shows that a signal ended."""
 PORT_FREE_TIMEOUT: Final = 5.0
 """Time limit [s] for the port of a killed engine to become free."""
@@ -132,10 +133,9 @@ def is_supervised(options: LaunchOptions) -> bool:
     has to follow another machine, or to be followed by one, and cannot be supervised.
     """
     machines = options.lead is not None or options.standby is not None
-    screen = options.headless or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
-    able = sys.platform == "linux" and screen and options.record is None and options.shaders is None
-    able = able and not options.alone
-    if machines and not able:
+    screen = options.headless or has_desktop()
+    able = screen and options.record is None and options.shaders is None and not options.alone
+    if machines and not (able and LINUX):
         raise PersonError(
             "--lead and --standby need a supervisor: Linux, a screen or --headless, no --record, --shaders and --alone"
         )
@@ -171,7 +171,7 @@ def supervise(options: LaunchOptions) -> None:
     identity, pairings = _load_pairings(leads_at, follows)
     leads = None if leads_at is None else _listen(*leads_at)
     try:
-        osc = socket.socket(fileno=there["osc"]) if "osc" in there else _bind_osc(*options.osc, hung)
+        osc = _osc_socket(options, there, hung)
     except CannotListen as error:
         if service is None:
             raise PersonError(str(error)) from None
@@ -182,18 +182,18 @@ def supervise(options: LaunchOptions) -> None:
     orders = SupervisorConfig(
         engine=[*python, *ENGINE],
         show=options.encode() if adoption is None else adoption.show,
-        audio=[] if silent else [*python, "live.app.processes.audio_main"],
+        audio=[] if silent or not LINUX else [*python, "live.app.processes.audio_main"],
         fallback_window=() if options.headless else [*python, "live.app.processes.fallback_window_main"],
         screen=(options.fullscreen, options.monitor),
         osc=osc,
-        osc_reader=[*python, "live.app.processes.osc_reader_main"] if options.osc_process else (),
+        osc_reader=[*python, "live.app.processes.osc_reader_main"] if options.osc_process and LINUX else (),
         journal=options.journal,
         lead=leads,
         identity=identity,
         pairings=pairings,
         follow=follows,
-        memory_budget=int(MEMORY_SHARE * _memory_bytes()),
-        label=label,
+        memory_budget=int(MEMORY_SHARE * machine_memory()),
+        label=label if LINUX else "",
     )
     left, journal = None, options.journal
     if (service is not None or hung) and adoption is None and journal is not None and standby is None:
@@ -205,7 +205,7 @@ def supervise(options: LaunchOptions) -> None:
     if left is not None and code not in (0, *SIGNAL_EXIT_CODES) and not supervisor.engines.has_run:
         say(f"the show cannot be resumed from its journal, now {move_aside(Path(str(journal)))}: it starts again")
         raise SystemExit(1)  # systemd starts it again
-    if code == 128 + signal.SIGINT:
+    if code == INTERRUPT_CODE:
         raise KeyboardInterrupt
     if code:
         raise SystemExit(code)
@@ -216,6 +216,13 @@ def _find_running_engine(label: str, say: Callable[[str], None]) -> Adoption | N
     if adoption is not None:
         say(f"adopted the running show: its engine (process {adoption.process.pid}) had no supervisor")
     return adoption
+
+
+def _osc_socket(options: LaunchOptions, there: Mapping[str, int], hung: bool) -> socket.socket | None:
+    """Return the socket for OSC that the engines inherit; None where they cannot, and each binds the port itself."""
+    if "osc" in there:
+        return socket.socket(fileno=there["osc"])
+    return _bind_osc(*options.osc, hung) if LINUX else None
 
 
 def _bind_osc(host: str, port: int, hung: bool) -> socket.socket:
@@ -287,11 +294,6 @@ def _listen(host: str, port: int) -> socket.socket:
         return socket.create_server((host, port), family=family, backlog=16)
     except OSError as error:
         raise PersonError(f"--lead: cannot listen at {host}:{port}: {error.strerror}", "choose another port") from None
-
-
-def _memory_bytes() -> int:
-    """Return the machine's memory [bytes]."""
-    return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
 
 
 if __name__ == "__main__":

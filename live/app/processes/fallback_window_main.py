@@ -14,7 +14,7 @@ POLL_INTERVAL = 0.1
 def main() -> None:
     """Carry out the supervisor's orders until it has ended."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    lifeline = SupervisorLink.inherited(int(sys.argv[1]), int(sys.argv[2]))
+    lifeline = SupervisorLink.of_arguments(*sys.argv[1:3])
     try:
         guards = [FallbackWindow()]
     except NoFallbackWindow:

@@ -15,8 +15,8 @@ from live.supervisor.supervisor_link import SupervisorLink
 
 def main() -> None:
     """Read until the supervisor has ended; an engine that outlives it starts its own reader."""
-    told = HelperChannel(int(sys.argv[1]), {"nice": 0})
-    lifeline = SupervisorLink.inherited(int(sys.argv[3]), int(sys.argv[4]))
+    told = HelperChannel(sys.argv[1], {"nice": 0})
+    lifeline = SupervisorLink.of_arguments(*sys.argv[3:5])
     raise_priority(ENGINE_NICE)  # operators must be heard on a busy machine too
     reader = OscReader(told, int(sys.argv[2]))
     told.send_facts(HELLO)

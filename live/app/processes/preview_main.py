@@ -117,7 +117,7 @@ class PreviewMain:
 def main() -> None:
     """Answer until the web server has ended."""
     try:
-        PreviewMain(HelperChannel(int(sys.argv[1]))).run()
+        PreviewMain(HelperChannel(sys.argv[1])).run()
     except OSError:  # the other end is closed
         os._exit(0)
 

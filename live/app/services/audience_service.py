@@ -17,6 +17,7 @@ from live.app.services.listening_socket import listening_socket
 from live.base.errors import PersonError
 from live.base.event_queue import PriorityQueue
 from live.base.picture_parameters import COLOURS_START, STYLES_START
+from live.base.system.channel import hand_over
 from live.clock.time_source import Clock
 from live.control.audience.admission import BEHIND_NAT, OWN_WIFI
 from live.control.audience.phone_registry import invitation_key
@@ -62,6 +63,7 @@ class AudienceService:
             options.audience_link,
             options.audience_secret,
         )
+        self._port = self._bind_address[1]
         self._show, self._lane, self._clock = show, lane, clock
         self._socket: socket.socket | None = None
         self._helper: HelperProcess | None = None
@@ -101,7 +103,8 @@ class AudienceService:
         except (OSError, OverflowError) as error:
             where = f"{self._bind_address[0]}:{self._bind_address[1]}"
             raise PersonError(f"--audience {where}: {error}", "choose another port") from None
-        section, venue, http = self._show.patch.audience, self._venue, self._socket.fileno()
+        self._port = int(self._socket.getsockname()[1])
+        section, venue, (http, inherit) = self._show.patch.audience, self._venue, hand_over(self._socket)
         self._plan = {
             "http": http, "secret": self._secret, "first": self._first_number(), "link": self.address,
             "most": section.phones, "per_address": section.phones_per_address, "visible": section.visible,
@@ -114,7 +117,7 @@ class AudienceService:
             self._clock,
             self._plan,
             self._on_gateway_start,
-            http,
+            *inherit,
             on_packet=self._on_packet,
         )
         self._helper.start()
@@ -163,7 +166,7 @@ class AudienceService:
     @property
     def port(self) -> int:
         """The port it listens at."""
-        return self._bind_address[1] if self._socket is None else int(self._socket.getsockname()[1])
+        return self._port
 
     @property
     def is_public(self) -> bool:

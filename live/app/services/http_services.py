@@ -21,6 +21,8 @@ from live.app.option_values import parse_endpoint
 from live.app.services.listening_socket import listening_socket
 from live.base.errors import PersonError
 from live.base.field_types import HOST_NAME_PATTERN
+from live.base.system.channel import hand_over
+from live.base.system.files import create_private, is_private, open_to_read
 from live.clock.time_source import Clock
 from live.control.helper_process import HelperProcess
 from live.show.patch.patch_search_path import user_settings_folder
@@ -52,6 +54,7 @@ class HttpService:
         self._needs = needs
         self.resumes = False
         """Whether the show is resumed after an engine that may still hold the port."""
+        self._port = bind_address[1]
         self._socket: socket.socket | None = None
         self._helper: HelperProcess | None = None
         self._values: dict[str, Any] = {}
@@ -63,9 +66,11 @@ class HttpService:
         if missing:
             raise PersonError(f"{self._option} needs the package {' and '.join(missing)}", "make play installs it")
         self._socket = self._listen()
-        http = self._socket.fileno()
+        self._port = int(self._socket.getsockname()[1])
+        plan = self._plan()
+        http, inherit = hand_over(self._socket)
         self._helper = HelperProcess(
-            self._module, self._clock, self._plan() | {"http": http}, self._on_start, http, on_packet=self._on_packet
+            self._module, self._clock, plan | {"http": http}, self._on_start, *inherit, on_packet=self._on_packet
         )
         self._helper.start()
 
@@ -109,7 +114,7 @@ class HttpService:
     @property
     def port(self) -> int:
         """The port it listens at."""
-        return self._bind_address[1] if self._socket is None else int(self._socket.getsockname()[1])
+        return self._port
 
     @property
     def pid(self) -> int | None:
@@ -200,7 +205,7 @@ def _read_key(path: Path) -> str | None:
         "--new-web-key generates a new one",
     )
     try:
-        descriptor = os.open(path, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+        descriptor = open_to_read(path, follow=False)
     except FileNotFoundError:
         return None
     except OSError as error:
@@ -209,7 +214,7 @@ def _read_key(path: Path) -> str | None:
         raise
     try:
         facts = os.fstat(descriptor)
-        if not stat.S_ISREG(facts.st_mode) or facts.st_uid != os.geteuid() or facts.st_mode & 0o077:
+        if not stat.S_ISREG(facts.st_mode) or not is_private(facts):
             raise wrong
         text = os.read(descriptor, MAX_KEY_LENGTH + 2)
     finally:
@@ -227,7 +232,7 @@ def _write_key(path: Path, *, replace: bool) -> str:
     """
     key = secrets.token_urlsafe(KEY_BYTES)
     beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
-    descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_NOFOLLOW | os.O_CLOEXEC, 0o600)
+    descriptor = create_private(beside)
     try:
         with open(descriptor, "w", encoding="ascii") as file:
             file.write(f"{key}\n")

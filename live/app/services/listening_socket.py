@@ -2,6 +2,8 @@
 
 import socket
 
+from live.base.system.channel import create_server
+
 
 def listening_socket(where: tuple[str, int], backlog: int, *, resumes: bool) -> socket.socket:
     """Listen at an address and port; raise OSError or OverflowError if that fails or the port is in use.
@@ -12,4 +14,4 @@ def listening_socket(where: tuple[str, int], backlog: int, *, resumes: bool) -> 
     family = socket.AF_INET6 if ":" in where[0] else socket.AF_INET
     if not resumes and where[1]:
         socket.create_server(where, family=family, backlog=1).close()  # never share a foreign program's port
-    return socket.create_server(where, family=family, backlog=backlog, reuse_port=hasattr(socket, "SO_REUSEPORT"))
+    return create_server(where, family=family, backlog=backlog)

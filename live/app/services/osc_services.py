@@ -8,6 +8,7 @@ from live.app.launch_options import LaunchOptions
 from live.app.option_values import parse_endpoint
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue, PriorityQueue
+from live.base.system.features import LINUX
 from live.clock.time_source import Clock
 from live.control.events.events import ControlEvent
 from live.control.helper_process import HelperProcess
@@ -39,7 +40,7 @@ class OperatorOscPort:
         reader = None if lifeline is None else lifeline.osc_reader
         self._osc: OscInput | OscRemote = (
             OscRemote(*options.osc, lane, clock, inherited=inherited, reader=reader)
-            if options.osc_process
+            if options.osc_process and LINUX  # elsewhere no process inherits the socket
             else OscInput(*options.osc, lane, clock, inherited=inherited, make_lane=operators)
         )
 

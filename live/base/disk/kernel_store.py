@@ -19,10 +19,8 @@ from typing import BinaryIO, Final
 
 import platformdirs
 
-try:
-    import fcntl
-except ImportError:  # Windows: processes may compile the same kernel at the same time
-    fcntl = None  # type: ignore[assignment]
+from live.base.system.file_lock import lock_file
+from live.base.system.files import user_number
 
 _PACKAGE = Path(__file__).resolve().parents[2]
 _MAGIC: Final = b"live kernel 1\n"
@@ -111,9 +109,10 @@ def make_private(folder: Path) -> bool:
     """
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-        if hasattr(os, "getuid"):
+        user = user_number()
+        if user is not None:
             found = folder.lstat() if folder.parent == Path(tempfile.gettempdir()) else folder.stat()
-            if not stat.S_ISDIR(found.st_mode) or found.st_uid != os.getuid():
+            if not stat.S_ISDIR(found.st_mode) or found.st_uid != user:
                 return False
             if found.st_mode & 0o022:
                 folder.chmod(0o700)
@@ -126,14 +125,24 @@ def make_private(folder: Path) -> bool:
 def writable_root() -> Path:
     """Return `cache_root`, or a private folder among the temporary files where it cannot be written.
 
-    A show starts with a read-only home, too; it compiles again after the next start of the machine.
+    A show starts with a read-only home, too; it compiles again after the next start of the machine. Where nothing can
+    be written at all the folder stays as it is, and each process compiles for itself.
     """
     root = cache_root()
     if make_private(root):
         return root
-    user = os.getuid() if hasattr(os, "getuid") else "user"
-    root = Path(tempfile.gettempdir()) / f"choreographics-live-kernels-{user}"
-    return root if make_private(root) else Path(tempfile.mkdtemp(prefix="choreographics-live-kernels-"))
+    user = user_number()
+    try:
+        temporary = Path(tempfile.gettempdir())
+    except OSError:  # there is no folder that can be written
+        return root
+    root = temporary / f"choreographics-live-kernels-{'user' if user is None else user}"
+    if make_private(root):
+        return root
+    try:
+        return Path(tempfile.mkdtemp(prefix="choreographics-live-kernels-"))
+    except OSError:
+        return cache_root()
 
 
 def shipped_folder(set_name: str) -> Path | None:
@@ -154,10 +163,9 @@ class ShowLock:
 
     def take(self) -> None:
         """Say so until `release`, or until this process ends; several shows may."""
-        if fcntl is not None:
-            with contextlib.suppress(OSError):
-                self._file = (writable_root() / "show").open("wb")
-                fcntl.flock(self._file, fcntl.LOCK_SH)
+        with contextlib.suppress(OSError):
+            self._file = (writable_root() / "show").open("wb")
+            lock_file(self._file, shared=True)
 
     def release(self) -> None:
         """Say so no more."""
@@ -168,14 +176,12 @@ class ShowLock:
     @staticmethod
     def is_taken() -> bool:
         """Whether a show runs."""
-        taken = False
-        if fcntl is not None:
-            with contextlib.suppress(OSError), (writable_root() / "show").open("wb") as file:
-                try:
-                    fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-                except BlockingIOError:
-                    taken = True
-        return taken
+        with contextlib.suppress(OSError), (writable_root() / "show").open("wb") as file:
+            try:
+                lock_file(file)
+            except BlockingIOError:
+                return True
+        return False
 
 
 class KernelStore:
@@ -255,11 +261,10 @@ class KernelStore:
         A process that ends lets go of it. Look again into the store afterwards. Without a disk to lock on, go on.
         """
         file = None
-        if fcntl is not None:
-            with contextlib.suppress(OSError):
-                if make_private(self.own / "locks"):
-                    file = (self.own / "locks" / name).open("wb")
-                    fcntl.flock(file, fcntl.LOCK_EX)
+        with contextlib.suppress(OSError):
+            if make_private(self.own / "locks"):
+                file = (self.own / "locks" / name).open("wb")
+                lock_file(file, within=None)
         try:
             yield
         finally:

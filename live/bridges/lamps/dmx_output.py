@@ -143,7 +143,7 @@ class DmxOutput:
 
 def main() -> None:
     """Send until the show ends."""
-    told = HelperChannel(int(sys.argv[1]))
+    told = HelperChannel(sys.argv[1])
     gc.disable()
     plan = told.plan
     senders = [make_sender(Universe(*each)) for each in plan["universes"]]

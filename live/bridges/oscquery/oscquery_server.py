@@ -7,7 +7,6 @@ It is read-only (GET), so it needs no key; values are set over OSC. Requests fro
 import asyncio
 import ipaddress
 import json
-import socket
 import sys
 from collections import Counter
 from typing import Any, Final
@@ -73,7 +72,7 @@ class OscQueryServer:
         """Needs a running event loop."""
         plan = channel.plan
         self._channel, self._name, self._osc = channel, str(plan["name"]), (str(plan["osc"][0]), int(plan["osc"][1]))
-        self._socket = socket.socket(fileno=plan["http"])
+        self._socket = channel.listening_socket()
         self._http = self._socket.getsockname()[:2]
         self.values = Values()
         self._tree = Namespace(self.values)
@@ -210,4 +209,5 @@ async def _run(told: HelperChannel) -> None:
 
 
 if __name__ == "__main__":
-    asyncio.run(_run(HelperChannel(int(sys.argv[1]))))
+    with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:  # the one that waits for sockets everywhere
+        runner.run(_run(HelperChannel(sys.argv[1])))

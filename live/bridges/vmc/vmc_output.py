@@ -88,7 +88,7 @@ def pack_dancers(
 
 def main() -> None:
     """Send until the show ends."""
-    told = HelperChannel(int(sys.argv[1]))
+    told = HelperChannel(sys.argv[1])
     gc.disable()
     outs = [VmcOutput(host, port) for host, port in told.plan["targets"]]
     clock = SystemClock(told.plan["origin"])

@@ -8,7 +8,6 @@ import asyncio
 import contextlib
 import gc
 import logging
-import resource
 import socket
 import sys
 from collections.abc import Callable
@@ -17,6 +16,7 @@ from typing import Any, Final
 import numpy as np
 from aiohttp import web
 
+from live.base.system.process_control import raise_open_files
 from live.clock.ticks import TICK
 from live.control.audience.broadcaster import Broadcaster
 from live.control.audience.http_server import HELLO_TIMEOUT, HttpServer
@@ -170,19 +170,12 @@ def qr_rows(link: str) -> list[str]:
     return ["".join("1" if dark else "0" for dark in row) for row in segno.make(link, error="m", micro=False).matrix]
 
 
-def _more_files(wanted: int) -> None:
-    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
-    if soft < wanted:
-        with contextlib.suppress(ValueError, OSError):
-            resource.setrlimit(resource.RLIMIT_NOFILE, (min(wanted, hard), hard))
-
-
 def _loop_factory() -> Callable[[], asyncio.AbstractEventLoop]:
     """Return the faster event loop if it is installed."""
     try:
         import uvloop
     except ImportError:
-        return asyncio.new_event_loop
+        return asyncio.SelectorEventLoop  # the one that waits for sockets on every system
     made: Callable[[], asyncio.AbstractEventLoop] = uvloop.new_event_loop
     return made
 
@@ -194,13 +187,13 @@ async def _run(told: HelperChannel, listening: socket.socket) -> None:
 def main() -> None:
     """Serve until the show ends."""
     logging.disable(logging.CRITICAL)  # a traceback may contain a phone's address
-    told = HelperChannel(int(sys.argv[1]))
-    _more_files(int(told.plan["most"]) + FILES)
+    told = HelperChannel(sys.argv[1])
+    raise_open_files(int(told.plan["most"]) + FILES)
     gc.collect()
     gc.freeze()
     gc.disable()  # see `_collect_garbage`
     with asyncio.Runner(loop_factory=_loop_factory()) as runner:
-        runner.run(_run(told, socket.socket(fileno=told.plan["http"])))
+        runner.run(_run(told, told.listening_socket()))
 
 
 if __name__ == "__main__":

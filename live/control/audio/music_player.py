@@ -49,12 +49,15 @@ class MusicPlayer:
         output: bool | str | int = True,
         latency: float | None = None,
         one_at: float | None = None,
+        begun: float | None = None,
         analysis: MakeAnalysis = AudioAnalysis,
     ) -> None:
         """`output`: True = the default device, False = none, else as for `find_device`.
 
         `one_at` [s of the music]: the first downbeat, if known. It is announced as One DOWNBEAT_LEAD seconds before, or
         as soon as its time is known; and once more with the first beat after it, if the time has changed.
+
+        `begun` [s]: when music that goes on has begun; None: it begins with `start`.
 
         `latency` [s]: delay from handing over a sample until it is heard; None: the device's reported latency. Raises
         UnknownDevice for a named output that is absent.
@@ -80,6 +83,8 @@ class MusicPlayer:
         self._line = SampleClock(music.sample_rate)
         self._stamps = BlockStamps()
         self._played = self._fed = 0
+        self.began = begun
+        """When the music began [s]; None before it does."""
         self._begin = self._alive_at = self._reported = 0.0
         self._make_analysis = analysis
         self._analysis = analysis(music.sample_rate)
@@ -117,7 +122,8 @@ class MusicPlayer:
         An output that refuses is no error: see `output_problem`.
         """
         now = self._alive_at = self._clock.now()
-        self._begin = now if begun is None else begun
+        begun = self.began if begun is None else begun
+        self._begin = self.began = now if begun is None else begun
         self._played = max(int((now - self._begin) * self._music.sample_rate), 0)
         if self._device is not None:
             self._open()

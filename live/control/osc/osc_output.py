@@ -162,7 +162,7 @@ class Targets:
 
 def main() -> None:
     """Send until the show closes the channel."""
-    told = HelperChannel(int(sys.argv[1]))
+    told = HelperChannel(sys.argv[1])
     gc.disable()
     targets = Targets(told.plan["targets"])
     clock = SystemClock(told.plan["origin"])

@@ -238,7 +238,7 @@ class OscReader:
 
 def main() -> None:
     """Receive until the show closes the channel."""
-    told = HelperChannel(int(sys.argv[1]))
+    told = HelperChannel(sys.argv[1])
     reader = OscReader(told, told.plan["udp"])
     reader.apply_plan(told.plan)
     while not told.closed:

@@ -4,8 +4,9 @@ import contextlib
 import errno
 import socket
 import struct
-import sys
 from typing import Final
+
+from live.base.system.features import LINUX
 
 RECEIVE_BUFFER_BYTES: Final = 4 * 1024 * 1024
 _SO_RCVBUFFORCE: Final = 33
@@ -34,7 +35,7 @@ def bound_socket(host: str, port: int, option: str = "--osc") -> socket.socket:
     sock = socket.socket(family, kind, protocol)
     try:
         sock.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER_BYTES)
-        if sys.platform == "linux":  # beyond the usual limit, if permitted
+        if LINUX:  # beyond the usual limit, if permitted
             with contextlib.suppress(OSError):
                 sock.setsockopt(socket.SOL_SOCKET, _SO_RCVBUFFORCE, RECEIVE_BUFFER_BYTES)
         sock.setblocking(False)
@@ -51,7 +52,7 @@ def bound_socket(host: str, port: int, option: str = "--osc") -> socket.socket:
 
 def dropped_datagrams(sock: socket.socket) -> int:
     """Return the number of datagrams dropped by the system because the receive buffer was full (0 if unknown)."""
-    if sys.platform != "linux":
+    if not LINUX:
         return 0
     try:
         answer = sock.getsockopt(socket.SOL_SOCKET, _SO_MEMINFO, _MEMINFO.size)

@@ -6,8 +6,9 @@ In a flood, one call per datagram would cost the interpreter more than the datag
 import ctypes
 import socket
 import struct
-import sys
 from typing import Any, Final
+
+from live.base.system.features import LINUX
 
 BATCH_SIZE: Final = 256
 _DONT_WAIT: Final = 0x40
@@ -43,7 +44,7 @@ class DatagramReader:
         self._socket, self._size = sock, largest + 1
         self._senders: dict[bytes, Any] = {}
         self._call: Any = None
-        if sys.platform == "linux" and sock.family in (socket.AF_INET, socket.AF_INET6):
+        if LINUX and sock.family in (socket.AF_INET, socket.AF_INET6):
             self._prepare()
 
     def _prepare(self) -> None:

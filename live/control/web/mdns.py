@@ -12,6 +12,8 @@ import socket
 import struct
 from typing import TYPE_CHECKING, Any, Final
 
+from live.base.system.channel import share_port
+
 if TYPE_CHECKING:
     from zeroconf.asyncio import AsyncZeroconf
 
@@ -126,9 +128,7 @@ def _shared_socket(family: socket.AddressFamily) -> socket.socket:
     """Return a datagram socket that shares its port with other mDNS programs."""
     made = socket.socket(family, socket.SOCK_DGRAM)
     made.setblocking(False)
-    made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    if hasattr(socket, "SO_REUSEPORT"):
-        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
+    share_port(made)
     if family == socket.AF_INET6:
         made.setsockopt(socket.IPPROTO_IPV6, socket.IPV6_V6ONLY, 1)
     return made

@@ -7,14 +7,14 @@ the show neither starts it nor waits for it.
 import asyncio
 import contextlib
 import json
-import socket
 import subprocess
 from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from typing import Any, Final
 
 from live.base.fault_isolation import FAULTS
-from live.control.helper_process import MAX_PACKET_BYTES, spawn_helper
+from live.base.system.channel import Packets, receive_packet
+from live.control.helper_process import spawn_helper
 from live.control.message_codec import PacketError, decode_packet, encode_packet
 
 PART_BYTES: Final = 32_768
@@ -63,7 +63,7 @@ class PreviewClient:
         self._waiting: dict[Hashable, _Asked] = {}  # the latest question of each page, the oldest first
         self._present: _Asked | None = None
         self._wake = asyncio.Event()
-        self._socket: socket.socket | None = None
+        self._socket: Packets | None = None
         self._process: subprocess.Popen[bytes] | None = None
         self._number = 0
         self.answered = 0
@@ -149,10 +149,10 @@ class PreviewClient:
         channel = self._started()
         self._number += 1
         channel.send(encode_packet([self._number, asked.text]))
-        loop, parts, size = asyncio.get_running_loop(), list[bytes](), 0
+        parts, size = list[bytes](), 0
         while True:
             try:
-                data = await asyncio.wait_for(loop.sock_recv(channel, MAX_PACKET_BYTES), self._silence)
+                data = await asyncio.wait_for(receive_packet(channel), self._silence)
             except TimeoutError:
                 raise _Lost("the preview does not answer any more and was ended") from None
             if not data:
@@ -177,7 +177,7 @@ class PreviewClient:
                 case _:
                     raise _Lost("the preview's answer is damaged")
 
-    def _started(self) -> socket.socket:
+    def _started(self) -> Packets:
         """Return the channel of a process that runs."""
         if self._process is not None and self._process.poll() is not None:
             self.close()

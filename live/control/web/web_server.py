@@ -89,7 +89,7 @@ class WebServer:
         plan = channel.plan
         self._channel, self._key, self._show = channel, str(plan["key"]).encode(), tuple(plan["osc"])
         self._hosts = tuple(str(host) for host in plan["hosts"])
-        self._socket = socket.socket(fileno=plan["http"])
+        self._socket = channel.listening_socket()
         self._osc_socket = socket.socket(socket.AF_INET6 if ":" in self._show[0] else socket.AF_INET, socket.SOCK_DGRAM)
         self._osc_socket.setblocking(False)
         self._surface = _surface_json(plan)
@@ -284,4 +284,5 @@ async def _run(told: HelperChannel) -> None:
 
 
 if __name__ == "__main__":
-    asyncio.run(_run(HelperChannel(int(sys.argv[1]))))
+    with asyncio.Runner(loop_factory=asyncio.SelectorEventLoop) as runner:  # the one that waits for sockets everywhere
+        runner.run(_run(HelperChannel(sys.argv[1])))

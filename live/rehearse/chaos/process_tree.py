@@ -2,7 +2,6 @@
 
 import contextlib
 import os
-import resource
 import signal
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -101,6 +100,8 @@ def descriptors(pid: int) -> int:
 @contextlib.contextmanager
 def limited_descriptors(pid: int) -> Iterator[None]:
     """Prevent a process from opening more descriptors, within the context."""
+    import resource
+
     was = None
     with contextlib.suppress(OSError, ValueError):
         was = resource.prlimit(pid, resource.RLIMIT_NOFILE)

@@ -1,8 +1,5 @@
 """Video file writer: encodes frames and sound in a thread, without blocking the frame loop."""
 
-import contextlib
-import os
-import sys
 import threading
 from fractions import Fraction
 from pathlib import Path
@@ -14,6 +11,7 @@ import av
 import numpy as np
 import numpy.typing as npt
 
+from live.base.system.process_control import yield_thread_priority
 from live.render.film.container_formats import format_of
 from live.render.film.streams import FilmEncoder, FilmSound
 
@@ -21,6 +19,8 @@ Picture = npt.NDArray[np.uint8]
 
 _FAILED = -1
 """Queued in place of a free slot when the encoder has ended, so that `write` does not wait for ever."""
+ENCODER_NICE = 5
+"""How much lower the priority of a live film's threads is than the show's."""
 
 
 class FilmError(RuntimeError):
@@ -169,7 +169,7 @@ class FilmWriter:
         """Open the file, encode all frames and close it, in the encoder's thread."""
         try:
             if self._live:
-                lower_thread_priority()
+                yield_thread_priority(ENCODER_NICE)
             flags = "hybrid_fragmented+delay_moov" if self._live else "faststart"
             options = {"movflags": flags, "movie_timescale": "90000"}  # lengths in ms would cut the last picture short
             options = options if self._kind.container in ("mp4", "mov") else {}
@@ -196,14 +196,6 @@ class FilmWriter:
                 return
             encoder.encode(self._sources[job.slot])
             self._free.put(job.slot)
-
-
-def lower_thread_priority() -> None:
-    """Lower the priority of this thread, and of the encoder threads that it will start, below the show's."""
-    if sys.platform == "linux":
-        thread = threading.get_native_id()
-        with contextlib.suppress(OSError):
-            os.setpriority(os.PRIO_PROCESS, thread, os.getpriority(os.PRIO_PROCESS, thread) + 5)
 
 
 def frame_pixels(source: Any, channels: int) -> Picture:

@@ -9,8 +9,9 @@ import av
 import numpy as np
 import numpy.typing as npt
 
+from live.base.system.process_control import yield_thread_priority
 from live.render.film.container_formats import VideoFormat
-from live.render.film.film_writer import frame_pixels, lower_thread_priority
+from live.render.film.film_writer import ENCODER_NICE, frame_pixels
 from live.render.film.streams import FilmEncoder, FilmSound
 
 Picture = npt.NDArray[np.uint8]
@@ -88,7 +89,7 @@ class NetworkStream:
         self._thread.join(timeout=2.0)
 
     def _run(self) -> None:
-        lower_thread_priority()
+        yield_thread_priority(ENCODER_NICE)
         while not self._closing.is_set():
             try:
                 self._send_all()

@@ -23,12 +23,13 @@ import contextlib
 import mmap
 import os
 import re
-import tempfile
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
+
+from live.base.system.files import memory_folder
 
 Picture = npt.NDArray[np.uint8]
 
@@ -51,8 +52,7 @@ def ring_path(name: str) -> Path:
     folder for temporary files. Raises ValueError for an invalid name."""
     if not re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}", name):
         raise ValueError(f"{name!r}: letters, digits, dots and dashes expected")
-    memory = Path("/dev/shm")
-    return (memory if memory.is_dir() else Path(tempfile.gettempdir())) / name
+    return memory_folder() / name
 
 
 class FrameRing:

@@ -7,10 +7,17 @@ out its position (GLFW issue 2903).
 
 import os
 import re
+import subprocess
 import sys
 from collections import deque
 from dataclasses import dataclass
-from typing import Any
+from functools import cache
+from typing import Any, Final
+
+from live.base.system.features import has_desktop, window_system
+
+WAYLAND_TIMEOUT: Final = 10.0
+"""Seconds for GLFW to start in a process that tries it."""
 
 _messages: deque[str] = deque(maxlen=64)
 _changes = 0
@@ -54,10 +61,21 @@ def _on_monitor(_monitor: Any, _event: int) -> None:
 
 def load_glfw() -> None:
     """Load GLFW without starting it; ImportError if it is not installed."""
-    if sys.platform == "linux" and os.environ.get("DISPLAY"):
+    if (system := window_system()) is not None:
         # the wheel holds one library for X11 and another for Wayland and chooses by the kind of the session
-        os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", "x11")
+        os.environ.setdefault("PYGLFW_LIBRARY_VARIANT", system)
     import glfw  # noqa: F401
+
+
+@cache
+def _wayland_starts() -> bool:
+    """Whether GLFW starts here, tried in another process: with a compositor that has no seat it crashes."""
+    program = "import glfw, sys; sys.exit(not glfw.init())"
+    command = [sys.executable, "-c", program]
+    try:
+        return subprocess.run(command, capture_output=True, timeout=WAYLAND_TIMEOUT, check=False).returncode == 0
+    except (OSError, subprocess.TimeoutExpired):
+        return False
 
 
 def start_glfw() -> bool:
@@ -74,13 +92,19 @@ def start_glfw() -> bool:
     except ImportError as error:
         _problem = f"GLFW cannot be loaded ({error}); install it with: pip install glfw"
         return False
+    if window_system() == "wayland" and not _wayland_starts():
+        _problem = (
+            f"GLFW cannot start with the Wayland compositor at {os.environ['WAYLAND_DISPLAY']}; "
+            "with XWayland (which sets DISPLAY) a window opens"
+        )
+        return False
     glfw.set_error_callback(_on_error)
-    if sys.platform == "linux" and os.environ.get("DISPLAY") and glfw.platform_supported(glfw.PLATFORM_X11):
+    if window_system() == "x11" and glfw.platform_supported(glfw.PLATFORM_X11):
         glfw.init_hint(glfw.PLATFORM, glfw.PLATFORM_X11)
     _messages.clear()
     if not glfw.init():
         _problem = _messages.popleft() if _messages else "GLFW cannot be started"
-        if sys.platform == "linux" and not (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
+        if not has_desktop():
             _problem = "no screen: neither DISPLAY nor WAYLAND_DISPLAY is set"
         return False
     _started, _problem = True, ""

@@ -133,7 +133,8 @@ class Window:
             reason = "; ".join(pop_messages()) or "GLFW gave no reason"
             raise NoWindow(
                 f"no window with OpenGL 4.1 can be opened: {reason}; "
-                "install the graphics driver (Debian, Ubuntu: apt-get install libgl1 libegl1) or use --headless"
+                "install the graphics driver (Debian, Ubuntu: apt-get install libgl1 libegl1) or use --headless; "
+                "`live render --out show.glb` writes the dancers' motion without OpenGL"
             )
         return window
 

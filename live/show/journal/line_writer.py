@@ -3,15 +3,14 @@
 import contextlib
 import os
 import queue
-import sys
 import threading
-import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, Generic, TypeVar
 
 from live.base.fault_isolation import FAULTS
+from live.base.system.file_lock import lock_file
 
 Item = TypeVar("Item")
 
@@ -91,11 +90,6 @@ class WriterThread(Generic[Item]):
         raise NotImplementedError
 
 
-if sys.platform != "win32":
-    import fcntl
-
-LOCK_RETRY_S: Final = 0.02
-"""Interval between attempts to lock the file [s]."""
 MAX_READ_BACK: Final = 1 << 26
 """Maximum number of bytes that are read back."""
 
@@ -139,19 +133,7 @@ class AtomicAppendFile:
     def lock(self, within: float = 0.0) -> None:
         """Lock the file against other writers until it is closed; BlockingIOError if another process still holds the
         lock after `within` seconds. Does nothing on file systems without locks (flock(2))."""
-        if sys.platform == "win32":
-            return
-        deadline = time.monotonic() + within
-        while True:
-            try:
-                fcntl.flock(self._file.fileno(), fcntl.LOCK_EX | fcntl.LOCK_NB)
-                return
-            except BlockingIOError:
-                if time.monotonic() >= deadline:
-                    raise
-            except OSError:
-                return
-            time.sleep(LOCK_RETRY_S)
+        lock_file(self._file, within=within)
 
     def truncate(self, end: int) -> None:
         """Truncate the file to `end` bytes."""

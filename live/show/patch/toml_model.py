@@ -10,6 +10,7 @@ from typing import Any, Final, NamedTuple, Protocol, TypeVar
 
 from pydantic import BaseModel, ValidationError
 
+from live import __version__
 from live.base.errors import PersonError
 from live.base.toml import KeyPath, error_line, line_of, parse_toml, toml_line_numbers, toml_remedy
 from live.library.disk_cache import read_regular_file
@@ -202,6 +203,9 @@ class Problem(NamedTuple):
     """The value read, and what is allowed."""
 
 
+UNKNOWN_KEY: Final = "unknown key"
+
+
 class InvalidModel(PersonError):
     """All errors that a validation found; its message shows the first ones."""
 
@@ -227,7 +231,9 @@ class InvalidModel(PersonError):
             f"{each.file}, line {each.line}: {key_text(each.key_path) or f'the {what}'}: {each.text}" for each in shown
         ]
         words += [f"and {more} more"] if more > 0 else []
-        super().__init__("; ".join(words), faults=tuple(words) if len(words) > 1 else ())
+        newer = any(each.text.startswith(f"{UNKNOWN_KEY}; allowed") for each in shown)
+        remedy = f"remove what is unknown; version {__version__} of the program may be older than the {what}"
+        super().__init__("; ".join(words), remedy if newer else None, faults=tuple(words) if len(words) > 1 else ())
 
     def problems(self, limit: int) -> list[Problem]:
         """Return the first `limit` errors."""
@@ -250,7 +256,7 @@ def _problem_text(problem: Any, models: Sequence[type[BaseModel]]) -> str:
     """One problem in words: the value read, and what is allowed."""
     kind, message, read = problem["type"], problem["msg"], problem["input"]
     if kind == "extra_forbidden":
-        return f"unknown key; {_allowed_keys(problem['loc'], models)}"
+        return f"{UNKNOWN_KEY}; {_allowed_keys(problem['loc'], models)}"
     if kind == "missing":
         return "missing; it must be given"
     if kind == "value_error":

@@ -4,7 +4,6 @@ The calling thread takes ranges like the others and waits only for a range that 
 system does not run, or that a fork left behind, so costs nothing but its share of the work.
 """
 
-import os
 import threading
 from collections import deque
 from collections.abc import Iterator, Sequence
@@ -15,6 +14,7 @@ from typing import Final
 
 from live.base.fault_isolation import run_once
 from live.base.row_ranges import Part, row_runner
+from live.base.system.process_control import processor_count
 
 MAX_THREADS: Final = 8
 """More threads wait for memory and for each other's start."""
@@ -103,13 +103,9 @@ class RowThreads:
 @contextmanager
 def row_threads(threads: int | None = None) -> Iterator[RowThreads]:
     """Let `run_rows` use `threads` threads within the block; None: as many as this process may use processors."""
-    runner = RowThreads(min(_processors(), MAX_THREADS) if threads is None else threads)
+    runner = RowThreads(min(processor_count(), MAX_THREADS) if threads is None else threads)
     try:
         with row_runner(runner):
             yield runner
     finally:
         runner.close()
-
-
-def _processors() -> int:
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1

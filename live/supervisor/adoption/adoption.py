@@ -16,6 +16,8 @@ from dataclasses import dataclass, field
 from typing import Any, Final
 
 from live import __version__
+from live.base.system.features import LINUX
+from live.base.system.shared_page import SharedPage
 from live.show.journal.line_writer import UnfinishedFile, WriteProgress
 from live.supervisor.adoption.hung_engine import kill_if_hung, socket_holders
 from live.supervisor.adoption.rendezvous import ENDING, parse_first_line, path_in_folder, private_folder, same_user
@@ -76,6 +78,10 @@ class AdoptedProcess:
             with contextlib.suppress(ProcessLookupError):
                 signal.pidfd_send_signal(self._descriptor, number)
 
+    def kill(self) -> None:
+        """Kill it if it still runs."""
+        self.send_signal(signal.SIGKILL)
+
 
 @dataclass(slots=True)
 class Adoption:
@@ -135,8 +141,10 @@ def end_engines(label: str) -> list[int]:
 def _sockets(begin: str) -> Iterator[dict[str, str]]:
     """Yield the sockets whose names begin with `begin`, with paths that are valid within the context."""
     try:
-        folder = private_folder()
+        folder = private_folder() if LINUX else None
     except OSError:
+        folder = None
+    if folder is None:
         yield {}
         return
     try:
@@ -239,7 +247,7 @@ def _read_adoption(name: str, sock: socket.socket, words: bytes, found: list[int
     descriptors = dict(zip(names, found, strict=True))
     if not isinstance(told["facts"], dict) or not isinstance(told["screen"], dict) or not isinstance(told["show"], str):
         raise TypeError(told["alive"])
-    heart = Heartbeat(descriptors.pop("heart"))
+    heart = Heartbeat(SharedPage.of_descriptor(descriptors.pop("heart")))
     process = AdoptedProcess(int(told["pid"]), descriptors.pop("process"))
     lines: list[str] = []
     wire = LineChannel(sock)

@@ -27,7 +27,7 @@ def adopt_audio(starter: ProcessManager, sound: socket.socket) -> Child | None:
     mine, theirs = socket.socketpair()
     heart = Heartbeat()
     try:
-        socket.send_fds(sound, [b'{"adopt":true}'], [theirs.fileno(), heart.descriptor])
+        socket.send_fds(sound, [b'{"adopt":true}'], [theirs.fileno(), heart.page.descriptor])
         theirs.close()
         mine.settimeout(ANSWERS_WITHIN)
         word, found, _, _ = socket.recv_fds(mine, 1 << 10, 1)
@@ -75,7 +75,7 @@ class AudioLink:
 
     def _accept_supervisor(self, found: list[int]) -> None:
         """Link to another supervisor."""
-        self.link = SupervisorLink.inherited(*found)
+        self.link = SupervisorLink.of_descriptors(*found)
         process = os.pidfd_open(os.getpid())
         try:
             socket.send_fds(self.link.channel.socket, [json.dumps({"pid": os.getpid()}).encode()], [process])

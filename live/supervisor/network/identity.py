@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Final
 import platformdirs
 
 from live.base.errors import PersonError
+from live.base.system.files import create_private, is_private
 
 if TYPE_CHECKING:
     from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
@@ -248,18 +249,18 @@ class Pairings:
 def _make_private_folder(folder: Path) -> None:
     """Create a folder if needed and make sure that no other user has access."""
     folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-    _check_private(folder, 0o077, "chmod 700")
+    _check_private(folder, "chmod 700")
 
 
 def _read_private(path: Path) -> bytes:
     with path.open("rb") as file:
-        _check_private(path, 0o077, "chmod 600", os.fstat(file.fileno()))
+        _check_private(path, "chmod 600", os.fstat(file.fileno()))
         return file.read(LONGEST_FILE)
 
 
-def _check_private(path: Path, bits: int, remedy: str, status: os.stat_result | None = None) -> None:
+def _check_private(path: Path, remedy: str, status: os.stat_result | None = None) -> None:
     status = status or path.stat()
-    if status.st_mode & bits or status.st_uid != os.geteuid():
+    if not is_private(status):
         mode = stat.S_IMODE(status.st_mode)
         raise PersonError(f"{path} is not this user's alone (mode {mode:o}): others could be this machine",
                           f"{remedy} {path}")  # fmt: skip
@@ -267,7 +268,7 @@ def _check_private(path: Path, bits: int, remedy: str, status: os.stat_result | 
 
 def _write_private(path: Path, data: bytes, *, replace: bool) -> None:
     beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}")
-    descriptor = os.open(beside, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+    descriptor = create_private(beside)
     try:
         with os.fdopen(descriptor, "wb") as file:
             file.write(data)

@@ -7,12 +7,12 @@ machine whose link broke resumes where it was.
 
 import os
 import secrets
-import signal
 from collections import deque
 from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 from live import __version__
+from live.base.system.process_control import on_promotion_signal
 from live.show.journal.skipped_events import MAX_SKIPPED, SKIPPED_KEY
 from live.supervisor.engine_failover import EngineFailover
 from live.supervisor.heartbeat import Phase
@@ -100,7 +100,7 @@ class RemoteStandby:
             self._link_closed,
         )
         self._peers.on_refused = lambda: self._act(self._leadership.leader_gone(ready=self._is_ready()))
-        signal.signal(signal.SIGUSR1, self._request_promotion)
+        on_promotion_signal(self._request_promotion)
 
     def update(self, now: float) -> None:
         """Update links and leadership, and act on the result."""

@@ -1,8 +1,10 @@
 """Tests of monitors given by number or name."""
 
 import os
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -14,6 +16,7 @@ from live.render.window.monitors import (
     match_monitor,
     screen_problem,
 )
+from tests.control.waiting import wait_for
 from tests.fixtures.two_monitor_x import FIRST, SECOND, TwoMonitorX
 from tests.places import ROOT
 
@@ -99,3 +102,43 @@ def test_unreachable_display_gives_no_monitors_and_a_reason(
     assert list_monitors() == []
     assert ":12345" in screen_problem()
     assert capfd.readouterr() == ("", "")
+
+
+ALONE = """
+from live.render.window.monitors import list_monitors, screen_problem
+print([each.name for each in list_monitors()], screen_problem())
+"""
+
+
+def wayland_only(**more: str) -> str:
+    """What a process says of its monitors in a session of Wayland without XWayland."""
+    environment = {**os.environ, "WAYLAND_DISPLAY": "wayland-77", "XDG_SESSION_TYPE": "tty", **more}
+    for name in ("DISPLAY", "PYGLFW_LIBRARY_VARIANT"):
+        environment.pop(name, None)
+    told = subprocess.run([sys.executable, "-c", ALONE], env=environment, cwd=ROOT, capture_output=True, check=True)
+    return told.stdout.decode()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="Wayland is of Linux")
+def test_a_wayland_compositor_with_which_glfw_cannot_start_is_a_reason() -> None:
+    told = wayland_only()
+    assert told.startswith("[] ")
+    assert "Wayland compositor at wayland-77" in told
+    assert "XWayland" in told
+
+
+@pytest.mark.skipif(shutil.which("weston") is None, reason="needs weston")
+def test_a_compositor_without_a_seat_does_not_end_the_process(tmp_path: Path) -> None:
+    """GLFW 3.4 reads the version of the seat that is not there."""
+    tmp_path.chmod(0o700)
+    folder = {"XDG_RUNTIME_DIR": str(tmp_path)}
+    command = ["weston", "--backend=headless-backend.so", "--socket=wayland-77", "--use-pixman"]
+    weston = subprocess.Popen(
+        command, env={**os.environ, **folder}, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+    )
+    try:
+        assert wait_for((tmp_path / "wayland-77").exists, 20)
+        assert wayland_only(**folder).startswith(("[] ", "['headless'"))  # the latter once GLFW is mended
+    finally:
+        weston.kill()
+        weston.wait()

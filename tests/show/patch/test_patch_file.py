@@ -2,6 +2,7 @@
 
 import pytest
 
+from live import __version__
 from live.show.patch import toml_model
 from live.show.patch.patch_reader import parse_patch, read_patch
 from live.show.patch.patch_search_path import DEFAULT_PATCH, PatchError, find_patch, find_resource
@@ -12,6 +13,7 @@ from tests.show.made_show import PATCH
     ("line", "where", "words"),
     [
         ("tempo = 3", "line 2: tempo: unknown key", "allowed are name, seed"),
+        ("hologram = 3", "line 2: hologram", f"version {__version__} of the program may be older than the patch"),
         ("[stage]\nwidht = 3", "line 3: stage.widht: unknown key", "did you mean 'width'?"),
         ("[stage]\nwidth = 1", "line 3: stage.width", "greater than or equal to 2, found 1"),
         ('[stage]\nwidth = "wide"', "line 3: stage.width", "found the text 'wide'"),

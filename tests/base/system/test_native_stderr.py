@@ -10,7 +10,7 @@ from tests.control.waiting import wait_for
 SAYS = """
 import sys, time
 from pathlib import Path
-from live.base.native_stderr import survive_terminal_close
+from live.base.system.native_stderr import survive_terminal_close
 survive_terminal_close()
 print("begun", flush=True)
 while not Path(sys.argv[1]).exists():

@@ -1,0 +1,30 @@
+"""Which ways of the system a show uses: those of Linux, or those that work on every system.
+
+Linux passes descriptors to other processes, forks, has sockets of packets and reads /proc. The ways for every system
+are loopback TCP with a token, files in memory by name, and psutil. They are also taken on Linux if `LIVE_PORTABLE` is
+set, which is how they are tested.
+"""
+
+import os
+import sys
+from collections.abc import Mapping
+from typing import Any, Final, Literal
+
+LINUX: Final = sys.platform == "linux" and not os.environ.get("LIVE_PORTABLE")
+"""Whether the ways of Linux are used."""
+
+OFFSCREEN_GL: Final[Mapping[str, Any]] = {"backend": "egl"} if sys.platform == "linux" else {}
+"""Arguments of `moderngl.create_context` with which it needs no screen."""
+
+
+def has_desktop() -> bool:
+    """Whether a window may be tried: X11 or Wayland is announced, or the system always has windows."""
+    return sys.platform != "linux" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))
+
+
+def window_system() -> Literal["x11", "wayland"] | None:
+    """Return which of them is used: X11 if it is announced, since it alone lets windows choose their monitors; None
+    where neither is, or the system has its own."""
+    if sys.platform != "linux" or not has_desktop():
+        return None
+    return "x11" if os.environ.get("DISPLAY") else "wayland"

@@ -1,0 +1,29 @@
+"""All modules can be imported where a system has no more than Windows has."""
+
+import subprocess
+import sys
+
+from tests.base.system.foreign_system import foreign_environment
+
+IMPORT_ALL = """
+import importlib, pkgutil, live
+for module in pkgutil.walk_packages(live.__path__, "live."):
+    if ".test_" not in module.name and module.name != "live.__main__":
+        importlib.import_module(module.name)
+"""
+TRY = "import os, fcntl; exec(compile('import os; os.fork; import fcntl', 'x', 'exec'), {'__name__': 'live.x'})"
+
+
+def run_foreign(program):
+    return subprocess.run(
+        [sys.executable, "-c", program], env=foreign_environment(), capture_output=True, text=True, timeout=300
+    )
+
+
+def test_every_module_can_be_imported_on_a_system_like_windows():
+    done = run_foreign(IMPORT_ALL)
+    assert done.returncode == 0, done.stderr[-2000:]
+
+
+def test_what_is_hidden_is_hidden_from_the_program_alone():
+    assert "this system has no fork" in run_foreign(TRY).stderr
