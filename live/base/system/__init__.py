@@ -1,4 +1,4 @@
-"""The one door to what differs between Linux, macOS and Windows: processes, sockets, shared memory, signals, locks.
+"""All that differs between Linux, macOS and Windows: processes, sockets, shared memory, signals, locks.
 
 `features.py` says which way is taken; every other module here has a way for Linux and one that works everywhere. No
 other module may name a function that some system lacks (`tests/base/system/test_portability.py`), but for the rooms
