@@ -8,7 +8,7 @@ import base64
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from live.app.bridges import Bridge, installed_bridges
 from live.app.option_values import (
@@ -37,6 +37,13 @@ if TYPE_CHECKING:
 MUSIC, PICTURE, RECORDING, RECOVERY = "Music and time", "Picture", "Recording", "Staying alive"
 NETWORK, PROGRAMS = "Controls, pages and phones", "Other programs and devices"
 """Panels of the help text. `PROGRAMS` also holds the options of bridges."""
+COMMON_OPTIONS: Final = frozenset(
+    (
+        *("patch", "audio", "venue", "bpm", "link", "midi", "click", "seconds", "measures"),
+        *("monitor", "fullscreen", "headless", "size", "record", "journal", "osc", "web", "audience"),
+    )
+)
+"""What `live play --help` shows; the rest is in `live play --help-all` and in `live docs play`."""
 
 
 def _tls(text: str, name: str) -> tuple[Path, Path] | None:

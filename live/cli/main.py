@@ -6,7 +6,7 @@ so that `live --help` needs neither numba nor OpenGL.
 
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Annotated, Any, Final
 
 import typer
@@ -21,6 +21,7 @@ from live.app.exit_codes import (
     install_signal_handlers,
     show_person_error,
 )
+from live.app.launch_options import COMMON_OPTIONS
 from live.app.machine import kernel_warmup as warm
 from live.app.option_values import expand_audience_option
 from live.base.errors import PersonError
@@ -45,13 +46,26 @@ def _escape_help(command: Any) -> None:
         _escape_help(below)
 
 
+HELP, HELP_ALL = "--help", "--help-all"
+
+
+def _shorten_help(command: Any) -> None:
+    """Leave what few shows need out of the help of `live play`, and say how to see it."""
+    for each in command.params:
+        each.hidden = each.name not in COMMON_OPTIONS and each.param_type_name != "argument" and each.name != "help"
+    command.epilog = f"All {len(command.params) - 1} options: [bold]live {command.name} {HELP_ALL}[/]."
+
+
 class _Commands(TyperGroup):
     """All commands."""
 
-    def main(self, *arguments: Any, **options: Any) -> Any:
+    def main(self, args: Sequence[str] | None = None, *arguments: Any, **options: Any) -> Any:
         """Run one of them."""
+        words = list(sys.argv[1:] if args is None else args)
         _escape_help(self)
-        return super().main(*arguments, **options)
+        if words[:1] == ["play"] and HELP_ALL not in words:
+            _shorten_help(self.commands["play"])
+        return super().main([HELP if word == HELP_ALL else word for word in words], *arguments, **options)
 
 
 app = typer.Typer(

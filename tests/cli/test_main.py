@@ -45,7 +45,7 @@ def test_no_help_loses_what_stands_in_brackets() -> None:
         texts = [getattr(each, "help", None) or "" for each in (command, *command.params)]
         wanted = {found for text in texts for found in re.findall(r"\[+[^\[\]]+\]+", text)}
         if wanted:
-            shown = run_live(*path, "--help", COLUMNS="400").stdout
+            shown = run_live(*path, "--help-all", COLUMNS="400").stdout
             assert {each for each in wanted if each not in shown} == set(), path
             seen += len(wanted)
     assert seen >= 4
@@ -133,3 +133,13 @@ main.main()
 """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False)
     assert (done.returncode, done.stderr) == (130, "")
+
+
+def test_help_of_play_shows_what_many_need_and_all_on_request():
+    short, whole = (run_live("play", word).stdout for word in ("--help", "--help-all"))
+    options = [set(re.findall(r"│ (--[a-z-]+)", text)) for text in (short, whole)]
+    assert {"--audio", "--fullscreen", "--journal"} <= options[0] < options[1]
+    assert len(options[0]) < len(options[1]) / 2
+    assert "live play --help-all" in short
+    assert "--help-all" not in whole
+    assert run_live("play", "--dmx").returncode == 2  # what help leaves out is there
