@@ -1,9 +1,10 @@
 # The house's front door. `make help` lists what there is; ARGS goes to the command behind a target:
 #   make play ARGS="--audio song.wav --monitor 1 --fullscreen"
 .DEFAULT_GOAL := help
-.PHONY: help play test test-long test-bounds bench check check-fast format references kernels studio soak clean
+.PHONY: help play test test-long test-bounds bench check check-fast format references kernels release studio soak clean
 BIN := .venv/bin
 ARGS ?=
+VERSION ?=
 
 help: ## list these targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-11s %s\n", $$1, $$2 }' Makefile
@@ -57,6 +58,10 @@ references: ## write docs/osc.md, docs/patch.md and the studio's forms anew
 kernels: ## build the wheel of compiled kernels for this Python and platform into dist/
 	@tools/setup.sh test
 	@$(BIN)/python tools/build_kernel_wheel.py
+
+release: ## build a version into dist/: VERSION=0.2.0 (ARGS="--dry-run", or "--tag": commit and tag it; never pushes)
+	@tools/setup.sh test
+	@$(BIN)/python -m tools.release $(VERSION) $(ARGS)
 
 studio: ## build the studio's page anew from studio/ (needs Node; users need none)
 	@cd studio && npm ci --ignore-scripts --no-audit --no-fund --silent && npx tsc --noEmit && node build.mjs
