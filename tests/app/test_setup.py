@@ -75,6 +75,8 @@ for word in "$@"; do :; done
 [ -e "$INSTALLED/$word" ] || exit 1
 echo installed
 """
+LINK_WHEEL = 'url = "https://files.invalid/linkpython_extern-1.3.0-cp3{minor}-cp3{minor}-manylinux_2_28_x86_64.whl"\n'
+"""Lines of the lock."""
 ASK_INSTALLED = """#!/bin/sh
 for word in "$@"; do :; done
 [ -e "$INSTALLED/$word" ]
@@ -120,8 +122,9 @@ def machine(tmp_path: Path) -> Machine:
     for folder in ("bin", "installed", "show/tools", "show/live/base"):
         (tmp_path / folder).mkdir(parents=True)
     shutil.copy(SETUP, show / "tools" / "setup.sh")
-    for name in ("uv.lock", "pyproject.toml", "tools/uv-requirements.txt", "live/base/scalar_kernels.py"):
+    for name in ("pyproject.toml", "tools/uv-requirements.txt", "live/base/scalar_kernels.py"):
         (show / name).write_text(name)
+    (show / "uv.lock").write_text("".join(LINK_WHEEL.format(minor=minor) for minor in (11, 12, 13)))
     for tool in REAL_TOOLS:
         where = shutil.which(tool)
         assert where is not None
@@ -246,13 +249,15 @@ def test_setup_as_root_installs_everything_once(debian: Machine) -> None:
 
 def test_passwordless_sudo_installs_packages(debian: Machine) -> None:
     debian.add("sudo", '#!/bin/sh\necho "sudo $*" >>"$LOG"\n[ "$1" = -n ] && shift\nexec "$@"\n')
-    debian.run("play")
+    assert debian.run("play", code=1).splitlines()[-1] == APT_LINE  # nobody there to be asked
+    assert debian.log() == []
+    debian.run("play", SETUP_YES="1")
     assert any(line.startswith("sudo -n env DEBIAN_FRONTEND=noninteractive apt-get install") for line in debian.log())
 
 
 def test_sudo_needing_password_without_terminal_prints_command(debian: Machine) -> None:
     debian.add("sudo", "#!/bin/sh\nexit 1\n")
-    assert debian.run("play", code=1).splitlines()[-1] == APT_LINE
+    assert debian.run("play", code=1, SETUP_YES="1").splitlines()[-1] == APT_LINE
 
 
 def read_to_end(terminal: int) -> bytes:
@@ -266,29 +271,59 @@ def read_to_end(terminal: int) -> bytes:
     return said
 
 
+def run_at_terminal(machine: Machine, answer: str, **environment: str) -> tuple[int, list[str]]:
+    """Run setup.sh at a pseudo-terminal where `answer` is typed; return the exit code and the lines there."""
+    try:
+        ours, theirs = pty.openpty()
+    except OSError as error:
+        pytest.skip(f"no pseudo-terminals on this machine: {error}")
+    os.write(ours, f"{answer}\n".encode())
+    done = subprocess.run(
+        [str(machine.home / "show" / "tools" / "setup.sh"), "play"],
+        env=machine.environment | environment,
+        stdin=theirs,
+        stderr=theirs,
+        timeout=60,
+        check=False,
+    )
+    os.close(theirs)
+    said = read_to_end(ours).decode().replace("\r", "")
+    os.close(ours)
+    return done.returncode, said.splitlines()
+
+
 def test_sudo_may_request_password_with_terminal(debian: Machine) -> None:
     sudo = '#!/bin/sh\necho "sudo $*" >>"$LOG"\ncase $1 in -n) exit 1 ;; -v) exit $FAKE_REFUSED ;; esac\nexec "$@"\n'
     debian.add("sudo", sudo)
     for refused in (1, 0):
-        try:
-            ours, theirs = pty.openpty()
-        except OSError as error:
-            pytest.skip(f"no pseudo-terminals on this machine: {error}")
-        done = subprocess.run(
-            [str(debian.home / "show" / "tools" / "setup.sh"), "play"],
-            env=debian.environment | {"FAKE_REFUSED": str(refused)},
-            stdin=theirs,
-            stderr=theirs,
-            timeout=60,
-            check=False,
-        )
-        os.close(theirs)
-        said = read_to_end(ours).decode().replace("\r", "")
-        os.close(ours)
-        assert "needs your password" in said
-        assert done.returncode == refused, said
-        assert (APT_LINE in said.splitlines()) == bool(refused)
+        code, said = run_at_terminal(debian, "y", FAKE_REFUSED=str(refused))
+        assert any("needs your password" in line for line in said)
+        assert code == refused, said
+        assert (APT_LINE in said) == bool(refused)
     assert any(line.startswith("sudo env DEBIAN_FRONTEND=noninteractive apt-get install") for line in debian.log())
+
+
+@pytest.mark.parametrize(
+    ("answer", "agreed"), [("", True), ("y", True), ("Yes", True), ("n", False), ("no", False), ("what?", False)]
+)
+def test_root_at_a_terminal_is_asked_before_packages_are_installed(debian: Machine, answer: str, agreed: bool) -> None:
+    _make_root(debian)
+    code, said = run_at_terminal(debian, answer)
+    told = "\n".join(said)
+    assert f"missing:{APT_LINE.partition('recommends')[2]}\nInstall these now? [Y/n]" in told
+    assert code == (0 if agreed else 1)
+    assert any("apt-get install" in line for line in debian.log()) == agreed
+    assert (debian.home / "show" / ".venv").exists() == agreed
+    assert (APT_LINE in said) != agreed
+
+
+def test_question_is_not_asked_when_answered_before_or_needless(debian: Machine) -> None:
+    _make_root(debian)
+    code, said = run_at_terminal(debian, "n", SETUP_YES="1")
+    assert (code, [line for line in said if "[Y/n]" in line]) == (0, [])
+    shutil.rmtree(debian.home / "show" / ".venv")
+    code, said = run_at_terminal(debian, "n")  # nothing is missing any more
+    assert (code, [line for line in said if "[Y/n]" in line]) == (0, [])
 
 
 def test_setup_of_benches_installs_their_peers(debian: Machine) -> None:
@@ -322,7 +357,8 @@ def test_changed_lock_file_is_synced_again(debian: Machine, name: str) -> None:
     _make_root(debian)
     debian.run("play")
     debian.log()
-    (debian.home / "show" / name).write_text("changed")
+    with (debian.home / "show" / name).open("a") as file:
+        file.write("changed")
     debian.run("play")
     assert [line.split()[0] for line in debian.log()] == ["uv"]
 
@@ -370,6 +406,36 @@ def test_newest_complete_python_is_chosen(debian: Machine) -> None:
     assert "with python3.12 (3.12)" in debian.run("play", SETUP_DRY_RUN="1")
     (debian.home / "installed" / "python3.13-venv").touch()
     assert "with python3.13 (3.13)" in debian.run("play", SETUP_DRY_RUN="1")
+
+
+def test_python_on_which_everything_works_is_chosen(debian: Machine) -> None:
+    for minor in (11, 13, 14):
+        debian.add(f"python3.{minor}", PYTHON.replace("$FAKE_PYTHON", f"3.{minor}"))
+        (debian.home / "installed" / f"python3.{minor}-venv").touch()
+    assert "with python3.13 (3.13)" in debian.run("play", SETUP_DRY_RUN="1")
+    (debian.home / "installed" / "python3.13-venv").unlink()  # one that needs a package comes later
+    assert "with python3.11 (3.11)" in debian.run("play", SETUP_DRY_RUN="1")
+    (debian.home / "installed" / "python3.11-venv").unlink()
+    assert "with python3.14 (3.14)" in debian.run("play", SETUP_DRY_RUN="1")
+    (debian.home / "installed" / "python3.14-venv").unlink()
+    assert "with python3.13 (3.13)" in debian.run("play", SETUP_DRY_RUN="1")
+    with (debian.home / "show" / "uv.lock").open("a") as lock:
+        lock.write(LINK_WHEEL.format(minor=14))
+    assert "with python3.14 (3.14)" in debian.run("play", SETUP_DRY_RUN="1")
+
+
+def test_python_without_a_wheel_of_link_is_told_once(debian: Machine) -> None:
+    _make_root(debian)
+    assert "everything works but Ableton Link" in debian.run("play", FAKE_PYTHON="3.14")
+    synced = [line for line in debian.log() if line.startswith("uv sync")]
+    assert len(synced) == 1
+    assert "--extra=link" not in synced[0]
+    assert "Link" not in debian.run("play", FAKE_PYTHON="3.14")
+
+
+def test_locked_link_has_wheels_as_setup_looks_for_them() -> None:
+    lock = (SETUP.parents[1] / "uv.lock").read_text()
+    assert re.search(r"/linkpython_extern-[^/]*-cp313-", lock)
 
 
 def test_unknown_mode_prints_usage(debian: Machine) -> None:
