@@ -1,7 +1,7 @@
 # The house's front door. `make help` lists what there is; ARGS goes to the command behind a target:
 #   make play ARGS="--audio song.wav --monitor 1 --fullscreen"
 .DEFAULT_GOAL := help
-.PHONY: help play test test-long test-bounds bench check check-fast format references kernels release studio soak clean
+.PHONY: help play test test-long test-bounds bench check check-fast format references kernels release archive studio soak clean
 BIN := .venv/bin
 ARGS ?=
 VERSION ?=
@@ -62,6 +62,10 @@ kernels: ## build the wheel of compiled kernels for this Python and platform int
 release: ## build a version into dist/: VERSION=0.2.0 (ARGS="--dry-run", or "--tag": commit and tag it; never pushes)
 	@tools/setup.sh test
 	@$(BIN)/python -m tools.release $(VERSION) $(ARGS)
+
+archive: ## build an archive into dist/ for Linux without Python and network: all that a show needs, in one folder
+	@tools/setup.sh test
+	@$(BIN)/python -m tools.archive $(ARGS)
 
 studio: ## build the studio's page anew from studio/ (needs Node; users need none)
 	@cd studio && npm ci --ignore-scripts --no-audit --no-fund --silent && npx tsc --noEmit && node build.mjs

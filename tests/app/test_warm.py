@@ -138,3 +138,22 @@ def test_the_first_kernels_are_those_that_the_default_show_uses() -> None:
         capture_output=True, text=True, check=True, cwd=Path(kernel_store.__file__).parents[3],
     )  # fmt: skip
     assert done.stdout.split() == FIRST_KERNELS.read_text(encoding="utf-8").split()
+
+
+def test_clear_deletes_the_cache_but_not_under_a_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cache = tmp_path / "cache"
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(cache))
+    kernel_store.writable_root.cache_clear()
+    show = kernel_store.ShowLock()
+    show.take()
+    if kernel_store.fcntl is not None:
+        refused = warm(cache, "--clear")
+        assert refused.returncode == 2
+        assert "a show runs" in refused.stderr
+        assert (cache / "kernels").exists()
+    show.release()
+    kernel_store.writable_root.cache_clear()
+    for _ in range(2):
+        cleared = warm(cache, "--clear")
+        assert (cleared.returncode, cleared.stdout) == (0, f"deleted: {cache}\n")
+        assert not cache.exists()
