@@ -1,7 +1,8 @@
 """Make a release into dist/: `make release VERSION=0.2.0`, with ARGS of these.
 
 Without --tag the files that name the version stay changed and nothing is committed. Nothing is ever pushed. Dates are
-those of SOURCE_DATE_EPOCH, else of the last commit, so that the same commit gives the same files.
+those of SOURCE_DATE_EPOCH, else of the last commit, so that the same commit gives the same files, compiled kernels
+excepted.
 """
 
 import argparse
