@@ -198,7 +198,7 @@ python_version() { "$1" -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2
 
 can_make_venv() { "$1" -c 'import ensurepip, venv' 2>/dev/null; }
 
-# $1 = version: its wheel of Ableton Link is locked (there is none of each new Python for a while).
+# $1 = version: the lock has a wheel of Ableton Link for it. Of a new Python there is none for a while.
 has_link() { grep -q "/linkpython_extern-[^/]*-cp$(echo "$1" | tr -d .)-" uv.lock; }
 
 # The newest interpreter that can make a .venv at once and on which everything works; else one that can make a .venv;
@@ -267,8 +267,8 @@ install_python_packages() {
     sync_packages --extra=link --extra=fast $more && return 0
     say "setup: once more without Ableton Link, of which not every machine has a wheel"
   else
-    say "setup: Python $made: everything works but Ableton Link, of which there is no wheel yet. With Link: install an" \
-      "older Python (3.13), remove .venv, and use PYTHON=python3.13"
+    say "setup: Python $made: everything works but Ableton Link, of which the lock has no wheel for it. With Link: remove" \
+      ".venv and use another Python, by PYTHON=python3.12 for instance"
   fi
   # shellcheck disable=SC2086
   sync_packages --extra=fast $more || die "could not install the locked packages; the message above says why"
