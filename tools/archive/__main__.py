@@ -140,15 +140,14 @@ def owned(path: Path) -> bool:
     return subprocess.run(["dpkg", "-S", str(path)], capture_output=True, check=False).returncode == 0
 
 
-def built_wheels(version: str, uv: Path) -> list[Path]:
-    """Build the program's wheel, and that of kernels unless it is there; return both."""
-    dist = ROOT / "dist"
-    run(uv, "build", "--wheel", "--out-dir", dist)
+def built_wheels(version: str, uv: Path, scratch: Path) -> list[Path]:
+    """Build the program's wheel, and that of kernels unless dist/ has it; return both."""
+    run(uv, "build", "--wheel", "--out-dir", scratch)  # not into dist/, where the release's own may lie
     tag = f"cp{sys.version_info.major}{sys.version_info.minor}"
     pattern = f"choreographics_live_kernels-{version}-{tag}-*.whl"
-    if not list(dist.glob(pattern)):
+    if not list((ROOT / "dist").glob(pattern)):
         run(sys.executable, "tools/build_kernel_wheel.py")
-    return [dist / f"choreographics_live-{version}-py3-none-any.whl", *dist.glob(pattern)]
+    return [*scratch.glob("choreographics_live-*.whl"), *(ROOT / "dist").glob(pattern)]
 
 
 def install_packages(python: Path, version: str, uv: Path, scratch: Path) -> Path:
@@ -161,7 +160,7 @@ def install_packages(python: Path, version: str, uv: Path, scratch: Path) -> Pat
     run(uv, "export", "-q", "--frozen", "--no-dev", "--no-emit-project", *EXTRAS, "-o", locked)
     install = (uv, "pip", "install", "--python", python, "--target", site, "--no-deps", "--link-mode=copy")
     run(*install, "--require-hashes", "--only-binary=:all:", "-r", locked)
-    run(*install, *built_wheels(version, uv))
+    run(*install, *built_wheels(version, uv, scratch))
     shutil.rmtree(site / "bin", ignore_errors=True)
     for package in TESTED:
         for folder in (site / package).rglob("tests"):
