@@ -162,6 +162,13 @@ def install_packages(python: Path, version: str, uv: Path, scratch: Path) -> Pat
     run(*install, "--require-hashes", "--only-binary=:all:", "-r", locked)
     run(*install, *built_wheels(version, uv, scratch))
     shutil.rmtree(site / "bin", ignore_errors=True)
+    for name in (
+        "RECORD",
+        "direct_url.json",
+        "uv_cache.json",
+    ):  # they tell of this machine's folders; no pip needs them
+        for path in site.glob(f"*.dist-info/{name}"):
+            path.unlink()
     for package in TESTED:
         for folder in (site / package).rglob("tests"):
             shutil.rmtree(folder, ignore_errors=True)
@@ -171,7 +178,18 @@ def install_packages(python: Path, version: str, uv: Path, scratch: Path) -> Pat
     )
     if run(python, "-c", complete, LIVE_CACHE_DIR=str(scratch), PYTHONDONTWRITEBYTECODE="1").strip() == "None":
         raise PersonError("the wheel of kernels in dist/ is of other sources", "rm dist/choreographics_live_kernels-*")
-    run(python, "-m", "compileall", "-q", "-f", "--invalidation-mode", "unchecked-hash", site.parents[1])
+    run(
+        python,
+        "-m",
+        "compileall",
+        "-q",
+        "-f",
+        "--invalidation-mode",
+        "unchecked-hash",
+        "-s",
+        python.parents[2],
+        site.parents[1],
+    )
     return site
 
 
