@@ -1,9 +1,11 @@
 # The house's front door. `make help` lists what there is; ARGS goes to the command behind a target:
 #   make play ARGS="--audio song.wav --monitor 1 --fullscreen"
 .DEFAULT_GOAL := help
-.PHONY: help play test test-long test-bounds bench check check-fast format references docs kernels studio soak clean
+.PHONY: help play test test-long test-bounds bench check check-fast format references docs kernels release archive studio soak \
+  clean
 BIN := .venv/bin
 ARGS ?=
+VERSION ?=
 
 help: ## list these targets
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-11s %s\n", $$1, $$2 }' Makefile
@@ -61,6 +63,14 @@ kernels: ## build the wheel of compiled kernels for this Python and platform int
 	@tools/setup.sh test
 	@$(BIN)/python tools/build_kernel_wheel.py
 
+release: ## build a version into dist/: VERSION=0.2.0 (ARGS="--dry-run", or "--tag": commit and tag it; never pushes)
+	@tools/setup.sh test
+	@$(BIN)/python -m tools.release $(VERSION) $(ARGS)
+
+archive: ## build an archive into dist/ for Linux without Python and network: all that a show needs, in one folder
+	@tools/setup.sh test
+	@$(BIN)/python -m tools.archive $(ARGS)
+
 studio: ## build the studio's page anew from studio/ (needs Node; users need none)
 	@cd studio && npm ci --ignore-scripts --no-audit --no-fund --silent && npx tsc --noEmit && node build.mjs
 
@@ -76,5 +86,5 @@ else
 endif
 
 clean: ## remove .venv, caches and films made by `make play`
-	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache out first-show.mp4
+	rm -rf .venv .mypy_cache .ruff_cache .pytest_cache .hypothesis .import_linter_cache out live/site first-show.mp4
 	find live tests bench tools -name __pycache__ -type d -prune -exec rm -rf {} +

@@ -6,7 +6,8 @@
 #   tools/setup.sh test     what a show needs, and what the tests do (a virtual screen and sound card, linters, pytest)
 #
 # Environment:
-#   PYTHON=python3.12       use this interpreter instead of the newest of 3.11 to 3.14
+#   PYTHON=python3.12       use this interpreter instead of the newest of 3.11 to 3.14 on which everything works
+#   SETUP_YES=1             install missing system packages without asking (as root without a terminal, too)
 #   SETUP_SKIP_SYSTEM=1     leave the system packages alone
 #   SETUP_DRY_RUN=1         print what would be installed and stop
 # pip's and uv's own settings (PIP_*, UV_*, pip.conf, uv.toml) are respected.
@@ -90,14 +91,30 @@ choose_names() {
   done
 }
 
+is_root() { [ "$(id -u)" = 0 ]; }
+
+# Nobody's system is changed unasked; where nobody can be asked, root is a container's or a build machine's.
+# shellcheck disable=SC2086
+may_install() {
+  [ -z "${SETUP_YES:-}" ] || return 0
+  if ! { [ -t 0 ] && [ -t 2 ]; }; then
+    is_root
+    return
+  fi
+  say "setup: these system packages are missing:$(choose_names $missing)"
+  printf 'Install these now? [Y/n] ' >&2
+  read -r answer || answer=no
+  case $answer in "" | [yY]*) return 0 ;; *) return 1 ;; esac
+}
+
 become_root() { # sets $sudo to a prefix that makes root, or fails
   sudo=
-  [ "$(id -u)" = 0 ] && return 0
+  is_root && return 0
   command -v sudo >/dev/null 2>&1 || return 1
   if sudo -n true 2>/dev/null; then
     sudo="sudo -n"
   elif [ -t 0 ] && [ -t 2 ]; then
-    say "setup: installing system packages needs your password (Ctrl-C: install them yourself):$missing"
+    say "setup: installing system packages needs your password (Ctrl-C: install them yourself)"
     sudo -v || return 1
     sudo="sudo"
   else
@@ -165,7 +182,7 @@ system_packages() { # $1 = play or test; fails when something is missing still
     return 0
   fi
   [ -n "$missing" ] || return 0
-  if [ "$packages" = apt ] && become_root; then
+  if [ "$packages" = apt ] && may_install && become_root; then
     install_with_apt && return 0
     missing=$(list_missing $missing)
     say "setup: apt-get could not install these; its messages above say why. By hand:"
@@ -181,22 +198,34 @@ python_version() { "$1" -c 'import sys; print("%d.%d" % sys.version_info[:2])' 2
 
 can_make_venv() { "$1" -c 'import ensurepip, venv' 2>/dev/null; }
 
-# The newest usable interpreter; one that can make a .venv at once before one that needs a package for it first.
+# $1 = version: the lock has a wheel of Ableton Link for it. Of a new Python there is none for a while.
+has_link() { grep -q "/linkpython_extern-[^/]*-cp$(echo "$1" | tr -d .)-" uv.lock; }
+
+# The newest interpreter that can make a .venv at once and on which everything works; else one that can make a .venv;
+# else one on which everything works, but that needs a package first; else the newest.
 find_python() {
   [ -z "${PYTHON:-}" ] || {
     echo "$PYTHON"
     return
   }
-  fallback=
+  at_once=
+  later=
+  newest=
   for name in python3.14 python3.13 python3.12 python3.11 python3; do
-    case $(python_version "$name") in 3.1[1-4]) ;; *) continue ;; esac
+    version=$(python_version "$name") || continue
+    case $version in 3.1[1-4]) ;; *) continue ;; esac
     if can_make_venv "$name"; then
-      echo "$name"
-      return
+      if has_link "$version"; then
+        echo "$name"
+        return
+      fi
+      at_once=${at_once:-$name}
+    elif has_link "$version"; then
+      later=${later:-$name}
     fi
-    [ -n "$fallback" ] || fallback=$name
+    newest=${newest:-$name}
   done
-  echo "$fallback"
+  echo "${at_once:-${later:-$newest}}"
 }
 
 # Debian keeps ensurepip in a package of its own, named after the interpreter's version.
@@ -232,9 +261,15 @@ install_python_packages() {
     bench) more="--no-dev --extra=bench" ;;
     test) more="--group=dev --extra=bench" ;;
   esac
-  # shellcheck disable=SC2086 # several options
-  sync_packages --extra=link --extra=fast $more && return 0
-  say "setup: once more without Ableton Link, of which not every machine has a wheel"
+  made=$(python_version .venv/bin/python)
+  if has_link "$made"; then
+    # shellcheck disable=SC2086 # several options
+    sync_packages --extra=link --extra=fast $more && return 0
+    say "setup: once more without Ableton Link, of which not every machine has a wheel"
+  else
+    say "setup: Python $made: everything works but Ableton Link, of which the lock has no wheel for it. With Link: remove" \
+      ".venv and use another Python, by PYTHON=python3.12 for instance"
+  fi
   # shellcheck disable=SC2086
   sync_packages --extra=fast $more || die "could not install the locked packages; the message above says why"
 }

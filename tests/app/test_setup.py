@@ -4,158 +4,13 @@ import os
 import pty
 import re
 import shutil
-import stat
 import subprocess
-from dataclasses import dataclass
-from pathlib import Path
 
 import pytest
 
-from tests.places import ROOT
+from tests.app.setup_machine import ASK_INSTALLED, LINK_WHEEL, PYTHON, SETUP, Machine, debian, machine, make_root
 
-SETUP = ROOT / "tools" / "setup.sh"
-REAL_TOOLS = [
-    "sh",
-    "cat",
-    "cksum",
-    "tr",
-    "dirname",
-    "grep",
-    "find",
-    "env",
-    "rm",
-    "cp",
-    "mkdir",
-    "chmod",
-    "touch",
-    "true",
-]
-
-# A Python that knows its version, makes a .venv of copies of itself, and "installs" uv, which "installs" live.
-PYTHON = """#!/bin/sh
-echo "python $*" >>"$LOG"
-case "$*" in
-  *sys.version_info*) echo "$FAKE_PYTHON" ;;
-  *ensurepip,*) [ -e "$INSTALLED/python$FAKE_PYTHON-venv" ] ;;
-  "-m venv .venv") mkdir -p .venv/bin && cp "$0" .venv/bin/python ;;
-  "-m pip install"*) cp "$MACHINE/fake-uv" .venv/bin/uv ;;
-esac
-"""
-UV = """#!/bin/sh
-echo "uv $*" >>"$LOG"
-case "$*" in *--extra=link*) [ -z "$FAKE_NO_LINK" ] || exit 1 ;; esac
-cp "$MACHINE/fake-live" .venv/bin/live
-"""
-LIVE = """#!/bin/sh
-echo "live $*" >>"$LOG"
-mkdir -p "$MACHINE/kernels"
-echo "$MACHINE/kernels" >"$3"
-"""
-APT_GET = """#!/bin/sh
-echo "apt-get $*" >>"$LOG"
-case "$*" in *update*) touch "$MACHINE/updated"; exit 0 ;; esac
-for word in "$@"; do
-  case $word in install | -*) continue ;; esac
-  case " $FAKE_UNINSTALLABLE " in *" $word "*) exit 100 ;; esac
-done
-for word in "$@"; do
-  case $word in install | -*) ;; *) touch "$INSTALLED/$word" ;; esac
-done
-"""
-# Without lists (before `apt-get update`) apt knows nothing; FAKE_UNKNOWN are names that this release does not have.
-APT_CACHE = """#!/bin/sh
-[ -e "$MACHINE/updated" ] || exit 100
-for word in "$@"; do :; done
-case " $FAKE_UNKNOWN " in *" $word "*) exit 100 ;; esac
-echo "Package: $word"
-echo "Filename: pool/$word.deb"
-"""
-DPKG_QUERY = """#!/bin/sh
-for word in "$@"; do :; done
-[ -e "$INSTALLED/$word" ] || exit 1
-echo installed
-"""
-ASK_INSTALLED = """#!/bin/sh
-for word in "$@"; do :; done
-[ -e "$INSTALLED/$word" ]
-"""
-
-
-@dataclass(frozen=True, slots=True)
-class Machine:
-    """A checkout in `home`/show and a PATH of fakes; `run` returns the stderr of setup.sh."""
-
-    home: Path
-    environment: dict[str, str]
-
-    def add(self, name: str, text: str) -> None:
-        path = self.home / "bin" / name
-        path.write_text(text)
-        path.chmod(path.stat().st_mode | stat.S_IXUSR)
-
-    def run(self, mode: str, code: int = 0, **environment: str) -> str:
-        done = subprocess.run(
-            [str(self.home / "show" / "tools" / "setup.sh"), mode],
-            env=self.environment | environment,
-            stdin=subprocess.DEVNULL,
-            capture_output=True,
-            text=True,
-            timeout=60,
-            check=False,
-        )
-        assert done.returncode == code, done.stderr
-        return done.stderr
-
-    def log(self) -> list[str]:
-        """Commands with effects since the last call."""
-        path = self.home / "log"
-        lines = path.read_text().splitlines() if path.exists() else []
-        path.unlink(missing_ok=True)
-        return [line for line in lines if not line.startswith("python -c")]
-
-
-@pytest.fixture
-def machine(tmp_path: Path) -> Machine:
-    show = tmp_path / "show"
-    for folder in ("bin", "installed", "show/tools", "show/live/base"):
-        (tmp_path / folder).mkdir(parents=True)
-    shutil.copy(SETUP, show / "tools" / "setup.sh")
-    for name in ("uv.lock", "pyproject.toml", "tools/uv-requirements.txt", "live/base/scalar_kernels.py"):
-        (show / name).write_text(name)
-    for tool in REAL_TOOLS:
-        where = shutil.which(tool)
-        assert where is not None
-        (tmp_path / "bin" / tool).symlink_to(where)
-    environment = {
-        "PATH": str(tmp_path / "bin"),
-        "HOME": str(tmp_path),
-        "MACHINE": str(tmp_path),
-        "INSTALLED": str(tmp_path / "installed"),
-        "LOG": str(tmp_path / "log"),
-        "FAKE_PYTHON": "3.11",
-        "FAKE_UNKNOWN": "libasound2t64",
-        "FAKE_UNINSTALLABLE": "",
-        "FAKE_NO_LINK": "",
-    }
-    made = Machine(tmp_path, environment)
-    made.add("python3", PYTHON)
-    made.add("id", "#!/bin/sh\necho 1000\n")
-    for name, text in (("fake-uv", UV), ("fake-live", LIVE)):
-        (tmp_path / name).write_text(text)
-        (tmp_path / name).chmod(0o755)
-    return made
-
-
-@pytest.fixture
-def debian(machine: Machine) -> Machine:
-    for name, text in (("apt-get", APT_GET), ("apt-cache", APT_CACHE), ("dpkg-query", DPKG_QUERY)):
-        machine.add(name, text)
-    return machine
-
-
-def _make_root(machine: Machine) -> None:
-    machine.add("id", "#!/bin/sh\necho 0\n")
-
+__all__ = ["debian", "machine"]
 
 APT_LINE = (
     "  sudo apt-get install --no-install-recommends libegl1 libgl1 libasound2 libportaudio2 libatomic1"
@@ -217,7 +72,7 @@ def test_setup_continues_without_package_manager(machine: Machine) -> None:
 
 
 def test_missing_link_wheel_does_not_prevent_installation(debian: Machine) -> None:
-    _make_root(debian)
+    make_root(debian)
     assert "without Ableton Link" in debian.run("play", FAKE_NO_LINK="yes")
     first, second = (line for line in debian.log() if line.startswith("uv sync"))
     assert "--extra=link" in first
@@ -226,7 +81,7 @@ def test_missing_link_wheel_does_not_prevent_installation(debian: Machine) -> No
 
 
 def test_setup_as_root_installs_everything_once(debian: Machine) -> None:
-    _make_root(debian)
+    make_root(debian)
     debian.run("play")
     update, install, *python = debian.log()
     assert update.startswith("apt-get update")
@@ -246,13 +101,15 @@ def test_setup_as_root_installs_everything_once(debian: Machine) -> None:
 
 def test_passwordless_sudo_installs_packages(debian: Machine) -> None:
     debian.add("sudo", '#!/bin/sh\necho "sudo $*" >>"$LOG"\n[ "$1" = -n ] && shift\nexec "$@"\n')
-    debian.run("play")
+    assert debian.run("play", code=1).splitlines()[-1] == APT_LINE  # nobody there to be asked
+    assert debian.log() == []
+    debian.run("play", SETUP_YES="1")
     assert any(line.startswith("sudo -n env DEBIAN_FRONTEND=noninteractive apt-get install") for line in debian.log())
 
 
 def test_sudo_needing_password_without_terminal_prints_command(debian: Machine) -> None:
     debian.add("sudo", "#!/bin/sh\nexit 1\n")
-    assert debian.run("play", code=1).splitlines()[-1] == APT_LINE
+    assert debian.run("play", code=1, SETUP_YES="1").splitlines()[-1] == APT_LINE
 
 
 def read_to_end(terminal: int) -> bytes:
@@ -266,39 +123,69 @@ def read_to_end(terminal: int) -> bytes:
     return said
 
 
+def run_at_terminal(machine: Machine, answer: str, **environment: str) -> tuple[int, list[str]]:
+    """Run setup.sh at a pseudo-terminal where `answer` is typed; return the exit code and the lines there."""
+    try:
+        ours, theirs = pty.openpty()
+    except OSError as error:
+        pytest.skip(f"no pseudo-terminals on this machine: {error}")
+    os.write(ours, f"{answer}\n".encode())
+    done = subprocess.run(
+        [str(machine.home / "show" / "tools" / "setup.sh"), "play"],
+        env=machine.environment | environment,
+        stdin=theirs,
+        stderr=theirs,
+        timeout=60,
+        check=False,
+    )
+    os.close(theirs)
+    said = read_to_end(ours).decode().replace("\r", "")
+    os.close(ours)
+    return done.returncode, said.splitlines()
+
+
 def test_sudo_may_request_password_with_terminal(debian: Machine) -> None:
     sudo = '#!/bin/sh\necho "sudo $*" >>"$LOG"\ncase $1 in -n) exit 1 ;; -v) exit $FAKE_REFUSED ;; esac\nexec "$@"\n'
     debian.add("sudo", sudo)
     for refused in (1, 0):
-        try:
-            ours, theirs = pty.openpty()
-        except OSError as error:
-            pytest.skip(f"no pseudo-terminals on this machine: {error}")
-        done = subprocess.run(
-            [str(debian.home / "show" / "tools" / "setup.sh"), "play"],
-            env=debian.environment | {"FAKE_REFUSED": str(refused)},
-            stdin=theirs,
-            stderr=theirs,
-            timeout=60,
-            check=False,
-        )
-        os.close(theirs)
-        said = read_to_end(ours).decode().replace("\r", "")
-        os.close(ours)
-        assert "needs your password" in said
-        assert done.returncode == refused, said
-        assert (APT_LINE in said.splitlines()) == bool(refused)
+        code, said = run_at_terminal(debian, "y", FAKE_REFUSED=str(refused))
+        assert any("needs your password" in line for line in said)
+        assert code == refused, said
+        assert (APT_LINE in said) == bool(refused)
     assert any(line.startswith("sudo env DEBIAN_FRONTEND=noninteractive apt-get install") for line in debian.log())
 
 
+@pytest.mark.parametrize(
+    ("answer", "agreed"), [("", True), ("y", True), ("Yes", True), ("n", False), ("no", False), ("what?", False)]
+)
+def test_root_at_a_terminal_is_asked_before_packages_are_installed(debian: Machine, answer: str, agreed: bool) -> None:
+    make_root(debian)
+    code, said = run_at_terminal(debian, answer)
+    told = "\n".join(said)
+    assert f"missing:{APT_LINE.partition('recommends')[2]}\nInstall these now? [Y/n]" in told
+    assert code == (0 if agreed else 1)
+    assert any("apt-get install" in line for line in debian.log()) == agreed
+    assert (debian.home / "show" / ".venv").exists() == agreed
+    assert (APT_LINE in said) != agreed
+
+
+def test_question_is_not_asked_when_answered_before_or_needless(debian: Machine) -> None:
+    make_root(debian)
+    code, said = run_at_terminal(debian, "n", SETUP_YES="1")
+    assert (code, [line for line in said if "[Y/n]" in line]) == (0, [])
+    shutil.rmtree(debian.home / "show" / ".venv")
+    code, said = run_at_terminal(debian, "n")  # nothing is missing any more
+    assert (code, [line for line in said if "[Y/n]" in line]) == (0, [])
+
+
 def test_setup_of_benches_installs_their_peers(debian: Machine) -> None:
-    _make_root(debian)
+    make_root(debian)
     debian.run("bench")
     assert [line for line in debian.log() if line.endswith("--extra=link --extra=fast --no-dev --extra=bench")]
 
 
 def test_missing_test_packages_are_skipped_and_requested_again(debian: Machine) -> None:
-    _make_root(debian)
+    make_root(debian)
     assert "skipped" in debian.run("test", FAKE_UNINSTALLABLE="pulseaudio")
     log = debian.log()
     assert any("uv sync" in line and line.endswith("--group=dev --extra=bench") for line in log)
@@ -311,7 +198,7 @@ def test_missing_test_packages_are_skipped_and_requested_again(debian: Machine) 
 
 
 def test_uninstallable_required_package_stops_setup(debian: Machine) -> None:
-    _make_root(debian)
+    make_root(debian)
     said = debian.run("play", code=1, FAKE_UNINSTALLABLE="libportaudio2")
     assert "apt-get could not install" in said
     assert not (debian.home / "show" / ".venv").exists()
@@ -319,16 +206,17 @@ def test_uninstallable_required_package_stops_setup(debian: Machine) -> None:
 
 @pytest.mark.parametrize("name", ["uv.lock", "pyproject.toml", "tools/uv-requirements.txt"])
 def test_changed_lock_file_is_synced_again(debian: Machine, name: str) -> None:
-    _make_root(debian)
+    make_root(debian)
     debian.run("play")
     debian.log()
-    (debian.home / "show" / name).write_text("changed")
+    with (debian.home / "show" / name).open("a") as file:
+        file.write("changed")
     debian.run("play")
     assert [line.split()[0] for line in debian.log()] == ["uv"]
 
 
 def test_changed_or_deleted_kernels_are_warmed_again(debian: Machine) -> None:
-    _make_root(debian)
+    make_root(debian)
     debian.run("test")
     assert debian.log()[-1].startswith("live warm --stamp")
     (debian.home / "show" / "live" / "base" / "scalar_kernels.py").write_text("changed")
@@ -340,7 +228,7 @@ def test_changed_or_deleted_kernels_are_warmed_again(debian: Machine) -> None:
 
 
 def test_venv_of_removed_python_is_recreated(debian: Machine) -> None:
-    _make_root(debian)
+    make_root(debian)
     debian.run("play")
     debian.log()
     python = debian.home / "show" / ".venv" / "bin" / "python"
@@ -372,12 +260,42 @@ def test_newest_complete_python_is_chosen(debian: Machine) -> None:
     assert "with python3.13 (3.13)" in debian.run("play", SETUP_DRY_RUN="1")
 
 
+def test_python_on_which_everything_works_is_chosen(debian: Machine) -> None:
+    for minor in (11, 13, 14):
+        debian.add(f"python3.{minor}", PYTHON.replace("$FAKE_PYTHON", f"3.{minor}"))
+        (debian.home / "installed" / f"python3.{minor}-venv").touch()
+    assert "with python3.13 (3.13)" in debian.run("play", SETUP_DRY_RUN="1")
+    (debian.home / "installed" / "python3.13-venv").unlink()  # one that needs a package comes later
+    assert "with python3.11 (3.11)" in debian.run("play", SETUP_DRY_RUN="1")
+    (debian.home / "installed" / "python3.11-venv").unlink()
+    assert "with python3.14 (3.14)" in debian.run("play", SETUP_DRY_RUN="1")
+    (debian.home / "installed" / "python3.14-venv").unlink()
+    assert "with python3.13 (3.13)" in debian.run("play", SETUP_DRY_RUN="1")
+    with (debian.home / "show" / "uv.lock").open("a") as lock:
+        lock.write(LINK_WHEEL.format(minor=14))
+    assert "with python3.14 (3.14)" in debian.run("play", SETUP_DRY_RUN="1")
+
+
+def test_python_without_a_wheel_of_link_is_told_once(debian: Machine) -> None:
+    make_root(debian)
+    assert "everything works but Ableton Link" in debian.run("play", FAKE_PYTHON="3.14")
+    synced = [line for line in debian.log() if line.startswith("uv sync")]
+    assert len(synced) == 1
+    assert "--extra=link" not in synced[0]
+    assert "Link" not in debian.run("play", FAKE_PYTHON="3.14")
+
+
+def test_locked_link_has_wheels_as_setup_looks_for_them() -> None:
+    lock = (SETUP.parents[1] / "uv.lock").read_text()
+    assert re.search(r"/linkpython_extern-[^/]*-cp313-", lock)
+
+
 def test_unknown_mode_prints_usage(debian: Machine) -> None:
     assert "usage" in debian.run("show", code=2)
 
 
 def test_uv_is_pinned_with_hashes(debian):
-    _make_root(debian)
+    make_root(debian)
     debian.run("play")
     installs = [line for line in debian.log() if " pip install" in line]
     assert installs == ["python -m pip install -q --require-hashes --only-binary=:all: -r tools/uv-requirements.txt"]

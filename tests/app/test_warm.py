@@ -158,3 +158,21 @@ def test_kernels_that_are_kept_elsewhere_are_told_where(tmp_path, monkeypatch):
     monkeypatch.setattr(jit, "KERNEL_STORE", kernel_store.KernelStore((tmp_path / "kernels" / "x",)))
     kernel_warmup.warm_kernels(console)
     assert console.file.getvalue() == told
+
+
+def test_clear_deletes_the_cache_but_not_under_a_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    cache = tmp_path / "cache"
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(cache))
+    kernel_store.writable_root.cache_clear()
+    show = kernel_store.ShowLock()
+    show.take()
+    refused = warm(cache, "--clear")
+    assert refused.returncode == 2
+    assert "a show runs" in refused.stderr
+    assert (cache / "kernels").exists()
+    show.release()
+    kernel_store.writable_root.cache_clear()
+    for _ in range(2):
+        cleared = warm(cache, "--clear")
+        assert (cleared.returncode, cleared.stdout) == (0, f"deleted: {cache}\n")
+        assert not cache.exists()

@@ -174,3 +174,35 @@ def test_where_nothing_can_be_written_nothing_is_kept_and_nothing_fails(
     store = KernelStore((found,))
     store.write("kernel", b"code")
     assert store.read("kernel") is None
+
+
+def test_clear_removes_what_shows_keep_and_nothing_else(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    temporary = tmp_path / "temporary"
+    monkeypatch.setattr(kernel_store.tempfile, "gettempdir", lambda: str(temporary))
+    cache = tmp_path / "cache"
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(cache))
+    kernels = KernelStore((cache / "kernels" / "set",))
+    kernels.write("a", b"code")
+    arrays = cache / "steps-0123456789abcdef.npz"
+    mine = cache / "my-dance.npz"
+    for path in (arrays, mine):
+        path.write_bytes(b"")
+    spare = kernel_store._temporary_root()
+    spare.mkdir(parents=True)
+    assert set(kernel_store.clear_cache()) == {cache / "kernels", arrays, spare}
+    assert list(cache.iterdir()) == [mine]
+    mine.unlink()
+    assert kernel_store.clear_cache() == []
+    assert not cache.exists()
+    assert temporary.exists()
+
+
+def test_clear_follows_no_link(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kernel_store.tempfile, "gettempdir", lambda: str(tmp_path))
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
+    (tmp_path / "other").mkdir()
+    (tmp_path / "other" / "file").touch()
+    (tmp_path / "cache").mkdir()
+    (tmp_path / "cache" / "kernels").symlink_to(tmp_path / "other")
+    assert kernel_store.clear_cache() == []
+    assert (tmp_path / "other" / "file").exists()

@@ -45,11 +45,9 @@ REFUSALS = {
 }
 """Commands that may end with exit code 2 here, and what they have to say then."""
 ENDLESS = re.compile(r"live (studio|docs|pair$)")
-SHORT = {
-    "play": ["--headless", "--seconds", "2"],
-    "render": ["--seconds", "1"],
-    "contact-sheet": [],
-}
+LIMITS = {"play": "2", "steps play": "2", "render": "1"}
+"""Seconds after which commands end."""
+WINDOWS = ("play", "steps play")
 PAGES = [(page, [each[1] for each in group]) for page, group in groupby(commands(), lambda each: each[0].page)]
 
 
@@ -60,22 +58,23 @@ def materials(tmp_path_factory):
     return folder
 
 
+def replace_value(words, option, value):
+    """Give an option another value, if it is there."""
+    if option in words:
+        words[words.index(option) + 1] = value
+
+
 def shorten(typed):
     """Return the words of a command, with less to do, on this machine only."""
-    words = shlex.split(typed.replace("0.0.0.0", "127.0.0.1"))[1:]
-    words = [word for word in words if word != "--fullscreen"]
-    for option in SHORT.get(words[0], ()):
-        if option == "--seconds" and option in words:
-            at = words.index(option)
-            words[at + 1 :] = words[at + 2 :]
-            words.remove(option)
-    if words[0] == "render" and "--size" in words:
-        words[words.index("--size") + 1] = "320x180"
-    if words[0] == "replay" and "--size" in words:
-        words[words.index("--size") + 1] = "320x180"
-    if words[0] == "play" and "--record" in words:
-        return [*words, "--seconds", "2"]
-    return [*words, *SHORT.get(words[0], ())]
+    words = [word for word in shlex.split(typed.replace("0.0.0.0", "127.0.0.1"))[1:] if word != "--fullscreen"]
+    replace_value(words, "--size", "320x180")
+    name = " ".join(words[:2]) if words[0] == "steps" else words[0]
+    if name in WINDOWS and not {"--film", "--record"} & set(words):
+        words.append("--headless")
+    if name in LIMITS:
+        replace_value(words, "--seconds", LIMITS[name])
+        words += [] if "--seconds" in words else ["--seconds", LIMITS[name]]
+    return words
 
 
 def run(typed, folder, home):

@@ -47,7 +47,19 @@ def test_programs_talk_to_a_show_and_read_what_it_leaves(tmp_path: Path) -> None
     finally:
         end_show(show)
     assert "BeatHeard" in run_program(tmp_path, JOURNAL)
-    render = [sys.executable, "-m", "live", "render", "first_show", "--out", "show.glb", "--fps", "30", "--seconds", "2"]
+    render = [
+        sys.executable,
+        "-m",
+        "live",
+        "render",
+        "first_show",
+        "--out",
+        "show.glb",
+        "--fps",
+        "30",
+        "--seconds",
+        "2",
+    ]
     subprocess.run(render, cwd=tmp_path, check=True, capture_output=True, timeout=DEADLINE)
     ways = run_program(tmp_path, MOTION).splitlines()
     assert len(ways) == 24

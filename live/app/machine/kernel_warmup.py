@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Final
 import typer
 
 from live.base.disk.kernel_store import SHIPPED_PACKAGE
+from live.base.errors import PersonError
 from live.base.system.process_control import own_session
 
 if TYPE_CHECKING:
@@ -191,6 +192,19 @@ def start_native_build() -> None:
     )  # fmt: skip
 
 
+def clear_caches() -> None:
+    """Delete what shows keep in the user's cache, and say so; PersonError while a show runs, or if it is another's."""
+    from live.base.disk.kernel_store import ShowLock, cache_root, clear_cache
+
+    if ShowLock.is_taken():
+        raise PersonError("a show runs, and uses the compiled kernels", "end it first")
+    try:
+        clear_cache()
+    except OSError as error:
+        raise PersonError(f"{error.filename}: {error.strerror}", "delete it as the user who owns it") from None
+    print(f"deleted: {cache_root().parent}")
+
+
 def warm(
     stamp: Annotated[
         Path | None,
@@ -200,8 +214,15 @@ def warm(
         bool,
         typer.Option("--background", help="Compile on one core at the lowest priority, silently, until a show begins."),
     ] = False,
+    clear: Annotated[
+        bool,
+        typer.Option("--clear", help="Delete compiled kernels and all else in the cache, as before an uninstallation."),
+    ] = False,
 ) -> None:
     """Compile and keep all kernels, so that no show compiles."""
+    if clear:
+        clear_caches()
+        return
     from rich.console import Console
 
     from live.base.jit import KERNEL_SET, KERNEL_STORE

@@ -105,6 +105,8 @@ EXTRAS: Final = {
 }
 """What is missing without an extra of the package. The other extras are for those who work on the program."""
 _IN_CHECKOUT: Final = (Path(live.__file__).parents[1] / "tools" / "setup.sh").exists()
+_IN_ARCHIVE: Final = (Path(sys.prefix).parent / "libraries").is_dir()
+"""The folder that `make archive` builds: it has its own Python, without pip."""
 _INSTALL: Final = "make play" if _IN_CHECKOUT else "pip install --upgrade choreographics-live"
 _OTHER_PYTHON: Final = "use Python 3.11 or 3.12" + (": make clean play PYTHON=python3.12" if _IN_CHECKOUT else "")
 _MIDI_REMEDIES: Final = {
@@ -160,6 +162,8 @@ def check_packages() -> Iterator[Check]:
                 remedy = f"pip install 'choreographics-live[{extra[1]}]'"
                 if _IN_CHECKOUT:
                     remedy = f".venv/bin/uv sync --frozen --inexact --extra {extra[1]}"
+                elif _IN_ARCHIVE:
+                    remedy = f"not in the archive: pipx install 'choreographics-live[{extra[1]}]'"
                 yield Check(name, "limited", f"not installed: {EXTRAS[extra[1]]}", remedy)
             elif optional:
                 detail = f"not for this Python ({requirement.partition(';')[2].strip()})"

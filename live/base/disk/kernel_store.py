@@ -8,6 +8,7 @@ import contextlib
 import hashlib
 import os
 import re
+import shutil
 import stat
 import tempfile
 import time
@@ -27,6 +28,7 @@ _MAGIC: Final = b"live kernel 1\n"
 _KEEP_S: Final = 30 * 86_400.0
 """Kernels of other sources stay so long after they were written [s]: other checkouts may use them."""
 
+_ARRAYS = re.compile(r"[a-z_-]+-[0-9a-f]{16}\.npz")
 _IMPORT = re.compile(r"^from (live\.[\w.]+) import", re.MULTILINE)
 
 SHIPPED_PACKAGE: Final = "choreographics_live_kernels"
@@ -131,18 +133,42 @@ def writable_root() -> Path:
     root = cache_root()
     if make_private(root):
         return root
-    user = user_number()
     try:
-        temporary = Path(tempfile.gettempdir())
+        root = _temporary_root()
     except OSError:  # there is no folder that can be written
         return root
-    root = temporary / f"choreographics-live-kernels-{'user' if user is None else user}"
     if make_private(root):
         return root
     try:
         return Path(tempfile.mkdtemp(prefix="choreographics-live-kernels-"))
     except OSError:
         return cache_root()
+
+
+def _temporary_root() -> Path:
+    user = user_number()
+    return Path(tempfile.gettempdir()) / f"choreographics-live-kernels-{'user' if user is None else user}"
+
+
+def clear_cache() -> list[Path]:
+    """Remove all that this user's shows keep in caches, and a folder that is empty then; return what went.
+
+    Compiled kernels (here and among the temporary files) and arrays (`array_cache`); all of it is made anew when it is
+    needed. Files of others in a folder of `LIVE_CACHE_DIR` stay. OSError if something cannot be removed.
+    """
+    root, roots = cache_root(), [cache_root()]
+    with contextlib.suppress(OSError):  # there is no folder for temporary files
+        roots.append(_temporary_root())
+    found = [path for path in roots if path.is_dir() and not path.is_symlink()]
+    found += [path for path in root.parent.glob("*.npz") if _ARRAYS.fullmatch(path.name)]
+    for path in found:
+        if path.is_dir():
+            shutil.rmtree(path)
+        else:
+            path.unlink()
+    with contextlib.suppress(OSError):  # it holds files of others, or there is none
+        root.parent.rmdir()
+    return found
 
 
 def shipped_folder(set_name: str) -> Path | None:

@@ -125,6 +125,9 @@ def test_remedies_outside_a_checkout_are_of_pip(monkeypatch: pytest.MonkeyPatch)
     (found,) = machine_check.check_packages()
     assert found.remedy == "pip install 'choreographics-live[usd]'"
     assert found.detail == "not installed: no USD files of a show's motion"
+    monkeypatch.setattr(machine_check, "_IN_ARCHIVE", True)  # which has no pip
+    (found,) = machine_check.check_packages()
+    assert found.remedy == "not in the archive: pipx install 'choreographics-live[usd]'"
 
 
 def test_missing_portaudio_names_its_package(monkeypatch: pytest.MonkeyPatch) -> None:

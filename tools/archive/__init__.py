@@ -1,0 +1,1 @@
+"""Archive for a machine without Python and network: program, packages, interpreter, libraries, launcher."""
