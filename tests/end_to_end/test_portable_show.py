@@ -47,6 +47,7 @@ def test_the_next_engine_continues_show_music_and_pages(play, patch: Path, tmp_p
     assert found["complete"]
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_the_fallback_window_covers_the_desktop(play, patch: Path, two_monitor_x: TwoMonitorX):
     two_monitor_x.plug_both()
