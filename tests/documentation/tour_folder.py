@@ -103,13 +103,15 @@ def make_tour_folder(folder: Path) -> None:
     (folder / "score.txt").write_text("side step, samba x2\n*\n")
     (folder / "path.csv").write_text("".join(f"{t / 10:.1f},{t / 20:.2f},0.0\n" for t in range(60)))
     (folder / "fixes.json").write_text(json.dumps([{"do": "half"}, {"do": "double"}]))
-    edits = next(each for each in snippets("json") if each.page.endswith("programs/document.md"))
-    (folder / "edits.json").write_text(edits.text)
+    for name, page in (("edits", "document"), ("scenario", "simulate")):
+        (folder / f"{name}.json").write_text(_blocks("json", f"how-to/programs/{page}.md")[0])
+    _write_look(folder / "my_look")
     _write_midi(folder / "song.mid")
     for name in ("song", "new"):
         _write_song(folder / name)
         wav = folder / f"{name}.wav"
         _convert(wav, folder / f"{name}.ogg")
+    shutil.copy(folder / "new.ogg", folder / "my_show")
     live(folder, "dance", str(ROOT / "patches/folk/steps"), "--sequence", CLAPS, "--bpm", "124", "--out", "take_3.bvh")
     live(folder, "dance", "sketches", "--sequence", VARIED, "--bpm", "124", "--out", "rehearsal.bvh")
     for source, names in (("take_3", ("take_7", "real", "walk")), ("rehearsal", ("a", "b", "c", "leader"))):
@@ -123,6 +125,19 @@ def make_tour_folder(folder: Path) -> None:
     shutil.copy(folder / "take_3.bvh", folder / "mocap")
     live(folder, "render", "my_show", "--out", "other.csv", "--seconds", "66", "--fps", "5", "--journal", "night.jsonl")
     shutil.copy(folder / "night.jsonl", folder / "other.jsonl")
+
+
+def _blocks(language: str, page: str) -> list[str]:
+    """Return the code blocks of a language on a page."""
+    return [each.text for each in snippets(language) if each.page.endswith(page)]
+
+
+def _write_look(folder: Path) -> None:
+    """Write the show of the visual artists' tutorial as it is at the end: groups are written once more in step 4."""
+    begin, *more = _blocks("toml", "tutorials/visual-artist.md")
+    (folder / "passes").mkdir(parents=True)
+    (folder / "show.toml").write_text("\n".join([begin[: begin.index("[[group]]")], *more]))
+    (folder / "passes" / "water.glsl").write_text(_blocks("glsl", "tutorials/visual-artist.md")[0])
 
 
 def _convert(source: Path, target: Path) -> None:

@@ -39,8 +39,7 @@ NOT_RUN = {
 }
 REFUSALS = {
     r'--(audio|click|midi|midi-out|midi-clock-out) "|--grid': r"no .*(input|output|device|port|MIDI|sound)|PortAudio",
-    r"live document restore my_show 12": r"no revision|revision",
-    r"live document (undo|redo)": r"nothing|undo|redo",
+    r"live document undo my_show --by ana": r"ana",
     r"--venue hall": r"hall",
 }
 """Commands that may end with exit code 2 here, and what they have to say then."""
@@ -68,6 +67,8 @@ def shorten(typed):
     """Return the words of a command, with less to do, on this machine only."""
     words = [word for word in shlex.split(typed.replace("0.0.0.0", "127.0.0.1"))[1:] if word != "--fullscreen"]
     replace_value(words, "--size", "320x180")
+    if words[0] == "play":
+        replace_value(words, "--journal", "short.jsonl")  # the long night stays
     name = " ".join(words[:2]) if words[0] == "steps" else words[0]
     if name in WINDOWS and not {"--film", "--record"} & set(words):
         words.append("--headless")
