@@ -3,6 +3,7 @@
 import difflib
 import functools
 import http.server
+import threading
 import webbrowser
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -79,5 +80,6 @@ def docs(
     with open_server(SITE) as server:
         url = f"http://127.0.0.1:{server.server_address[1]}/{address}"
         print(f"{url}   (Ctrl-C ends it)", flush=True)
-        webbrowser.open(url)
+        # in a thread, as browsers of a terminal return when they end, and wait for the page meanwhile
+        threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
         server.serve_forever()

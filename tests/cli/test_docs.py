@@ -85,3 +85,19 @@ def test_every_page_that_messages_name_exists():
         for file in (ROOT / folder).rglob(ending):
             for name in re.findall(r"`live docs ([\w-]+)`", file.read_text(encoding="utf-8")):
                 assert name in names or name == "NAME", f"{file}: {name}"
+
+
+def test_a_browser_that_waits_for_the_page_gets_it(site, tmp_path, monkeypatch):
+    """As browsers of a terminal do: the program that opens the page returns when it has been read."""
+    read = []
+
+    def browse(address):
+        with urllib.request.urlopen(address, timeout=30) as answer:
+            read.append(answer.read())
+        server[0].shutdown()
+
+    server, opened = [], docs.open_server
+    monkeypatch.setattr(docs.webbrowser, "open", browse)
+    monkeypatch.setattr(docs, "open_server", lambda folder: server.append(opened(folder)) or server[0])
+    docs.docs("osc")
+    assert read == [b"<title>reference/osc/index.html</title>"]

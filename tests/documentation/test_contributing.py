@@ -73,7 +73,7 @@ assert "pedal" in [bridge.name for bridge in installed_bridges().bridges]
     ("title", "limit", "options"),
     [
         ("A parameter", 3, {"checks": PARAMETER}),
-        ("A command", 4, {"checks": COMMAND}),
+        ("A command", 3, {"checks": COMMAND}),
         ("An element", 4, {"checks": ELEMENT, "jit": False}),
         pytest.param("A look", 3, {"checks": LOOK, "plugins": ("tests.render.conftest",)}, marks=pytest.mark.gl),
         ("An input", 5, {"checks": INPUT}),

@@ -11,6 +11,7 @@ import shutil
 import signal
 import subprocess
 import sys
+import threading
 from itertools import groupby
 from pathlib import Path
 
@@ -89,7 +90,8 @@ def run(typed, folder, home):
         words, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
         text=True, start_new_session=True,
     )  # fmt: skip
-    said = ""
+    said, timer = "", threading.Timer(DEADLINE, os.killpg, (process.pid, signal.SIGKILL))
+    timer.start()
     try:
         if ENDLESS.match(typed):
             for line in process.stdout:
@@ -97,11 +99,9 @@ def run(typed, folder, home):
                 if re.search(r"https?://|phrase", line):
                     process.send_signal(signal.SIGINT)
                     break
-        said += process.communicate(timeout=DEADLINE)[0]
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
         said += process.communicate()[0]
-        return None, said
+    finally:
+        timer.cancel()
     return process.returncode, said
 
 

@@ -5,7 +5,7 @@ from typing import Any, Final
 
 import typer
 
-from live.cli.main import PANELS, app
+from live.cli.main import HALL, PANELS, app
 
 ARGUMENTS: Final = "Arguments"
 OPTIONS: Final = "Options"
@@ -77,7 +77,7 @@ def command_pages() -> dict[str, str]:
     panel_of = {name: panel for panel, names in PANELS.items() for name in names}
     pages, groups = {}, {panel: [] for panel in PANELS}  # type: dict[str, str], dict[str, list[str]]
     for name, command in commands.items():
-        panel = panel_of.get(name, "The hall and its machines")
+        panel = panel_of.get(name, HALL)  # of a bridge
         about = command.get_short_help_str(limit=200)
         groups[panel].append(f"| [`live {name}`]({name}.md) | {_cell(about)} |")
         pages[f"{name}.md"] = "\n".join(_describe(f"live {name}", command, 1))

@@ -1,11 +1,10 @@
 """All pages of docs/reference/ that are made: commands, patch files, OSC and keys from tables, others from READMEs.
 
-`python tools/reference/reference_pages.py [FOLDER]` writes them (docs/reference, where Git ignores them); building the
-documentation does so by itself.
+`python -m tools.reference.reference_pages` writes them, where Git ignores them; building the documentation does so by
+itself.
 """
 
 import re
-import sys
 from pathlib import Path
 from typing import Final
 
@@ -58,28 +57,27 @@ def reference_pages() -> dict[str, str]:
     """Return all pages by their paths below docs/reference/."""
     sketches = (ROOT / "patches" / "steps" / "README.md").read_text(encoding="utf-8")
     pages = {"keys.md": key_page(), "sketches.md": sketches.replace("](../../docs/", "](../")}
-    for folder, made in made_pages().items():
-        pages |= {f"{folder}/{name}": text for name, text in made.items()}
+    for folder, make in FOLDERS.items():
+        pages |= {f"{folder}/{name}": text for name, text in make().items()}
     return pages
 
 
-def made_pages() -> dict[str, dict[str, str]]:
-    """Return the pages of each folder."""
-    return {"bridges": bridge_pages(), "commands": command_pages(), "osc": osc_pages(), "patch": patch_pages()}
+FOLDERS: Final = {"bridges": bridge_pages, "commands": command_pages, "osc": osc_pages, "patch": patch_pages}
+"""Folders of which every page is made."""
 
 
-def write_pages(folder: Path = FOLDER) -> None:
+def write_pages() -> None:
     """Write those that have changed, and remove those that are no longer made."""
     pages = reference_pages()
     for path, text in pages.items():
-        file = folder / path
+        file = FOLDER / path
         if not file.is_file() or file.read_text(encoding="utf-8") != text:
             file.parent.mkdir(parents=True, exist_ok=True)
             file.write_text(text, encoding="utf-8")
-    for file in folder.glob("*/*.md"):
-        if file.relative_to(folder).as_posix() not in pages:
+    for file in [file for name in FOLDERS for file in (FOLDER / name).glob("*.md")]:
+        if file.relative_to(FOLDER).as_posix() not in pages:
             file.unlink()
 
 
 if __name__ == "__main__":
-    write_pages(*map(Path, sys.argv[1:2]))
+    write_pages()
