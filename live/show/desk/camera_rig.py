@@ -126,9 +126,6 @@ class CameraRig:
     def tick(self, seconds: float, beats: float) -> None:
         """Advance by `seconds` and `beats`."""
         row = self._parameters.picture
-        rate = float(row[picture_parameters.ORBIT])
-        if rate and not self._parameters.held:
-            self._parameters.turn_camera(math.tau * rate * beats / self._beats)
         if row[picture_parameters.FOLLOWING] > 0.0:
             self.follower.tick(seconds)
         else:

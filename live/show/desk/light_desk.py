@@ -138,8 +138,8 @@ class LightDesk:
         Raises PersonError for a scene that names unknown parts.
         """
         table = ParameterTable([section.name for section in patch.group])
-        self.parameters = Parameters(table, start_row(patch), variation, motion)
         beats = patch.clock.beats_per_measure
+        self.parameters = Parameters(table, start_row(patch), variation, motion, beats=beats)
         self.camera_rig = CameraRig(self.parameters, motion, patch.camera.follow, beats=beats)
         """The moving camera."""
         check_follow(patch, motion)

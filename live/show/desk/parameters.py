@@ -34,9 +34,11 @@ VARIATION_UPDATE_TICKS: Final = 4
 class Parameters:
     """The values of one show. Thread: the show's."""
 
-    def __init__(self, table: ParameterTable, start: Float64, variation: Variation, motion: "GroupMotion") -> None:
-        """`start`: the picture's row from the patch, shape (picture.SIZE,)."""
-        self.table = table
+    def __init__(
+        self, table: ParameterTable, start: Float64, variation: Variation, motion: "GroupMotion", *, beats: int
+    ) -> None:
+        """`start`: the picture's row from the patch, shape (picture.SIZE,); `beats` per measure."""
+        self.table, self._measure_beats = table, beats
         self._variation, self._motion, self._division = variation, motion, variation.division
         self.value: Float64 = np.zeros(table.size)
         """All present values, shape (P,)."""
@@ -275,6 +277,7 @@ class Parameters:
         """Advance by `beats`."""
         if self.held:
             return
+        self._turn_camera(beats)
         self.beat += beats
         self._ticks += 1
         if self._running:
@@ -289,29 +292,64 @@ class Parameters:
         goal = self._goal[rows]
         self.value[rows] = np.where(done, goal, self._from[rows] + (goal - self._from[rows]) * eased)
         eye = (rows == picture_parameters.EYE.start).nonzero()[0]
-        if len(eye) and not done[eye[0]]:
-            self._orbit(float(eased[eye[0]]))
+        if len(eye):
+            self._orbit(float(share[eye[0]]), float(eased[eye[0]]))
         self._fading[rows[done]] = False
         self._running -= int(np.count_nonzero(done))
         if len(rows) and rows[-1] >= picture_parameters.ROW_SIZE and (update_variation or done.any()):
             self._write_variation(rows[rows >= picture_parameters.ROW_SIZE])
 
-    def _orbit(self, share: float) -> None:
-        """Move the camera around its target, not through it: distance, bearing and height change evenly."""
+    def _orbit(self, share: float, eased: float) -> None:
+        """Move the camera around its target, not through it: distance, bearing and height change evenly.
+
+        Orbits go on meanwhile: the present one becomes the new one. If the new view does not turn, the camera ends at
+        its place.
+        """
         eye, target = picture_parameters.EYE, picture_parameters.TARGET
         towards = self._goal if self._fading[target.start] else self.value
         begin = self._from if self._fading[target.start] else self.value
+        turned, ahead = self._turns(share)
         a, b = self._from[eye] - begin[target], self._goal[eye] - towards[target]
         far_a, far_b = math.hypot(a[0], a[2]), math.hypot(b[0], b[2])
         bearing_a = math.atan2(a[0], a[2]) if far_a > 1e-6 else math.atan2(b[0], b[2])
-        turn = math.remainder(math.atan2(b[0], b[2]) - bearing_a, math.tau) if far_b > 1e-6 else 0.0
-        far, bearing = far_a + (far_b - far_a) * share, bearing_a + turn * share
-        height = a[1] + (b[1] - a[1]) * share
+        bearing_b = math.atan2(b[0], b[2]) - ahead
+        turn = math.remainder(bearing_b - bearing_a, math.tau) if far_b > 1e-6 else 0.0
+        if share >= 1.0:
+            if turned:
+                self.value[eye] = turn_eye(self._goal[eye], towards[target], turned - ahead)
+            return
+        far, bearing = far_a + (far_b - far_a) * eased, bearing_a + turn * eased + turned
+        height = a[1] + (b[1] - a[1]) * eased
         self.value[eye] = self.value[target] + (far * math.sin(bearing), height, far * math.cos(bearing))
 
-    def turn_camera(self, angle: float) -> None:
-        """Turn the camera, and its running fade, around its target by `angle` [rad]."""
+    def _turns_itself(self) -> bool:
+        """Whether the camera's place and its orbit are in one fade, which turns the camera then."""
+        eye, orbit = picture_parameters.EYE.start, picture_parameters.ORBIT
+        return bool(
+            self._fading[eye]
+            and self._fading[orbit]
+            and self._start_beat[eye] == self._start_beat[orbit]
+            and self._length[eye] == self._length[orbit]
+        )
+
+    def _turns(self, share: float) -> tuple[float, float]:
+        """Return how far orbits have turned the camera in this fade, and how far they will have at its end [rad]; that is
+        0 if the new view turns: then it is there at any angle."""
+        if not self._turns_itself():
+            return 0.0, 0.0
+        orbit = picture_parameters.ORBIT
+        whole = math.tau * float(self._length[orbit]) / self._measure_beats
+        before, after = float(self._from[orbit]) * whole, float(self._goal[orbit]) * whole
+        eased = share**3 - 0.5 * share**4  # the integral of the easing
+        return before * share + (after - before) * eased, 0.0 if after else 0.5 * before
+
+    def _turn_camera(self, beats: float) -> None:
+        """Turn the camera, and its running fade, around its target, as far as its orbit goes in so many beats."""
         eye, target = picture_parameters.EYE, picture_parameters.TARGET
+        rate = float(self.value[picture_parameters.ORBIT])
+        if not rate or self._turns_itself():
+            return
+        angle = math.tau * rate * beats / self._measure_beats
         for row in (self.value, self._from, self._goal) if self._fading[eye.start] else (self.value,):
             around = row if self._fading[target.start] else self.value
             row[eye] = turn_eye(row[eye], around[target], angle)

@@ -217,7 +217,7 @@ KINDS: Final = [
     Kind("occasions", MusicSignals, "_signals:list[constant-signal-section] _active:list[bool]"),
     Kind("parameters", Parameters, """
         table:constant-parameter-table _variation:variation _motion:group-motion _division:division value:f8 start:f8
-        _from:f8 _goal:f8 _start_beat:f8 _length:f8 _fading:b1 _running:int _ticks:int
+        _from:f8 _goal:f8 _start_beat:f8 _length:f8 _fading:b1 _running:int _ticks:int _measure_beats:int
         beat:float held:bool touched:bool
     """),
     Kind("part", ScorePart, "_score:score _sequences:constant-sequences _improviser:improviser"),

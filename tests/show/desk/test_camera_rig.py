@@ -74,6 +74,19 @@ def test_move_into_orbit_is_smooth():
     assert jumps.max() < 0.01  # and its speed changes little from tick to tick
 
 
+@pytest.mark.parametrize(("measures", "before"), [(2.0, 3), (1.0, 5), (0.5, 0)])
+def test_move_out_of_an_orbit_ends_at_the_view(measures, before):
+    """Wherever the orbit is when it begins, and with an even speed."""
+    session = DeskSession(DESK + MOVING).run(beats=1)
+    home = camera(session)
+    session.say("/dance/camera", "carousel")
+    session.run(beats=before)
+    session.say("/dance/camera", "start", measures)
+    eyes = np.array([camera(session.run(ticks=1)).eye for _ in range(round(128 * measures) + 16)])
+    assert eyes[-16:] == pytest.approx(np.tile(home.eye, (16, 1)), abs=1e-6)
+    assert np.linalg.norm(np.diff(eyes, n=2, axis=0), axis=1).max() < 0.05 / measures**2
+
+
 def test_followed_group_stays_in_center_of_picture():
     session = DeskSession(DESK + MOVING).run(beats=1)
     session.say("/dance/camera", "with front")
