@@ -16,6 +16,7 @@ from typing import Any, Final
 
 from live.base.fault_isolation import run_once
 from live.base.system.channel import (
+    MAX_PACKET_BYTES,
     Packets,
     listening_socket_of,
     packets_of_argument,
@@ -25,7 +26,6 @@ from live.base.system.process_control import ignore_interrupts, yield_priority
 from live.clock.time_source import Clock
 from live.control.message_codec import PacketError, decode_packet, encode_packet
 
-MAX_PACKET_BYTES: Final = 1 << 16
 RESTART_AFTER: Final = 2.0
 STOP_TIMEOUT: Final = 2.0
 PACKETS_PER_FRAME: Final = 8

@@ -6,9 +6,12 @@ import socket
 import time
 from collections import deque
 from collections.abc import Callable
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from live.base.system.packet_socket import NO_SIGNAL
+
+if TYPE_CHECKING:
+    from live.base.system.loopback import ChildConnection
 
 BUFFER: Final = 4 * 1024 * 1024
 """Requested size of the socket's buffers."""
@@ -20,7 +23,7 @@ CHUNK_BYTES: Final = 1 << 18
 
 
 class ChannelError(Exception):
-    """Received data violates the protocol."""
+    """Received data violates the protocol, or the peer never came."""
 
 
 class LineChannel:
@@ -30,10 +33,15 @@ class LineChannel:
     That is why events are sent here before they are applied. Thread: one.
     """
 
-    def __init__(self, sock: socket.socket, *, backlog: int = BACKLOG, longest: int | None = None) -> None:
-        """`backlog`: most bytes waiting to be sent; `longest`: most bytes of a received line."""
-        _prepare_socket(sock)
-        self.socket = sock
+    def __init__(
+        self, sock: "socket.socket | ChildConnection", *, backlog: int = BACKLOG, longest: int | None = None
+    ) -> None:
+        """`sock`: a connection, or one that a child will make: `read_lines` looks for it, and until then lines wait;
+        `backlog`: most bytes waiting to be sent; `longest`: most bytes of a received line."""
+        self._awaited = None if isinstance(sock, socket.socket) else sock
+        self.socket = sock if isinstance(sock, socket.socket) else sock.listening
+        """The connection; before it is there, the socket that listens for it."""
+        _prepare_socket(self.socket)
         self.dropped = 0
         """Lines dropped because the peer is gone or has stopped reading."""
         self.ended = False
@@ -59,6 +67,21 @@ class LineChannel:
         self._pending.clear()
         self._pending_bytes = 0
         self._partial.clear()
+
+    @property
+    def connected(self) -> bool:
+        """Whether the peer has come."""
+        return self._awaited is None
+
+    def _connect(self, awaited: "ChildConnection") -> None:
+        try:
+            sock = awaited.accept()
+        except OSError as error:
+            raise ChannelError(str(error)) from None
+        if sock is not None:
+            _prepare_socket(sock)
+            self.socket, self._awaited = sock, None
+            self.flush()
 
     @property
     def pending_bytes(self) -> int:
@@ -91,6 +114,8 @@ class LineChannel:
 
     def read_lines(self) -> list[str]:
         """Return the complete lines that have arrived; never waits. After the last one `ended` may be true."""
+        if self._awaited is not None:
+            self._connect(self._awaited)
         found: list[str] = []
         got = 0
         while (data := self._receive(got)) is not None:
@@ -127,6 +152,8 @@ class LineChannel:
         self.before_close()
         self.ended = True
         self.socket.close()
+        if self._awaited is not None:
+            self._awaited.close()
 
     def _send_data(self, data: bytes) -> None:
         if self.ended or self._pending_bytes + len(data) > self._most:
@@ -143,7 +170,7 @@ class LineChannel:
     def _receive(self, got: int) -> bytes | None:
         """Return received data; None if nothing is pending, empty if the peer is gone. `got`: bytes so far in this
         call."""
-        if got % CHUNK_BYTES:
+        if got % CHUNK_BYTES or self._awaited is not None:
             return None
         try:
             return self.socket.recv(CHUNK_BYTES)
@@ -153,6 +180,8 @@ class LineChannel:
             return b""
 
     def _send(self, data: bytes) -> int:
+        if self._awaited is not None:
+            return 0
         try:
             return self.socket.send(data, NO_SIGNAL)
         except (BlockingIOError, InterruptedError):

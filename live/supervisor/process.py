@@ -71,10 +71,10 @@ class Child:
         page = self.heartbeat.page
         self.process: Process
         try:
-            if spawn is not None:
-                mine, self.process = _forked(spawn, page.descriptor)
-            else:
+            if spawn is None:
                 mine, self.process = start_child(command, page.argument, inherit=(*page.inherit, *inherit))
+            else:
+                mine, self.process = _forked(spawn, page.descriptor)
         except OSError:
             self.heartbeat.close()
             raise
@@ -244,6 +244,7 @@ class ProcessManager:
 
     def __init__(self) -> None:
         self.selector = selectors.DefaultSelector()
+        self._unconnected: dict[LineChannel, Callable[[], None]] = {}  # what reads them, looked at each round
         self.load = MachineLoad(ROUND)
         """Load of the machine."""
         self._read_at = 0.0
@@ -252,6 +253,10 @@ class ProcessManager:
 
     def poll(self) -> float:
         """Read what arrives within a round; return the time [s, monotonic]."""
+        for channel, read in list(self._unconnected.items()):
+            read()
+            if channel.connected and self._unconnected.pop(channel, None) is not None:
+                self.selector.register(channel.socket, selectors.EVENT_READ, read)
         before = time.monotonic()
         ready = []
         if self.selector.get_map():
@@ -298,11 +303,15 @@ class ProcessManager:
                 channel.received += 1
                 on_line(line)
 
-        self.selector.register(channel.socket, selectors.EVENT_READ, read)
+        if channel.connected:
+            self.selector.register(channel.socket, selectors.EVENT_READ, read)
+        else:
+            self._unconnected[channel] = read
         channel.before_close = lambda: self.unregister(channel)
 
     def unregister(self, channel: LineChannel) -> None:
         """Stop reading a channel; harmless if it is not read."""
+        self._unconnected.pop(channel, None)
         if channel.fileno() >= 0 and channel.socket in self.selector.get_map():
             self.selector.unregister(channel.socket)
 

@@ -1,5 +1,6 @@
 """A document on disk: saved whole or not at all, with a history, among other people and other programs."""
 
+import errno
 import json
 import random
 import subprocess
@@ -239,6 +240,18 @@ def test_a_damaged_history_begins_anew(path: Path) -> None:
     assert DocumentStore(path).revisions == store.revisions
     log.write_bytes(b"\xff{}\n[1]\n")
     assert put(DocumentStore(path), ("seed",), 7) == 1
+
+
+def test_an_edit_that_cannot_be_locked_against_others_is_refused(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    store, before = DocumentStore(path), path.read_text()
+
+    def fail(*_: Any, **__: Any) -> None:
+        raise OSError(errno.EIO, "Input/output error")
+
+    monkeypatch.setattr("live.base.system.file_lock._lock", fail)
+    with pytest.raises(EditRefused, match="cannot be saved"):
+        put(store, ("seed",), 4)
+    assert path.read_text() == before
 
 
 def test_a_full_disk_leaves_the_old_files_whole(path: Path) -> None:

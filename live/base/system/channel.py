@@ -9,23 +9,28 @@ import os
 import socket
 import subprocess
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from live.base.system.features import LINUX
 from live.base.system.packet_socket import PacketSocket
 from live.base.system.process_control import own_session
 
+if TYPE_CHECKING:
+    from live.base.system.loopback import ChildConnection
+
 Packets = socket.socket | PacketSocket
 """An end of a connection of packets, which has `send`, `recv`, `fileno`, `setblocking` and `close`."""
 MAX_PACKET_BYTES: Final = 1 << 16
+"""Longest packet between the processes of a show."""
 CONNECT_POLL: Final = 0.02
 """Seconds between two looks whether a child has connected."""
 
 
 def start_child(
     command: Sequence[str], *words: str, inherit: Sequence[int] = ()
-) -> "tuple[socket.socket, subprocess.Popen[bytes]]":
-    """Start a process with a stream to it; return this end, and the process. OSError if it cannot be started.
+) -> "tuple[socket.socket | ChildConnection, subprocess.Popen[bytes]]":
+    """Start a process with a stream to it; return this end, or one that the process will make, and the process. OSError
+    if it cannot be started.
 
     The command gets a word for its end (`stream_of_argument`) and `words` as its last arguments. `inherit`: descriptors
     that it inherits under the same numbers, on Linux.
@@ -35,7 +40,7 @@ def start_child(
     from live.base.system.loopback import ChildConnection
 
     there = ChildConnection(command, words, {})
-    return there.wait(), there.process
+    return there, there.process
 
 
 def start_packet_child(
@@ -90,10 +95,13 @@ async def receive_packet(channel: Packets) -> bytes:
             continue
         ready = asyncio.Event()
         loop.add_reader(channel, ready.set)
+        if isinstance(channel, PacketSocket) and channel.unsent:  # the peer may wait for the rest of a question
+            loop.add_writer(channel, ready.set)
         try:
             await ready.wait()
         finally:
             loop.remove_reader(channel)
+            loop.remove_writer(channel)
 
 
 def stream_of_argument(word: str) -> socket.socket:

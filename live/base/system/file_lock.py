@@ -1,9 +1,10 @@
 """Advisory locks on open files: flock(2), or a byte of the file beyond its end on Windows.
 
-A lock ends when the file is closed or its process ends. File systems without locks count as unlocked.
+A lock ends when the file is closed or its process ends. On file systems without locks all is as if there were none.
 """
 
 import contextlib
+import errno
 import sys
 import time
 from typing import IO, Any, Final
@@ -11,6 +12,8 @@ from typing import IO, Any, Final
 _RETRY_S: Final = 0.02
 _FAR: Final = 1 << 30
 """Byte that is locked on Windows, where a lock forbids others to read what it covers."""
+_WITHOUT_LOCKS: Final = {errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.ENOLCK}
+"""Errors of a file system that has no locks."""
 
 if sys.platform == "win32":
     import msvcrt
@@ -40,7 +43,8 @@ else:
 
 
 def lock_file(file: IO[Any], *, shared: bool = False, within: float | None = 0.0) -> None:
-    """Lock a file until it is closed; BlockingIOError if another process still holds it after `within` seconds.
+    """Lock a file until it is closed; BlockingIOError if another process still holds it after `within` seconds, another
+    OSError if the system refuses.
 
     `shared`: others may hold a shared lock, too; `within`: None waits for as long as it takes.
     """
@@ -52,6 +56,8 @@ def lock_file(file: IO[Any], *, shared: bool = False, within: float | None = 0.0
         except BlockingIOError:
             if time.monotonic() >= deadline:
                 raise
-        except OSError:  # a file system without locks
+        except OSError as error:
+            if error.errno not in _WITHOUT_LOCKS:
+                raise
             return
         time.sleep(_RETRY_S)

@@ -33,9 +33,10 @@ def user_number() -> int | None:
 
 def is_private(facts: os.stat_result) -> bool:
     """Whether a file is this user's, and no other's to read; on Windows the home folder sees to that."""
-    if sys.platform == "win32":
+    user = user_number()
+    if user is None:
         return True
-    return facts.st_uid == os.geteuid() and not stat.S_IMODE(facts.st_mode) & 0o077
+    return facts.st_uid == user and not stat.S_IMODE(facts.st_mode) & 0o077
 
 
 def memory_folder() -> Path:

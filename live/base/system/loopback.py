@@ -28,21 +28,23 @@ LOOPBACK: Final = "127.0.0.1"
 
 
 class ChildConnection:
-    """The connection that a child will make. Thread: one; nothing waits but `wait`."""
+    """The connection that a child will make, within `CONNECT_TIMEOUT`. Thread: one; nothing waits but `wait`."""
 
     def __init__(self, command: Sequence[str], words: Sequence[str], options: dict[str, Any]) -> None:
         """Start the command with a word for its end (`connect_to_parent`) and `words`; OSError if it cannot be."""
+        self._deadline = time.monotonic() + CONNECT_TIMEOUT
         self._token = secrets.token_hex(TOKEN_BYTES // 2).encode()
-        self._listening = socket.create_server((LOOPBACK, 0), backlog=4)
-        self._listening.setblocking(False)
+        self.listening = socket.create_server((LOOPBACK, 0), backlog=4)
+        """The socket at which it will arrive."""
+        self.listening.setblocking(False)
         self._guests: list[tuple[float, socket.socket, bytearray]] = []
-        where = f"tcp:{self._listening.getsockname()[1]}"
+        where = f"tcp:{self.listening.getsockname()[1]}"
         try:
             self.process: subprocess.Popen[bytes] = subprocess.Popen(
                 [*command, where, *words], stdin=subprocess.PIPE, **own_session(), **options
             )
         except BaseException:
-            self._listening.close()
+            self.listening.close()
             raise
         assert self.process.stdin is not None
         with contextlib.suppress(OSError), self.process.stdin as to_child:  # one that has ended is noticed by `accept`
@@ -50,14 +52,14 @@ class ChildConnection:
 
     def fileno(self) -> int:
         """Return the descriptor of the socket that listens."""
-        return self._listening.fileno()
+        return self.listening.fileno()
 
     def accept(self) -> socket.socket | None:
-        """Return the child's connection once it is there; ConnectionError if the child has ended."""
+        """Return the child's connection once it is there; OSError if the child has ended or takes too long."""
         now = time.monotonic()
         if len(self._guests) < MAX_GUESTS:
             with contextlib.suppress(OSError):
-                sock, _ = self._listening.accept()
+                sock, _ = self.listening.accept()
                 sock.setblocking(False)
                 self._guests.append((now, sock, bytearray()))
         for guest in list(self._guests):
@@ -67,6 +69,8 @@ class ChildConnection:
                 return sock_or_none
         if self.process.poll() is not None:
             raise ConnectionError("the process ended before it connected")
+        if now > self._deadline:
+            raise TimeoutError("the process did not connect")
         return None
 
     def _check(self, guest: tuple[float, socket.socket, bytearray], now: float) -> socket.socket | None:
@@ -90,13 +94,10 @@ class ChildConnection:
 
     def wait(self) -> socket.socket:
         """Wait for the child's connection; OSError, and the child is killed, if it does not come."""
-        deadline = time.monotonic() + CONNECT_TIMEOUT
         try:
-            while time.monotonic() < deadline:
-                if (sock := self.accept()) is not None:
-                    return sock
-                select.select([self._listening, *(guest[1] for guest in self._guests)], [], [], 0.05)
-            raise TimeoutError("the process did not connect")
+            while (sock := self.accept()) is None:
+                select.select([self.listening, *(guest[1] for guest in self._guests)], [], [], 0.05)
+            return sock
         except BaseException:
             self.close()
             self.process.kill()
@@ -105,7 +106,7 @@ class ChildConnection:
 
     def close(self) -> None:
         """Accept nobody any more."""
-        self._listening.close()
+        self.listening.close()
         for _, sock, _ in self._guests:
             sock.close()
         self._guests.clear()

@@ -1,5 +1,6 @@
 """Packets over a stream, for systems without sockets of packets (SOCK_SEQPACKET of unix(7))."""
 
+import contextlib
 import socket
 import struct
 import threading
@@ -32,6 +33,11 @@ class PacketSocket:
     def connected(self) -> bool:
         """Whether the other end is there."""
         return isinstance(self._where, socket.socket)
+
+    @property
+    def unsent(self) -> int:
+        """Bytes that `recv` or the next `send` will send."""
+        return len(self._unsent)
 
     def fileno(self) -> int:
         """Return the descriptor, for `select` once it is connected; `recv` reads no further than its packet."""
@@ -72,17 +78,21 @@ class PacketSocket:
                 return
             del self._unsent[:sent]
 
-    def recv(self, _most: int = MAX_BYTES) -> bytes:
-        """Return the next packet, empty if the peer has gone; BlockingIOError if none has arrived whole."""
+    def recv(self, most: int = MAX_BYTES) -> bytes:
+        """Return the next packet, empty if the peer has gone; BlockingIOError if none has arrived whole.
+
+        `most`: the bytes of a longer packet after these are lost, as with any socket of packets.
+        """
         with self._using:
             sock = self._connected()
-            self._flush()
+            with contextlib.suppress(OSError):  # of a peer that has gone, the last packets are read first
+                self._flush()
         while missing := self._missing_bytes():
             data = sock.recv(missing)
             if not data:
                 return b""
             self._received += data
-        packet = bytes(self._received[_LENGTH.size :])
+        packet = bytes(self._received[_LENGTH.size : _LENGTH.size + most])
         self._received.clear()
         return packet
 

@@ -132,8 +132,13 @@ class AtomicAppendFile:
 
     def lock(self, within: float = 0.0) -> None:
         """Lock the file against other writers until it is closed; BlockingIOError if another process still holds the
-        lock after `within` seconds. Does nothing on file systems without locks (flock(2))."""
-        lock_file(self._file, within=within)
+        lock after `within` seconds. If the system refuses a lock the file has none: a journal is still written."""
+        try:
+            lock_file(self._file, within=within)
+        except BlockingIOError:
+            raise
+        except OSError:
+            return
 
     def truncate(self, end: int) -> None:
         """Truncate the file to `end` bytes."""

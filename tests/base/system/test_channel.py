@@ -1,5 +1,6 @@
 """Tests of the connections to children, by the way of Linux and by the one that works everywhere."""
 
+import asyncio
 import contextlib
 import os
 import select
@@ -11,6 +12,7 @@ import threading
 import pytest
 
 from live.base.system import channel, features, shared_page
+from live.base.system.files import memory_folder
 from live.base.system.loopback import ChildConnection
 from live.base.system.packet_socket import MAX_BYTES, PacketSocket
 
@@ -53,14 +55,22 @@ def receive(end, within=20.0):
 def test_stream_and_page_reach_the_child(way):
     page = shared_page.SharedPage.create()
     mine, process = channel.start_child([sys.executable, "-c", ECHO_LINES], page.argument, inherit=page.inherit)
-    with mine:
+    with mine if isinstance(mine, socket.socket) else mine.wait() as mine:
         mine.settimeout(20.0)
         mine.sendall(b"one\n")
         assert mine.recv(100) == b"one\n"
         assert page.memory[0] == 1
+        assert page.inherit or not os.path.exists(page.argument)  # none is left, whoever is killed now
     assert process.wait(20.0) == 0
     page.close()
-    assert page.inherit or not os.path.exists(page.argument)
+
+
+def test_a_page_in_a_file_lies_in_memory_and_goes_with_the_page(way):
+    page = shared_page.SharedPage.create()
+    path = page.argument
+    assert page.inherit or os.path.dirname(path) == str(memory_folder())
+    page.close()
+    assert not os.path.exists(path)
 
 
 def test_packets_keep_their_bounds_and_wait_for_the_child(way):
@@ -104,7 +114,7 @@ def start_silent_child():
 def test_strangers_without_the_token_are_refused(way):
     there = start_silent_child()
     try:
-        where = ("127.0.0.1", there._listening.getsockname()[1])
+        where = ("127.0.0.1", there.listening.getsockname()[1])
         with socket.create_connection(where, timeout=5.0) as stranger:
             stranger.sendall(b"0" * 32)
             while select.select([stranger], [], [], 0.0)[0] == []:
@@ -127,9 +137,32 @@ def test_a_child_that_ends_at_once_is_an_error(way):
         there.wait()
 
 
+def test_a_child_that_does_not_connect_in_time_is_an_error(way, monkeypatch):
+    monkeypatch.setattr("live.base.system.loopback.CONNECT_TIMEOUT", -1.0)
+    there = start_silent_child()
+    silent = PacketSocket(there)
+    try:
+        with pytest.raises(TimeoutError):
+            silent.recv()
+    finally:
+        there.process.kill()
+        there.process.wait()
+        silent.close()
+
+
 def packet_ends():
     mine, theirs = socket.socketpair()
     return PacketSocket(mine), theirs
+
+
+def fill(end):
+    """Send until the connection is full; return how many packets wait or are on their way."""
+    sent = 0
+    with contextlib.suppress(BlockingIOError):
+        while True:
+            end.send(b"x" * 10_000)
+            sent += 1
+    return sent
 
 
 def test_a_packet_that_is_too_long_ends_the_connection(way):
@@ -143,12 +176,7 @@ def test_a_packet_that_is_too_long_ends_the_connection(way):
 
 def test_a_full_connection_refuses_packets_and_loses_none(way):
     mine, theirs = packet_ends()
-    sent = 0
-    with contextlib.suppress(BlockingIOError):
-        while sent < 10_000:
-            mine.send(b"x" * 10_000)
-            sent += 1
-    assert sent < 10_000
+    sent = fill(mine)
     reader = PacketSocket(theirs)
     received = 0
     while received < sent:
@@ -193,3 +221,43 @@ def test_senders_do_not_mix_their_packets(way):
     assert found.count(b"a") == 50
     mine.close()
     reader.close()
+
+
+def test_a_packet_is_cut_to_what_is_asked_for(way):
+    mine, theirs = packet_ends()
+    other = PacketSocket(theirs)
+    mine.send(b"abcd")
+    mine.send(b"ef")
+    assert [other.recv(3), other.recv(3)] == [b"abc", b"ef"]
+    mine.close()
+    other.close()
+
+
+def test_the_last_packets_of_a_peer_that_has_gone_are_read(way):
+    mine, theirs = packet_ends()
+    fill(mine)
+    other = PacketSocket(theirs)
+    other.send(b"why it ended")
+    other.close()
+    assert mine.recv() == b"why it ended"
+    with contextlib.suppress(ConnectionError):
+        assert mine.recv() == b""
+    mine.close()
+
+
+def test_a_question_of_which_a_part_waits_is_answered(way):
+    mine, theirs = packet_ends()
+    asked = fill(mine)
+    other = PacketSocket(theirs)
+
+    async def answer():
+        for _ in range(asked):
+            assert len(await channel.receive_packet(other)) == 10_000
+        other.send(b"answer")
+
+    async def both():
+        return (await asyncio.gather(channel.receive_packet(mine), answer()))[0]
+
+    assert asyncio.run(asyncio.wait_for(both(), 20.0)) == b"answer"
+    mine.close()
+    other.close()

@@ -1,4 +1,4 @@
-"""Check that what Windows or macOS lacks is named in `live/base/system/` only, or in rooms that Linux alone enters."""
+"""Check that what Windows or macOS lacks is named in `live/base/system/` and in listed modules only."""
 
 import ast
 import sys
@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 LIVE = Path(__file__).resolve().parents[3] / "live"
-DOOR = "base/system/"
+SYSTEM_FOLDER = "base/system/"
 
-LINUX_ROOMS = {
+LINUX_MODULES = {
     "app/machine/systemd_unit.py": "systemd of Linux: `live service`",
     "app/machine/machine_check.py": "names of packages of Debian",
     "supervisor/prefork.py": "forks; `become_subreaper` says no elsewhere",
@@ -94,11 +94,11 @@ def foreign_names(tree: ast.Module) -> Iterator[tuple[int, str]]:
 
 
 def sources() -> list[Path]:
-    """The modules of the program outside of the door and of the rooms of Linux."""
+    """The modules of the program other than those of the system folder and of Linux."""
     found = []
     for path in sorted(path for path in LIVE.rglob("*.py") if not path.is_relative_to(LIVE / "site")):
         name = path.relative_to(LIVE).as_posix()
-        if not name.startswith((DOOR, *LINUX_ROOMS)) and not path.name.startswith("test_"):
+        if not name.startswith((SYSTEM_FOLDER, *LINUX_MODULES)) and not path.name.startswith("test_"):
             found.append(path)
     return found
 
@@ -122,11 +122,11 @@ def test_each_kind_is_seen(source):
     assert [*foreign_names(ast.parse(source))]
 
 
-def test_every_room_of_linux_exists_and_needs_its_place():
-    for room in LINUX_ROOMS:
-        path = LIVE / room
+def test_every_module_of_linux_exists_and_needs_its_place():
+    for name in LINUX_MODULES:
+        path = LIVE / name
         files = [path] if path.suffix else sorted(path.rglob("*.py"))
-        assert any([*foreign_names(ast.parse(file.read_text(encoding="utf-8")))] for file in files), room
+        assert any([*foreign_names(ast.parse(file.read_text(encoding="utf-8")))] for file in files), name
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="Linux has all of them")

@@ -9,10 +9,10 @@ import time
 
 import aiohttp
 
+from live.base.system.channel import MAX_PACKET_BYTES
 from live.control.audience.gateway import Gateway
 from live.control.audience.phone_registry import ticket_key
 from live.control.audience.session_state import BeatClock, Rules
-from live.control.helper_process import MAX_PACKET_BYTES
 from live.control.message_codec import decode_packet, encode_packet
 
 SECRET = b"s" * 32

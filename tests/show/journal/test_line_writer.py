@@ -89,3 +89,15 @@ def test_writer_without_lock_writes_nothing_and_marks_gap(tmp_path, monkeypatch)
     second.line('{"tick":4}', 4)
     second.close()
     assert path.read_text() == '{"tick":1}\n{"tick":4,"gap":2}\n'
+
+
+def test_a_journal_is_written_where_the_system_refuses_a_lock(tmp_path, monkeypatch):
+    def fail(*_, **__):
+        raise OSError(5, "Input/output error")
+
+    monkeypatch.setattr("live.base.system.file_lock._lock", fail)
+    path = tmp_path / "j.jsonl"
+    writer = LineWriter(path, name="test", mark=with_gap)
+    writer.line('{"journal": 1}')
+    writer.close()
+    assert path.read_text() == '{"journal": 1}\n'

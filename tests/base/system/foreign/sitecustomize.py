@@ -14,14 +14,14 @@ from typing import Any
 
 HIDDEN = os.environ.get("HIDDEN_NAMES", "").split()
 """`module.name` for each name, and `module` for each module."""
-DOOR = "live.base.system."
+SYSTEM_FOLDER = "live.base.system."
 
 
 def is_hidden_from(frame: types.FrameType) -> bool:
     caller = str(frame.f_globals.get("__name__", ""))
     if caller == "__main__":  # a process that was started with -m
         caller = getattr(frame.f_globals.get("__spec__"), "name", "")
-    return caller.startswith("live.") and not caller.startswith(DOOR)
+    return caller.startswith("live.") and not caller.startswith(SYSTEM_FOLDER)
 
 
 class ForeignModule(types.ModuleType):
