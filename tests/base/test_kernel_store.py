@@ -204,12 +204,12 @@ def test_clear_removes_what_shows_keep_and_nothing_else(tmp_path: Path, monkeypa
 def test_clear_leaves_folders_of_other_users(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(kernel_store.tempfile, "gettempdir", lambda: str(tmp_path))
     monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
-    spare = kernel_store._temporary_root()
-    spare.mkdir()
     user = kernel_store.user_number()
     if user is None:
         pytest.skip("files have no owner's number here")
     monkeypatch.setattr(kernel_store, "user_number", lambda: user + 1)
+    spare = kernel_store._temporary_root()  # somebody else was first to take the name
+    spare.mkdir()
     assert kernel_store.clear_cache() == []
     assert spare.exists()
 
