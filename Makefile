@@ -56,6 +56,7 @@ references: ## write the studio's forms anew
 
 docs: ## build the documentation into live/site/, for `live docs` and the packages
 	@tools/setup.sh test
+	@rm -rf live/site
 	@$(BIN)/python -m sphinx -q --fail-on-warning --keep-going -b html -d out/doctrees docs live/site
 	@echo "live/site/index.html; live docs opens it"
 
@@ -67,8 +68,7 @@ release: ## build a version into dist/: VERSION=0.2.0 (ARGS="--dry-run", or "--t
 	@tools/setup.sh test
 	@$(BIN)/python -m tools.release $(VERSION) $(ARGS)
 
-archive: ## build an archive into dist/ for Linux without Python and network: all that a show needs, in one folder
-	@tools/setup.sh test
+archive: docs ## build an archive into dist/ for Linux without Python and network: all that a show needs, in one folder
 	@$(BIN)/python -m tools.archive $(ARGS)
 
 studio: ## build the studio's page anew from studio/ (needs Node; users need none)

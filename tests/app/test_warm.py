@@ -163,6 +163,7 @@ def test_kernels_that_are_kept_elsewhere_are_told_where(tmp_path, monkeypatch):
 def test_clear_deletes_the_cache_but_not_under_a_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cache = tmp_path / "cache"
     monkeypatch.setenv("LIVE_CACHE_DIR", str(cache))
+    monkeypatch.setenv("TMPDIR", str(tmp_path))
     kernel_store.writable_root.cache_clear()
     show = kernel_store.ShowLock()
     show.take()
@@ -172,7 +173,8 @@ def test_clear_deletes_the_cache_but_not_under_a_show(tmp_path: Path, monkeypatc
     assert (cache / "kernels").exists()
     show.release()
     kernel_store.writable_root.cache_clear()
-    for _ in range(2):
-        cleared = warm(cache, "--clear")
-        assert (cleared.returncode, cleared.stdout) == (0, f"deleted: {cache}\n")
-        assert not cache.exists()
+    (cache / "mine").touch()
+    for told in (f"deleted: {cache / 'kernels'}\n", "nothing to delete\n"):
+        cleared = warm(cache, "--clear", code="from live.cli.main import main; main()")
+        assert (cleared.returncode, cleared.stdout) == (0, told)
+        assert list(cache.iterdir()) == [cache / "mine"]

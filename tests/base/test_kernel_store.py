@@ -3,7 +3,9 @@
 import multiprocessing
 import os
 import re
+import shutil
 import stat
+import tempfile
 import time
 from pathlib import Path
 
@@ -11,6 +13,7 @@ import pytest
 
 from live.base.disk import kernel_store
 from live.base.disk.kernel_store import KernelStore, content_name, make_private, processor_levels, writable_root
+from live.base.system.file_lock import lock_file
 
 as_other_user = pytest.mark.skipif(not hasattr(os, "getuid"), reason="files have no owner here")
 
@@ -189,12 +192,52 @@ def test_clear_removes_what_shows_keep_and_nothing_else(tmp_path: Path, monkeypa
         path.write_bytes(b"")
     spare = kernel_store._temporary_root()
     spare.mkdir(parents=True)
-    assert set(kernel_store.clear_cache()) == {cache / "kernels", arrays, spare}
+    another = Path(tempfile.mkdtemp(prefix=f"{spare.name}-", dir=temporary))  # as where the spare one is no folder
+    assert set(kernel_store.clear_cache()) == {cache / "kernels", arrays, spare, another}
     assert list(cache.iterdir()) == [mine]
     mine.unlink()
     assert kernel_store.clear_cache() == []
     assert not cache.exists()
     assert temporary.exists()
+
+
+def test_clear_leaves_folders_of_other_users(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kernel_store.tempfile, "gettempdir", lambda: str(tmp_path))
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
+    user = kernel_store.user_number()
+    if user is None:
+        pytest.skip("files have no owner's number here")
+    monkeypatch.setattr(kernel_store, "user_number", lambda: user + 1)
+    spare = kernel_store._temporary_root()  # somebody else was first to take the name
+    spare.mkdir()
+    assert kernel_store.clear_cache() == []
+    assert spare.exists()
+
+
+def test_clear_deletes_nothing_of_a_show_that_runs_and_none_begins_meanwhile(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(kernel_store.tempfile, "gettempdir", lambda: str(tmp_path))
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path / "cache"))
+    kernels = tmp_path / "cache" / "kernels"
+    spare = kernel_store._temporary_root()
+    (kernels / "set").mkdir(parents=True)
+    spare.mkdir()
+    with (spare / "show").open("wb") as show:
+        lock_file(show, shared=True)
+        with pytest.raises(BlockingIOError):
+            kernel_store.clear_cache()
+    assert (kernels / "set").exists()
+    remove = shutil.rmtree
+
+    def remove_and_look(path: Path) -> None:
+        if path.parent == kernels:
+            with (kernels / "show").open("rb") as show, pytest.raises(BlockingIOError):
+                lock_file(show, shared=True)
+        remove(path)
+
+    monkeypatch.setattr(kernel_store.shutil, "rmtree", remove_and_look)
+    assert kernel_store.clear_cache() == [kernels, spare]
 
 
 def test_clear_follows_no_link(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

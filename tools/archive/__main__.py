@@ -1,8 +1,8 @@
 """Build the archive for machines without Python and network into dist/: `make archive`.
 
-The interpreter is a relocatable one from `uv python install` where the network has it, else a copy of that of .venv;
-the libraries are this machine's, with their licences (Debian's packages). So the archive needs the C library of the
-machine that builds it, or a later one.
+The interpreter is a relocatable one from `uv python install`, which needs the network, or with `--python own` a copy of
+that of .venv; the libraries are this machine's, with their licences (Debian's packages). So the archive needs the C
+library of the machine that builds it, or a later one.
 """
 
 import argparse
@@ -28,6 +28,7 @@ from tools.release import artifacts, licences  # noqa: E402
 from tools.release.version import read_version  # noqa: E402
 
 HERE: Final = Path(__file__).parent
+LDCONFIG: Final = "/sbin/ldconfig"
 EXTRAS: Final = ("--extra=link", "--extra=fast")
 LOADED: Final = (
     *("libportaudio.so.2", "libX11.so.6", "libXcursor.so.1", "libXi.so.6", "libXinerama.so.1", "libXrandr.so.2"),
@@ -63,17 +64,35 @@ def run(*command: str | Path, **environment: str) -> str:
     return done.stdout
 
 
-def copy_interpreter(target: Path, uv: Path, scratch: Path) -> Path:
+def check_start() -> None:
+    """PersonError unless an archive may begin: a command is missing, or the documentation is not built."""
+    lacking = [name for name in ("dpkg", "ldd", LDCONFIG) if shutil.which(name) is None]
+    if lacking:
+        raise PersonError(f"this machine lacks {', '.join(lacking)}", "build on Debian or Ubuntu")
+    absent = [name for name in sorted(artifacts.SITE) if not (ROOT / name).is_file()]
+    if absent:
+        raise PersonError(f"the documentation is not built: {absent[0]} is missing", "make docs")
+
+
+def find_interpreter(own: bool, minor: str, uv: Path, scratch: Path) -> tuple[Path, Path]:
+    """Return a Python of this minor version and the folder of its library: that of .venv, or uv's, installed there."""
+    if own:
+        return Path(sys.executable).resolve(), Path(sysconfig.get_path("stdlib"))
+    try:
+        run(uv, "python", "install", "--no-bin", "--install-dir", scratch, minor)
+    except PersonError as error:
+        raise PersonError(error.message, 'ARGS="--python own" copies the Python of .venv instead') from None
+    for prefix in scratch.glob("cpython-*"):
+        if not prefix.is_symlink():
+            return prefix / "bin" / f"python{minor}", prefix / "lib" / f"python{minor}"
+    raise PersonError(f"uv installed no Python {minor} into {scratch}", 'ARGS="--python own" copies that of .venv')
+
+
+def copy_interpreter(target: Path, own_python: bool, uv: Path, scratch: Path) -> Path:
     """Make `target` a Python of this minor version that can lie anywhere; return its licence."""
     minor = f"{sys.version_info.major}.{sys.version_info.minor}"
-    try:
-        run(uv, "python", "install", "--no-bin", "--install-dir", scratch, minor, UV_HTTP_RETRIES="0")
-        prefix = next(path for path in scratch.glob("cpython-*") if not path.is_symlink())
-        binary, library = prefix / "bin" / f"python{minor}", prefix / "lib" / f"python{minor}"
-    except PersonError:
-        print(f"uv's Python cannot be had; copying {sys.base_prefix}", flush=True)
-        prefix = Path(sys.base_prefix)
-        binary, library = Path(sys.executable).resolve(), Path(sysconfig.get_path("stdlib"))
+    binary, library = find_interpreter(own_python, minor, uv, scratch)
+    print(f"{run(binary, '--version').strip()} of {'.venv' if own_python else 'uv'}", flush=True)
     ignore = shutil.ignore_patterns(
         *NOT_NEEDED, "__pycache__", "config-*", "_test*.so", "_tkinter*.so", "nis.*.so", "*.a", "sitecustomize.py",
         "dist-packages", "EXTERNALLY-MANAGED",
@@ -104,7 +123,7 @@ def libraries_of(files: Iterable[Path]) -> dict[str, Path]:
 
 def find_loaded() -> dict[str, Path]:
     """Return name and path of the libraries that are loaded by name; PersonError if this machine lacks one."""
-    known = dict(re.findall(r"^\s*(\S+) \(libc6,x86-64[^)]*\) => (\S+)$", run("/sbin/ldconfig", "-p"), re.MULTILINE))
+    known = dict(re.findall(r"^\s*(\S+) \(libc6,x86-64[^)]*\) => (\S+)$", run(LDCONFIG, "-p"), re.MULTILINE))
     lacking = [name for name in LOADED if name not in known]
     if lacking:
         raise PersonError(f"this machine lacks {', '.join(lacking)}", "install Debian's packages of them")
@@ -125,7 +144,7 @@ def copy_libraries(target: Path, tree: Path, texts: Path) -> list[str]:
             continue
         (target / name).mkdir(parents=True)
         shutil.copy(path.resolve(), target / name / name)
-        owners = run("dpkg", "-S", path if shutil.which("dpkg") and owned(path) else path.resolve())
+        owners = run("dpkg", "-S", path if owned(path) else path.resolve())
         package = owners.partition(":")[0]
         shutil.copy(f"/usr/share/doc/{package}/copyright", texts / f"{package}.txt")
         names.append(name)
@@ -221,8 +240,9 @@ def pack(folder: Path, archive: Path, epoch: int) -> None:
             tar.add(path, f"{folder.name}/{path.relative_to(folder)}".removesuffix("/."), False, filter=plain)
 
 
-def build(keep: Path | None) -> Path:
+def build(keep: Path | None, own_python: bool) -> Path:
     """Build the archive; return its path."""
+    check_start()
     version, uv = read_version(ROOT), Path(sys.executable).with_name("uv")
     epoch = int(os.environ.get("SOURCE_DATE_EPOCH") or run("git", "log", "-1", "--format=%ct"))
     name = f"choreographics-live-{version}-linux-x86_64"
@@ -231,7 +251,7 @@ def build(keep: Path | None) -> Path:
         folder = (keep or scratch) / name
         texts = folder / "licences"
         texts.mkdir(parents=True)
-        shutil.copy(copy_interpreter(folder / "python", uv, scratch / "uv"), texts / "Python.txt")
+        shutil.copy(copy_interpreter(folder / "python", own_python, uv, scratch / "uv"), texts / "Python.txt")
         install_packages(folder / "python" / "bin" / "python3", version, uv, scratch)
         names = copy_libraries(folder / "libraries", folder / "python", texts)
         print(f"libraries: {' '.join(names)}", flush=True)
@@ -252,11 +272,15 @@ def main() -> int:
         prog="make archive", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("--keep", type=Path, metavar="FOLDER", help="leave the unpacked files here, too")
+    parser.add_argument(
+        "--python", choices=("uv", "own"), default="uv", help="uv's Python, from the network, or that of .venv"
+    )
     if sys.platform != "linux" or platform.machine() != "x86_64":
         print("archive: archives are made on and for Linux on x86-64", file=sys.stderr)
         return 2
+    asked = parser.parse_args()
     try:
-        archive = build(parser.parse_args().keep)
+        archive = build(asked.keep, asked.python == "own")
     except PersonError as error:
         print(f"archive: {error}", file=sys.stderr)
         return 2

@@ -8,7 +8,6 @@ excepted.
 import argparse
 import json
 import os
-import re
 import subprocess
 import sys
 from collections.abc import Callable
@@ -74,15 +73,13 @@ def set_version(asked: argparse.Namespace) -> None:
 
 
 def build(asked: argparse.Namespace) -> None:
-    """Build the site, if this checkout has one, the sdist, the wheel and the wheel of kernels."""
+    """Build the documentation, the sdist, the wheel and the wheel of kernels."""
     dist = ROOT / "dist"
     for old in dist.glob("choreographics*"):
         old.unlink()
     environment = {**os.environ, "SOURCE_DATE_EPOCH": str(source_date())}
-    commands = [[uv(), "build", "--out-dir", str(dist)], [sys.executable, "tools/build_kernel_wheel.py"]]
-    if re.search(r"(?m)^docs:", (ROOT / "Makefile").read_text(encoding="utf-8")):
-        commands.insert(0, ["make", "docs"])
-    for command in commands:
+    packages = [uv(), "build", "--out-dir", str(dist)]
+    for command in (["make", "docs"], packages, [sys.executable, "tools/build_kernel_wheel.py"]):
         if subprocess.run(command, cwd=ROOT, env=environment, check=False).returncode:
             raise PersonError(f"{' '.join(command)} failed; its messages above say why")
 
@@ -122,7 +119,7 @@ def commit(asked: argparse.Namespace) -> None:
 Step = Callable[[argparse.Namespace], None]
 STEPS: Final[tuple[tuple[str, Step], ...]] = (
     (f"set the version in {', '.join(version.CHANGED)}", set_version),
-    ("build sdist, wheel and the wheel of kernels into dist/", build),
+    ("build documentation, sdist, wheel and the wheel of kernels into dist/", build),
     (f"check them: all files and no others, metadata, {artifacts.WHEEL_LIMIT // 1_000_000} MB a wheel at most", check),
     (f"write the list of parts (CycloneDX), the licences and {artifacts.SUMS}", write_lists),
     ("with --tag: commit and tag", commit),

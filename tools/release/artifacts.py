@@ -23,6 +23,8 @@ _LEFT_OUT: Final = re.compile(r"live/bridges/(.+/)?test_[^/]*\.py")
 """Files of `live/` that the wheel leaves out, as in pyproject.toml."""
 _MADE: Final = ("live/site/",)
 """Folders that are built for a release and that git does not track."""
+SITE: Final = frozenset(f"live/site/{name}" for name in ("index.html", "search.html", "searchindex.js"))
+"""Files of the documentation that have to be there."""
 
 
 def wheel_files(tracked: Iterable[str]) -> set[str]:
@@ -44,7 +46,8 @@ def list_sdist(path: Path) -> set[str]:
 
 
 def check_files(path: Path, wanted: set[str], found: set[str]) -> None:
-    """PersonError if files are missing or foreign."""
+    """PersonError if files, or those of the documentation, are missing, or some are foreign."""
+    wanted = wanted | SITE
     found = {name for name in found if name in wanted or not name.startswith(_MADE)}
     for what, names in (("lacks", wanted - found), ("has foreign files", found - wanted)):
         if names:

@@ -194,15 +194,18 @@ def start_native_build() -> None:
 
 def clear_caches() -> None:
     """Delete what shows keep in the user's cache, and say so; PersonError while a show runs, or if it is another's."""
-    from live.base.disk.kernel_store import ShowLock, cache_root, clear_cache
+    from live.base.disk.kernel_store import clear_cache
 
-    if ShowLock.is_taken():
-        raise PersonError("a show runs, and uses the compiled kernels", "end it first")
     try:
-        clear_cache()
+        cleared = clear_cache()
+    except BlockingIOError:
+        raise PersonError("a show runs, and uses the compiled kernels", "end it first") from None
     except OSError as error:
         raise PersonError(f"{error.filename}: {error.strerror}", "delete it as the user who owns it") from None
-    print(f"deleted: {cache_root().parent}")
+    for path in cleared:
+        print(f"deleted: {path}")
+    if not cleared:
+        print("nothing to delete")
 
 
 def warm(

@@ -31,6 +31,11 @@ _KEEP_S: Final = 30 * 86_400.0
 _ARRAYS = re.compile(r"[a-z_-]+-[0-9a-f]{16}\.npz")
 _IMPORT = re.compile(r"^from (live\.[\w.]+) import", re.MULTILINE)
 
+_SHOW: Final = "show"
+"""Name of the file that a running show locks."""
+_TEMPORARY: Final = "choreographics-live-kernels-"
+"""Beginning of the names of folders among the temporary files."""
+
 SHIPPED_PACKAGE: Final = "choreographics_live_kernels"
 """Package of the companion wheel: it holds folders of kernel sets and nothing else."""
 
@@ -140,35 +145,50 @@ def writable_root() -> Path:
     if make_private(root):
         return root
     try:
-        return Path(tempfile.mkdtemp(prefix="choreographics-live-kernels-"))
+        return Path(tempfile.mkdtemp(prefix=_TEMPORARY))
     except OSError:
         return cache_root()
 
 
 def _temporary_root() -> Path:
     user = user_number()
-    return Path(tempfile.gettempdir()) / f"choreographics-live-kernels-{'user' if user is None else user}"
+    return Path(tempfile.gettempdir()) / f"{_TEMPORARY}{'user' if user is None else user}"
 
 
 def clear_cache() -> list[Path]:
     """Remove all that this user's shows keep in caches, and a folder that is empty then; return what went.
 
     Compiled kernels (here and among the temporary files) and arrays (`array_cache`); all of it is made anew when it is
-    needed. Files of others in a folder of `LIVE_CACHE_DIR` stay. OSError if something cannot be removed.
+    needed. Files of others stay, and links. BlockingIOError while a show runs; OSError if something cannot be removed.
     """
-    root, roots = cache_root(), [cache_root()]
+    root = cache_root()
+    folders = [root]
     with contextlib.suppress(OSError):  # there is no folder for temporary files
-        roots.append(_temporary_root())
-    found = [path for path in roots if path.is_dir() and not path.is_symlink()]
-    found += [path for path in root.parent.glob("*.npz") if _ARRAYS.fullmatch(path.name)]
-    for path in found:
-        if path.is_dir():
-            shutil.rmtree(path)
-        else:
-            path.unlink()
+        folders += sorted(Path(tempfile.gettempdir()).glob(f"{_TEMPORARY}*"))
+    folders = [path for path in folders if _is_own(path) and path.is_dir()]
+    arrays = [path for path in root.parent.glob("*.npz") if _ARRAYS.fullmatch(path.name) and _is_own(path)]
+    with contextlib.ExitStack() as locks:  # no show begins meanwhile
+        for folder in folders:
+            lock_file(locks.enter_context((folder / _SHOW).open("wb")))
+        for path in [*arrays, *(path for folder in folders for path in folder.iterdir() if path.name != _SHOW)]:
+            if path.is_dir() and not path.is_symlink():
+                shutil.rmtree(path)
+            else:
+                path.unlink()
+    for folder in folders:  # Windows removes no open file
+        shutil.rmtree(folder)
     with contextlib.suppress(OSError):  # it holds files of others, or there is none
         root.parent.rmdir()
-    return found
+    return folders + arrays
+
+
+def _is_own(path: Path) -> bool:
+    """Whether this is there, no link, and this user's."""
+    try:
+        found = path.lstat()
+    except OSError:
+        return False
+    return not stat.S_ISLNK(found.st_mode) and user_number() in (None, found.st_uid)
 
 
 def shipped_folder(set_name: str) -> Path | None:
@@ -190,7 +210,7 @@ class ShowLock:
     def take(self) -> None:
         """Say so until `release`, or until this process ends; several shows may."""
         with contextlib.suppress(OSError):
-            self._file = (writable_root() / "show").open("wb")
+            self._file = (writable_root() / _SHOW).open("wb")
             lock_file(self._file, shared=True)
 
     def release(self) -> None:
@@ -202,7 +222,7 @@ class ShowLock:
     @staticmethod
     def is_taken() -> bool:
         """Whether a show runs."""
-        with contextlib.suppress(OSError), (writable_root() / "show").open("wb") as file:
+        with contextlib.suppress(OSError), (writable_root() / _SHOW).open("wb") as file:
             try:
                 lock_file(file)
             except BlockingIOError:

@@ -76,8 +76,12 @@ def _addresses(client: Any, direction: Direction) -> dict[str, tuple[int, int]]:
 
         for port in _each(next_port, lambda info: int(info.port_id), -1):
             if port.type & kinds and port.capability & needed == needed:
-                found[f"{owner.name}:{port.name} {number}:{port.port_id}"] = (number, port.port_id)
+                found[_full_name(owner, port)] = (number, port.port_id)
     return found
+
+
+def _full_name(owner: Any, port: Any) -> str:
+    return f"{owner.name}:{port.name} {owner.client_id}:{port.port_id}"
 
 
 class AlsaPort:
@@ -88,7 +92,6 @@ class AlsaPort:
     def __init__(self, direction: Direction, name: str) -> None:
         """Connect to the port; MidiUnavailable or OSError if that fails."""
         self.name = name
-        self._direction: Direction = direction
         self._library = _library()
         self._client = _open_client()
         self._receive: Receive = lambda message: None
@@ -98,6 +101,7 @@ class AlsaPort:
             address = _addresses(self._client, direction).get(name)
             if address is None:
                 raise OSError("the port is gone")
+            self._address = address
             if direction == "input":
                 self._own = self._client.create_port("in", caps.WRITE | caps.SUBS_WRITE)
                 self._own.connect_from(address)
@@ -148,7 +152,13 @@ class AlsaPort:
     @property
     def exists(self) -> bool:
         """Whether the other side still exists. A port that has returned under another number must be opened again."""
-        return self._client is not None and self.name in _addresses(self._client, self._direction)
+        if self._client is None:
+            return False
+        try:  # asked five times a second: nothing else is looked at
+            owner = self._client.get_client_info(self._address[0])
+            return self.name == _full_name(owner, self._client.get_port_info(self._address))
+        except (self._library.Error, UnicodeDecodeError):
+            return False
 
     def close(self) -> None:
         """Close the port; errors of the system are ignored."""

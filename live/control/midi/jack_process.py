@@ -1,5 +1,7 @@
 """One connection to a JACK MIDI port in a process of its own, whose standard streams carry the MIDI bytes.
 
+Without a port's name it lists the ports and ends. A server that hangs or crashes stops nothing else.
+
 JACK calls `_receive` and `_send` in its real-time thread, once in a cycle of 1 to 20 ms. A cycle later the messages are
 overwritten. In the show's process that thread would wait for the interpreter: beside three busy threads 58 of 500
 messages arrived, beside one each came twice. Here no other thread runs Python meanwhile, and nothing that is called
@@ -12,17 +14,50 @@ import select
 import signal
 import sys
 import threading
+import time
 from collections import deque
 from typing import Any, Final
 
-from live.control.midi.jack_system import NOT_OPENED, PORT_GONE, READ_SIZE, SYSTEM_GONE, jack_client
+from live.control.midi.jack_system import NOT_OPENED, PORT_GONE, READ_SIZE, SYSTEM_GONE
 from live.control.midi.midi_streams import MidiTokenizer
+from live.control.midi.midi_system import CLIENT_NAME, MidiUnavailable
 
 IN, OUT = 0, 1
 MAX_WAITING: Final = 1 << 20
 """Maximum number of bytes that wait for a show that does not read; then all are dropped."""
 LAST_TIMEOUT: Final = 0.2
 """Longest wait until the last messages have left [s]."""
+ATTEMPTS: Final = 5
+"""The server refuses a client while it tells others of it that have just died ..."""
+ATTEMPT_INTERVAL: Final = 0.05
+"""... until it has noticed that [s]."""
+
+
+def jack_client() -> Any:
+    """Return a new client; MidiUnavailable without JACK's library or server.
+
+    No server is started, and nothing is printed to the terminal.
+    """
+    try:
+        import jack
+    except (ImportError, OSError) as error:
+        raise MidiUnavailable(f"JACK: {error}") from None
+    jack.set_error_function(_ignore)  # once in a process: the library's threads may be within the one before
+    jack.set_info_function(_ignore)
+    for attempt in range(ATTEMPTS):
+        if attempt:
+            time.sleep(ATTEMPT_INTERVAL)
+        try:
+            return jack.Client(CLIENT_NAME, no_start_server=True)
+        except jack.JackOpenError as error:
+            status = error.status
+            if status.server_failed:
+                raise MidiUnavailable("no JACK server runs") from None
+    raise MidiUnavailable(f"JACK: {status}")
+
+
+def _ignore(message: str) -> None:
+    """Take a message of JACK's library."""
 
 
 class JackConnection:
@@ -103,8 +138,27 @@ class JackConnection:
         return True
 
 
-def main(direction: str, name: str) -> int:
+def list_ports(direction: str) -> int:
+    """Write the names of all MIDI ports, each with a zero byte behind it, or why not; return the exit code."""
+    code = 0
+    try:
+        client = jack_client()
+        reads = direction == "input"
+        names = [port.name for port in client.get_ports(is_midi=True, is_output=reads, is_input=not reads)]
+        client.close()
+        said = "".join(f"{name}\0" for name in names)
+    except MidiUnavailable as error:
+        code, said = NOT_OPENED, str(error)
+    except Exception as error:  # a port went away meanwhile, or its name is no text
+        code, said = NOT_OPENED, f"JACK: {error}"
+    os.write(OUT, said.encode())
+    return code
+
+
+def main(direction: str, name: str = "") -> int:
     """Run the process; return its exit code."""
+    if not name:
+        return list_ports(direction)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     gc.disable()  # there are no reference cycles here, and a collection would delay messages
     os.set_blocking(IN, False)
@@ -129,5 +183,8 @@ def main(direction: str, name: str) -> int:
 
 
 if __name__ == "__main__":
-    code = main(sys.argv[1], sys.argv[2])
-    os._exit(code)  # whatever state JACK's library is in
+    code = 1
+    try:
+        code = main(*sys.argv[1:])
+    finally:
+        os._exit(code)  # whatever state JACK's library is in

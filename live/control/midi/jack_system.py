@@ -1,7 +1,7 @@
-"""MIDI ports of JACK (also PipeWire's), through JACK-Client, which is loaded on demand.
+"""MIDI ports of JACK (also PipeWire's), through JACK-Client, which no process of the show loads.
 
-Ports are listed here; an open one lives in a process of its own (`jack_process.py`), which ends with its server, its
-other side or us, so that neither the show nor JACK's real-time thread ever waits for the other.
+A process of its own (`jack_process.py`) lists the ports, and each open one lives in another, which ends with its
+server, its other side or us. So neither the show nor JACK's real-time thread ever waits for the other.
 """
 
 import contextlib
@@ -10,51 +10,23 @@ import select
 import subprocess
 import sys
 import time
-from typing import Any, Final
+from typing import Final
 
 from live.control.midi.midi_streams import Direction, MidiTokenizer, Receive
-from live.control.midi.midi_system import CLIENT_NAME, MidiUnavailable, foreign
+from live.control.midi.midi_system import MidiUnavailable, foreign
 from live.control.worker_thread import WorkerThread
 
 NOT_OPENED, PORT_GONE, SYSTEM_GONE = 3, 4, 5
 """Exit codes of the process."""
+PROCESS: Final = (sys.executable, "-m", "live.control.midi.jack_process")
+LIST_TIMEOUT: Final = 5.0
+"""Longest wait for the list of ports [s]."""
 OPEN_TIMEOUT: Final = 10.0
 """Longest wait for the process to connect [s] ..."""
 CLOSE_TIMEOUT: Final = 1.0
 """... and to end."""
-ATTEMPTS: Final = 5
-"""The server refuses a client while it tells others of it that have just died ..."""
-ATTEMPT_INTERVAL: Final = 0.05
-"""... until it has noticed that [s]."""
 READ_SIZE: Final = 65536
 """Size of a pipe."""
-
-
-def jack_client() -> Any:
-    """Return a new client and the module jack; MidiUnavailable without JACK's library or server.
-
-    No server is started, and nothing is printed to the terminal.
-    """
-    try:
-        import jack
-    except (ImportError, OSError) as error:
-        raise MidiUnavailable(f"JACK: {error}") from None
-    jack.set_error_function(_ignore)
-    jack.set_info_function(_ignore)
-    for attempt in range(ATTEMPTS):
-        if attempt:
-            time.sleep(ATTEMPT_INTERVAL)
-        try:
-            return jack.Client(CLIENT_NAME, no_start_server=True)
-        except jack.JackOpenError as error:
-            status = error.status
-            if status.server_failed:
-                raise MidiUnavailable("no JACK server runs") from None
-    raise MidiUnavailable(f"JACK: {status}")
-
-
-def _ignore(message: str) -> None:
-    """Take a message of JACK's library."""
 
 
 class JackSystem:
@@ -64,14 +36,19 @@ class JackSystem:
 
     def port_names(self, direction: Direction) -> list[str]:
         """Return the MIDI ports of others; MidiUnavailable if no server runs."""
-        client = jack_client()
-        reads = direction == "input"
         try:
-            return foreign([port.name for port in client.get_ports(is_midi=True, is_output=reads, is_input=not reads)])
-        except Exception as error:  # a port went away meanwhile, or its name is no text
+            done = subprocess.run(
+                [*PROCESS, direction], timeout=LIST_TIMEOUT, check=False, start_new_session=True,
+                stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL,
+            )  # fmt: skip
+        except subprocess.TimeoutExpired:
+            raise MidiUnavailable("JACK does not answer") from None
+        except OSError as error:
             raise MidiUnavailable(f"JACK: {error}") from None
-        finally:
-            client.close()
+        said = done.stdout.decode(errors="replace")
+        if done.returncode:
+            raise MidiUnavailable(said or "the process that lists JACK's ports ended at once")
+        return foreign([name for name in said.split("\0") if name])
 
     def open_port(self, direction: Direction, name: str) -> "JackPort":
         """Connect to a port; OSError if that fails."""
@@ -89,7 +66,7 @@ class JackPort:
         self._receive: Receive = lambda message: None
         self._worker = WorkerThread("midi in", self._read)
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "live.control.midi.jack_process", direction, name],
+            [*PROCESS, direction, name],
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, bufsize=0,
             start_new_session=True,  # Ctrl-C ends the show, which then ends this process
         )  # fmt: skip

@@ -29,15 +29,18 @@ class RtMidiPort:
     system_runs = True
 
     def __init__(self, direction: Direction, name: str) -> None:
-        """Connect to the port; MidiUnavailable, or OSError if it is gone."""
+        """Connect to the port; MidiUnavailable, or OSError if it is gone or another program's."""
         self.name = name
         self._reads = direction == "input"
         self._client = _open_client(direction)
-        names = self._client.get_ports()
-        if name not in names:
+        try:
+            names = self._client.get_ports()
+            if name not in names:
+                raise OSError("the port is gone")
+            self._client.open_port(names.index(name), "in" if self._reads else "out")
+        except Exception as error:  # also rtmidi's own
             self.close()
-            raise OSError("the port is gone")
-        self._client.open_port(names.index(name), "in" if self._reads else "out")
+            raise OSError(" ".join(str(error).split())) from None
 
     def listen(self, receive: Receive) -> None:
         """Pass every message, including clock, active sensing and system exclusive, to `receive` as it arrives."""
@@ -75,10 +78,12 @@ class RtMidiSystem:
     name = "rtmidi"
 
     def port_names(self, direction: Direction) -> list[str]:
-        """Return the ports of others; MidiUnavailable without python-rtmidi."""
+        """Return the ports of others; MidiUnavailable without python-rtmidi, or if its system fails."""
         client = _open_client(direction)
         try:
             return foreign(client.get_ports())
+        except Exception as error:  # rtmidi's own
+            raise MidiUnavailable(f"rtmidi: {' '.join(str(error).split())}") from None
         finally:
             client.delete()
 

@@ -96,6 +96,48 @@ def test_missing_library_is_told(monkeypatch):
     assert archive.find_loaded()["libc.so.6"].is_file()
 
 
+def test_archive_without_documentation_does_not_begin(monkeypatch, tmp_path):
+    monkeypatch.setattr(archive.shutil, "which", lambda name: name)
+    monkeypatch.setattr(archive, "ROOT", tmp_path)
+    for name in sorted(archive.artifacts.SITE):
+        with pytest.raises(PersonError, match=f"{name} is missing") as told:
+            archive.check_start()
+        assert told.value.remedy == "make docs"
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).touch()
+    archive.check_start()
+
+
+def test_machine_without_debian_packages_is_told(monkeypatch):
+    monkeypatch.setenv("PATH", "/nowhere")
+    with pytest.raises(PersonError, match="this machine lacks dpkg, ldd"):
+        archive.check_start()
+
+
+@pytest.mark.parametrize(
+    ("does", "fault"), [("echo no network >&2; exit 1", "uv python: no network"), ("mkdir -p $5", "uv installed no")]
+)
+def test_another_python_is_taken_only_when_asked_for(tmp_path, does, fault):
+    uv = tmp_path / "uv"
+    uv.write_text(f"#!/bin/sh\n{does}\n")
+    uv.chmod(0o755)
+    with pytest.raises(PersonError, match=fault) as told:
+        archive.find_interpreter(False, "3.11", uv, tmp_path / "scratch")
+    assert "--python own" in told.value.remedy
+    binary, library = archive.find_interpreter(True, "3.11", uv, tmp_path / "scratch")
+    assert binary.samefile(sys.executable)
+    assert (library / "os.py").is_file()
+
+
+def test_python_of_uv_is_found(tmp_path):
+    uv = tmp_path / "uv"
+    uv.write_text('#!/bin/sh\nmkdir -p "$5/cpython-3.11.9-linux" && ln -s cpython-3.11.9-linux "$5/cpython-3.11"\n')
+    uv.chmod(0o755)
+    prefix = tmp_path / "cpython-3.11.9-linux"
+    found = archive.find_interpreter(False, "3.11", uv, tmp_path)
+    assert found == (prefix / "bin" / "python3.11", prefix / "lib" / "python3.11")
+
+
 def test_the_same_tree_is_packed_into_the_same_bytes(tree, tmp_path):
     (tree / "python" / "bin" / "python").symlink_to("python3")
     packed = []

@@ -43,9 +43,9 @@ def test_wheel_holds_the_program_and_its_patches_and_no_tests():
 
 def test_complete_files_pass_and_the_built_site_is_welcome(tmp_path):
     wanted = artifacts.wheel_files(TRACKED)
-    wheel = make_wheel(tmp_path, [*wanted, "live/site/index.html"])
+    wheel = make_wheel(tmp_path, [*wanted, *artifacts.SITE, "live/site/tutorials/first.html"])
     artifacts.check_files(wheel, wanted, artifacts.list_wheel(wheel))
-    sdist = make_sdist(tmp_path, TRACKED)
+    sdist = make_sdist(tmp_path, [*TRACKED, *artifacts.SITE])
     artifacts.check_files(sdist, set(TRACKED), artifacts.list_sdist(sdist))
     for path in (wheel, sdist):
         artifacts.check_metadata(path, "0.2.0")
@@ -61,9 +61,17 @@ def test_complete_files_pass_and_the_built_site_is_welcome(tmp_path):
     ],
 )
 def test_missing_and_foreign_files_are_named(tmp_path, files, fault):
-    wheel = make_wheel(tmp_path, files)
+    wheel = make_wheel(tmp_path, [*files, *artifacts.SITE])
     with pytest.raises(PersonError, match=fault):
         artifacts.check_files(wheel, artifacts.wheel_files(TRACKED), artifacts.list_wheel(wheel))
+
+
+@pytest.mark.parametrize("missing", sorted(artifacts.SITE))
+def test_packages_without_documentation_are_refused(tmp_path, missing):
+    wanted = artifacts.wheel_files(TRACKED)
+    wheel = make_wheel(tmp_path, [*wanted, *artifacts.SITE - {missing}])
+    with pytest.raises(PersonError, match=f"lacks: {missing}"):
+        artifacts.check_files(wheel, wanted, artifacts.list_wheel(wheel))
 
 
 @pytest.mark.parametrize(

@@ -84,7 +84,7 @@ def test_other_branch_releases_when_told(checkout, monkeypatch):
 
 def test_failed_build_restores_the_files(checkout, monkeypatch, capsys):
     assert run(monkeypatch, "99.0.0") == 2
-    assert "failed" in capsys.readouterr().err
+    assert "make docs failed" in capsys.readouterr().err
     assert git(checkout, "status", "--porcelain") == ""
     assert (checkout.parent / "uv.log").read_text().splitlines()[:2] == ["lock --check", "lock --check"]
 

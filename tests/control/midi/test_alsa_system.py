@@ -90,6 +90,17 @@ class Client:
         name, caps, kind = ports[number]
         return self.kernel.library.PortInfo(client_id, number, name.decode(), caps, kind)
 
+    def get_client_info(self, client_id: int) -> Any:
+        return self._found(self.query_next_client(client_id - 1), client_id)
+
+    def get_port_info(self, address: tuple[int, int]) -> Any:
+        return self._found(self.query_next_port(address[0], address[1] - 1), address[1], "port_id")
+
+    def _found(self, info: Any, number: int, of: str = "client_id") -> Any:
+        if info is None or getattr(info, of) != number:
+            raise self.kernel.library.ALSAError("No such file or directory", -errno.ENOENT)
+        return info
+
     def create_port(self, name: str, caps: Any) -> "OwnPort":
         kind = self.kernel.library.PortType.MIDI_GENERIC
         self.kernel.clients[self.client_id][1][0] = (name.encode(), caps, kind)
@@ -208,6 +219,20 @@ def test_sent_messages_leave_at_once_until_the_device_is_gone(kernel: Sequencer)
     port.close()
     with pytest.raises(OSError, match="closed"):
         port.send(b"\x90\x24\x00")
+
+
+def test_open_port_is_looked_up_without_a_list_of_all(kernel: Sequencer, monkeypatch: pytest.MonkeyPatch) -> None:
+    kernel.pad(24)
+    port = midi_ports.open_output("Pad")
+    monkeypatch.setattr(alsa_system, "_addresses", None)
+    assert port.exists
+    for name, exists in ((b"Drums", False), (b"Pad", True), (b"P\xff", False)):  # it has the number of one that left
+        kernel.pad(24, name)
+        assert port.exists == exists
+    kernel.add(24, b"Pad")
+    assert not port.exists
+    port.close()
+    assert not port.exists
 
 
 def test_device_that_left_meanwhile_is_no_open_port(kernel: Sequencer) -> None:

@@ -10,7 +10,8 @@ from collections.abc import Iterator
 import psutil
 import pytest
 
-from live.control.midi.jack_system import CLOSE_TIMEOUT, JackPort, JackSystem
+from live.control.midi import jack_system
+from live.control.midi.jack_system import CLOSE_TIMEOUT, PROCESS, JackPort, JackSystem
 from live.control.midi.midi_streams import MAX_SYSEX
 from live.control.midi.midi_system import MidiUnavailable
 from tests.control.midi.jack import JackPeer, JackServer, jack_server  # noqa: F401 - a fixture
@@ -115,6 +116,34 @@ def test_server_that_hangs_delays_closing_for_a_bounded_time(
         jack_server.process.send_signal(signal.SIGCONT)
 
 
+def test_server_that_hangs_delays_the_list_of_ports_for_a_bounded_time(
+    keyboard: JackPeer,
+    jack_server: JackServer,  # noqa: F811
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert "keyboard:out" in JackSystem().port_names("input")
+    assert "keyboard:out" not in JackSystem().port_names("output")
+    monkeypatch.setattr(jack_system, "LIST_TIMEOUT", 1.0)
+    assert jack_server.process is not None
+    jack_server.process.send_signal(signal.SIGSTOP)
+    try:
+        with pytest.raises(MidiUnavailable, match="JACK does not answer"):
+            JackSystem().port_names("input")
+    finally:
+        jack_server.process.send_signal(signal.SIGCONT)
+
+
+def test_process_whose_show_died_before_it_was_open_ends_at_once(keyboard: JackPeer) -> None:
+    reads, writes = os.pipe()
+    os.close(reads)
+    done = subprocess.run([*PROCESS, "input", "keyboard:out"], stdout=writes, stderr=subprocess.PIPE, timeout=30.0)
+    os.close(writes)
+    assert (done.returncode, done.stderr) == (
+        1,
+        b"",
+    )  # a traceback: the interpreter would shut down beside JACK's threads
+
+
 OWNER = """
 import sys
 from live.control.midi.jack_system import JackPort
@@ -134,16 +163,18 @@ def test_the_port_goes_when_its_owner_is_killed(keyboard: JackPeer) -> None:
 
 
 QUIET = """
+import sys
 from live.control.midi.jack_system import JackSystem
 from live.control.midi.midi_system import MidiUnavailable
 try:
     JackSystem().port_names("input")
 except MidiUnavailable:
     pass
+assert "jack" not in sys.modules, "its threads would run in the show's process"
 """
 
 
-def test_jacks_library_prints_nothing_to_the_terminal() -> None:
+def test_jacks_library_prints_nothing_to_the_terminal_and_is_not_in_the_shows_process() -> None:
     for server in (os.environ["JACK_DEFAULT_SERVER"], "live-test-none"):
         done = subprocess.run(
             [sys.executable, "-c", QUIET], capture_output=True, env={**os.environ, "JACK_DEFAULT_SERVER": server}

@@ -94,6 +94,29 @@ def test_device_that_left_meanwhile_is_no_open_port(bus: Bus) -> None:
     assert not bus.clients
 
 
+@pytest.mark.parametrize("call", ["get_ports", "open_port"])
+def test_port_that_cannot_be_opened_is_told_and_leaves_no_client(
+    bus: Bus, monkeypatch: pytest.MonkeyPatch, call: str
+) -> None:
+    def fail(*_: Any) -> None:
+        raise RuntimeError("MidiInWinMM::openPort: error creating\nport")
+
+    monkeypatch.setattr(_Client, call, fail)
+    with pytest.raises(OSError, match="error creating port"):
+        RtMidiSystem().open_port("input", "Keys")
+    assert not bus.clients
+
+
+def test_list_that_fails_is_told(bus: Bus, monkeypatch: pytest.MonkeyPatch) -> None:
+    def fail(_: Any) -> None:
+        raise RuntimeError("no ports\nnow")
+
+    monkeypatch.setattr(_Client, "get_ports", fail)
+    with pytest.raises(MidiUnavailable, match="no ports now"):
+        RtMidiSystem().port_names("input")
+    assert not bus.clients
+
+
 def test_python_without_rtmidi_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(sys.modules, "rtmidi", None)
     with pytest.raises(MidiUnavailable, match=r"rtmidi.*MIDI needs Python 3\.11 or 3\.12"):
