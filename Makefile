@@ -55,7 +55,7 @@ references: ## write the studio's forms anew
 	@$(BIN)/python tools/write_studio_schema.py
 
 docs: ## build the documentation into live/site/, for `live docs` and the packages
-	@tools/setup.sh test
+	@tools/setup.sh docs
 	@rm -rf live/site
 	@$(BIN)/python -m sphinx -q --fail-on-warning --keep-going -b html -d out/doctrees docs live/site
 	@echo "live/site/index.html; live docs opens it"

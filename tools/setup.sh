@@ -3,6 +3,7 @@
 #
 #   tools/setup.sh play     what a show needs
 #   tools/setup.sh bench    that, and what the benches compare with
+#   tools/setup.sh docs     what a show needs, and what builds the documentation
 #   tools/setup.sh test     what a show needs, and what the tests do (a virtual screen and sound card, linters, pytest)
 #
 # Environment:
@@ -18,9 +19,9 @@ cd "$(dirname "$0")/.."
 
 mode=${1:-play}
 case $mode in
-  play | bench | test) ;;
+  play | bench | docs | test) ;;
   *)
-    echo "usage: tools/setup.sh play|bench|test" >&2
+    echo "usage: tools/setup.sh play|bench|docs|test" >&2
     exit 2
     ;;
 esac
@@ -259,6 +260,7 @@ install_python_packages() {
   case $mode in
     play) more=--no-dev ;;
     bench) more="--no-dev --extra=bench" ;;
+    docs) more="--no-dev --group=docs" ;;
     test) more="--group=dev --extra=bench" ;;
   esac
   made=$(python_version .venv/bin/python)

@@ -24,6 +24,7 @@ from live.control.keyboard import help_lines
 from live.render.frame_stats import Pacer
 from live.render.window.monitors import Monitor, UnknownMonitor, list_monitors, resolve_monitor, screen_problem
 from live.show.loader import LoadedShow
+from live.show.patch.patch_search_path import show_stem
 from live.show.patch.section_score import formation_names
 from live.supervisor.supervisor_link import SupervisorLink
 
@@ -116,7 +117,6 @@ def _loop(
 
 
 FILM_SECONDS = 20.0
-FILM_NAME = "first-show.mp4"
 
 
 def play_show(options: LaunchOptions, *, lifeline: SupervisorLink | None = None) -> None:
@@ -243,7 +243,7 @@ def _film(options: LaunchOptions, loaded: LoadedShow, sound: AudioChoice, consol
     from live.app.film.show_film import film_show
 
     seconds = options.seconds or FILM_SECONDS
-    path = options.record or Path(FILM_NAME)
+    path = options.record or Path(f"{show_stem(options.patch)}.mp4")
     console.print(f"{screen_problem()}; rendering {seconds:g} s of the show to a film", style="dim", soft_wrap=True)
     if options.osc != LaunchOptions().osc:
         console.print("note: a film receives no OSC; use --headless to play in real time", style="yellow", markup=False)

@@ -15,8 +15,6 @@ from live.base.errors import PersonError
 
 SITE: Final = Path(live.__file__).parent / "site"
 """The pages as built by `make docs`; packages have them, a checkout only then."""
-SHOWN_PAGES: Final = 8
-"""How many similar names are told when a page is not found."""
 
 
 def list_pages(site: Path) -> dict[str, str]:
@@ -44,9 +42,6 @@ def find_page(site: Path, wanted: str) -> str:
     name = wanted.strip().strip("/").removesuffix(".md").removesuffix(".html")
     if found := pages.get(name) or pages.get(name.replace(" ", "-").replace("_", "-").lower()):
         return found
-    near = difflib.get_close_matches(name, [each for each in pages if "/" not in each], SHOWN_PAGES)
-    if near:
-        raise PersonError(f"there is no page {wanted!r}", f"did you mean {' or '.join(near)}?")
     from urllib.parse import urlencode
 
     return f"search.html?{urlencode({'q': wanted})}"
@@ -69,13 +64,19 @@ def open_server(site: Path) -> http.server.ThreadingHTTPServer:
 
 
 def docs(
-    page: Annotated[str, typer.Argument(help="A page by its name, as osc or film, or words to search for.")] = "",
+    page: Annotated[
+        list[str] | None, typer.Argument(help="A page by its name, as osc or film, or words to search for.")
+    ] = None,
     where: Annotated[bool, typer.Option("--where", help="Only print the page's file.")] = False,
 ) -> None:
     """Read the documentation in the browser, without a network: tutorials, how-to pages, reference, ideas."""
-    address = find_page(SITE, page)
+    wanted = " ".join(page or ())
+    address = find_page(SITE, wanted)
     if where:
-        print(SITE / address.partition("?")[0])
+        if "?" in address:
+            near = difflib.get_close_matches(wanted, [each for each in list_pages(SITE) if "/" not in each])
+            raise PersonError(f"there is no page {wanted!r}", f"did you mean {' or '.join(near)}?" if near else None)
+        print(SITE / address)
         return
     with open_server(SITE) as server:
         url = f"http://127.0.0.1:{server.server_address[1]}/{address}"

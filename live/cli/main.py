@@ -71,8 +71,8 @@ class _Commands(TyperGroup):
 app = typer.Typer(
     name="live",
     cls=_Commands,
-    help="Virtual dancers that dance live to music, on a projector.",
-    epilog="First show: [bold]live play[/]. Check this machine: [bold]live doctor[/]. Read: [bold]live docs[/].",
+    help="Virtual dancers that dance live to music, on a projector.\n\n"
+    "First show: [bold]live play[/]. Check this machine: [bold]live doctor[/]. Read: [bold]live docs[/].",
     no_args_is_help=True,
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,

@@ -102,7 +102,7 @@ def play(*, new_web_key: NewWebKey = False, **written: Any) -> None:
 
     Keys: Space tap, 1 this is the one, B blackout, F full screen, O overlay, S spread; click or drag = attractor,
     with shift = repulsor. Closing the window, Esc in a window or Ctrl-C here ends the show; music from a file begins
-    again at its end. Without a screen, 20 s of the show become a film, first-show.mp4.
+    again at its end. Without a screen, 20 s of the show become a film of its name, as first-show.mp4.
     """
     import secrets
     from dataclasses import replace

@@ -46,10 +46,11 @@ def test_pages_are_found_by_name_path_or_search(site, wanted, found):
     assert docs.find_page(site, wanted) == found
 
 
-def test_a_nearly_right_name_is_told(site):
-    with pytest.raises(PersonError, match="audiense") as error:
-        docs.find_page(site, "audiense")
-    assert error.value.remedy == "did you mean audience?"
+def test_a_nearly_right_name_is_searched_for_or_told(site):
+    assert docs.find_page(site, "audiense") == "search.html?q=audiense"
+    done = run_live("docs", "audiense", "--where")
+    assert (done.returncode, done.stdout) == (2, "")
+    assert "did you mean audience?" in done.stderr
 
 
 def test_a_site_that_is_not_built_names_the_remedy(tmp_path):
@@ -99,5 +100,5 @@ def test_a_browser_that_waits_for_the_page_gets_it(site, tmp_path, monkeypatch):
     server, opened = [], docs.open_server
     monkeypatch.setattr(docs.webbrowser, "open", browse)
     monkeypatch.setattr(docs, "open_server", lambda folder: server.append(opened(folder)) or server[0])
-    docs.docs("osc")
+    docs.docs(["osc"])
     assert read == [b"<title>reference/osc/index.html</title>"]

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Final
 
 from live.base.errors import PersonError
+from live.show.patch.patch_search_path import show_stem
 
 NAME: Final = re.compile(r"[a-z0-9][a-z0-9_-]{0,39}")
 KEPT_ENVIRONMENT: Final = (
@@ -118,10 +119,7 @@ def check_name(name: str) -> str:
 
 def default_service_name(patch: str | None) -> str:
     """Return a default service name for a patch."""
-    stem = "first-show" if patch is None else Path(patch).stem
-    if stem == "show" and patch is not None:
-        stem = Path(patch).resolve().parent.name
-    return re.sub(r"[^a-z0-9_-]+", "-", stem.lower()).strip("-_")[:40] or "show"
+    return re.sub(r"[^a-z0-9_-]+", "-", show_stem(patch).lower()).strip("-_")[:40] or "show"
 
 
 def quote_word(text: str, *, command: bool = False) -> str:

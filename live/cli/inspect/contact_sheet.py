@@ -64,7 +64,8 @@ def contact_sheet(
             renderer.draw(view, target.framebuffer)
             if taken is not None:
                 pictures.append((target.read().copy(), taken))
-                console.print(f"measure {taken.measure}", end="\r")
+                if console.is_terminal:
+                    console.print(f"measure {taken.measure}", end="\r")
                 if sheet.size_for(len(pictures))[1] > MAX_HEIGHT:
                     raise PersonError(
                         f"{len(pictures)} pictures are too many for a sheet", "give a larger --every, or more --columns"

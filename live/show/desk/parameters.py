@@ -333,8 +333,10 @@ class Parameters:
         )
 
     def _turns(self, share: float) -> tuple[float, float]:
-        """Return how far orbits have turned the camera in this fade, and how far they will have at its end [rad]; that is
-        0 if the new view turns: then it is there at any angle."""
+        """Return how far orbits have turned the camera in this fade, and how far they will have at its end [rad].
+
+        The second is 0 if the new view turns: it is there at any angle.
+        """
         if not self._turns_itself():
             return 0.0, 0.0
         orbit = picture_parameters.ORBIT

@@ -34,6 +34,14 @@ def user_settings_folder() -> Path:
     return Path(os.environ.get("LIVE_CONFIG_DIR") or platformdirs.user_config_dir("choreographics-live"))
 
 
+def show_stem(patch: str | None) -> str:
+    """Return the name of files that are made from a show: that of its file, or of its folder."""
+    if patch is None:
+        return "first-show"
+    path = Path(patch)
+    return path.resolve().parent.name if path.name == MAIN_FILE else path.name.removesuffix(".toml")
+
+
 def find_patch(name: str | None) -> Path:
     """Return the file of a patch given as a path, a folder with show.toml, or the name of one of the project's own."""
     if name is None:
