@@ -7,15 +7,15 @@ import typer
 
 
 def render(
+    patch: Annotated[str | None, typer.Argument(help="A patch. Default: the first show.")] = None,
     out: Annotated[
-        Path,
+        Path | None,
         typer.Option(
             help="The film to write (.mp4, .mov, .mkv), a folder for PNG pictures, or the dancers' motion "
-            "(.glb, .usdc, .bvh, .csv, .json).",
+            "(.glb, .usdc, .bvh, .csv, .json). Default: a film of the show's name, here.",
             metavar="FILE|FOLDER",
         ),
-    ],
-    patch: Annotated[str | None, typer.Argument(help="A patch. Default: the first show.")] = None,
+    ] = None,
     audio: Annotated[str | None, typer.Option(help="A music file. Default: the patch's music.", metavar="FILE")] = None,
     midi_file: Annotated[
         Path | None,
@@ -50,12 +50,14 @@ def render(
     from live.app.machine.kernel_warmup import warm_kernels
     from live.app.option_values import check_range, check_writable, parse_size
     from live.base.errors import PersonError
+    from live.show.patch.patch_search_path import show_stem
 
     check_range(bpm, "--bpm", 20, 400)
     check_range(seconds, "--seconds", 0.02, 7 * 86400)
     rate = parse_rate(fps)
     for path, name in ((journal, "--journal"), (report, "--report")):
         check_writable(path, name)
+    out = out or Path(f"{show_stem(patch)}{'.mov' if alpha else '.mp4'}")
     film = parse_film_path(out, "--out", alpha=alpha, inputs=[audio, patch])
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)  # before modules with kernels are imported

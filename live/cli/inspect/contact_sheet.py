@@ -19,7 +19,10 @@ DEFAULT_PICTURES = 24
 
 def contact_sheet(
     show: Annotated[str, typer.Argument(help="A journal, or a patch.", metavar="JOURNAL|PATCH")],
-    out: Annotated[Path, typer.Option(help="The picture to write.", metavar="FILE.png")],
+    out: Annotated[
+        Path | None,
+        typer.Option(help="The picture to write. Default: one of the show's name, here.", metavar="FILE.png"),
+    ] = None,
     every: Annotated[
         int | None, typer.Option(min=1, help="Measures between pictures. Default: about 24 pictures in all.")
     ] = None,
@@ -41,8 +44,10 @@ def contact_sheet(
     from live.app.machine.kernel_warmup import warm_kernels
     from live.app.option_values import check_range, check_writable
     from live.base.errors import PersonError
+    from live.show.patch.patch_search_path import show_stem
 
     check_range(seconds, "--seconds", 1.0, 86400)
+    out = out or Path(f"{Path(show_stem(show)).stem}.png")
     check_writable(out, "--out")
     if out.suffix.lower() not in (".png", ".jpg"):
         raise PersonError(f"--out {out}: a picture's name ends in .png or .jpg", f"--out {out.with_suffix('.png')}")

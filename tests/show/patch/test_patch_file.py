@@ -5,7 +5,7 @@ import pytest
 from live import __version__
 from live.show.patch import toml_model
 from live.show.patch.patch_reader import parse_patch, read_patch
-from live.show.patch.patch_search_path import DEFAULT_PATCH, PatchError, find_patch, find_resource
+from live.show.patch.patch_search_path import DEFAULT_PATCH, PatchError, find_patch, find_resource, show_stem
 from tests.show.made_show import PATCH
 
 
@@ -140,3 +140,16 @@ def test_remedies_are_searched_only_for_reported_problems(monkeypatch):
         parse_patch("\n".join(f"k{number} = 1" for number in range(5000)), "test.toml")
     assert len(set(asked)) <= 8
     assert len(asked) <= 2 * 8  # in its own table, and in the others
+
+
+@pytest.mark.parametrize(
+    ("patch", "stem"),
+    [
+        (None, "first-show"),
+        ("house", "house"),
+        ("my shows/gala.toml", "gala"),
+        ("a/night.of.5/show.toml", "night.of.5"),
+    ],
+)
+def test_files_made_from_a_show_have_its_name(patch, stem):
+    assert show_stem(patch) == stem
