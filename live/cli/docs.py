@@ -3,7 +3,6 @@
 import difflib
 import functools
 import http.server
-import threading
 import webbrowser
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -12,6 +11,7 @@ import typer
 
 import live
 from live.base.errors import PersonError
+from live.control.worker_thread import WorkerThread
 
 SITE: Final = Path(live.__file__).parent / "site"
 """The pages as built by `make docs`; packages have them, a checkout only then."""
@@ -81,6 +81,10 @@ def docs(
     with open_server(SITE) as server:
         url = f"http://127.0.0.1:{server.server_address[1]}/{address}"
         print(f"{url}   (Ctrl-C ends it)", flush=True)
-        # in a thread, as browsers of a terminal return when they end, and wait for the page meanwhile
-        threading.Thread(target=webbrowser.open, args=(url,), daemon=True).start()
-        server.serve_forever()
+        pages = WorkerThread("pages", server.serve_forever)
+        pages.start()  # before the browser: one of a terminal waits for the page, and returns when it ends
+        try:
+            webbrowser.open(url)
+            pages.stop(timeout=None)  # when nothing is served any more: Ctrl-C
+        finally:
+            server.shutdown()
