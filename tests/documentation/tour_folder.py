@@ -133,8 +133,11 @@ def _blocks(language: str, page: str) -> list[str]:
 
 
 def _write_look(folder: Path) -> None:
-    """Write the show of the visual artists' tutorial as it is at the end: groups are written once more in step 4."""
-    begin, *more = _blocks("toml", "tutorials/visual-artist.md")
+    """Write the show of the visual artists' tutorial without its character, whose file a command of the page makes.
+
+    Step 4 of the tutorial replaces the groups of the first.
+    """
+    begin, *more, _ = _blocks("toml", "tutorials/visual-artist.md")
     (folder / "passes").mkdir(parents=True)
     (folder / "show.toml").write_text("\n".join([begin[: begin.index("[[group]]")], *more]))
     (folder / "passes" / "water.glsl").write_text(_blocks("glsl", "tutorials/visual-artist.md")[0])
