@@ -12,7 +12,15 @@ from pathlib import Path
 import pytest
 
 from live.base.disk import kernel_store
-from live.base.disk.kernel_store import KernelStore, content_name, make_private, processor_levels, writable_root
+from live.base.disk.kernel_store import (
+    KernelStore,
+    ShowLock,
+    content_name,
+    make_private,
+    processor_levels,
+    writable_root,
+)
+from live.base.system import file_lock
 from live.base.system.file_lock import lock_file
 
 as_other_user = pytest.mark.skipif(not hasattr(os, "getuid"), reason="files have no owner here")
@@ -249,3 +257,21 @@ def test_clear_follows_no_link(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
     (tmp_path / "cache" / "kernels").symlink_to(tmp_path / "other")
     assert kernel_store.clear_cache() == []
     assert (tmp_path / "other" / "file").exists()
+
+
+def test_a_show_that_begins_waits_for_who_looks_whether_one_runs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("LIVE_CACHE_DIR", str(tmp_path))
+    writable_root.cache_clear()
+    show = ShowLock()
+    try:
+        look = (writable_root() / "show").open("wb")
+        lock_file(look)
+        monkeypatch.setattr(file_lock.time, "sleep", lambda _seconds: look.close())
+        show.take()
+        assert look.closed
+        assert ShowLock.is_taken()
+    finally:
+        show.release()
+        writable_root.cache_clear()

@@ -201,6 +201,10 @@ def shipped_folder(set_name: str) -> Path | None:
     return None
 
 
+TAKE_TIMEOUT: Final = 2.0
+"""Longest wait of a show that begins [s] for those who look whether one runs, or clear the cache."""
+
+
 class ShowLock:
     """Says to other processes of this user that a show runs, so that nobody compiles beside it."""
 
@@ -211,7 +215,7 @@ class ShowLock:
         """Say so until `release`, or until this process ends; several shows may."""
         with contextlib.suppress(OSError):
             self._file = (writable_root() / _SHOW).open("wb")
-            lock_file(self._file, shared=True)
+            lock_file(self._file, shared=True, within=TAKE_TIMEOUT)
 
     def release(self) -> None:
         """Say so no more."""
