@@ -31,11 +31,7 @@ _PLACES: Final = {
 }
 
 
-_ON_BODIES: Final = tuple(
-    name
-    for name in (address.removeprefix(STYLE_ADDRESS_PREFIX) for address in GROUP_PARAMETERS)
-    if name not in ("solid", "particles", "ribbons", "trails", "variety", "sheen") and "/" not in name
-)
+_ON_BODIES: Final = ("silhouette", "ink", "xray", "pulse", "emission")
 """Amounts that change how a lit body is drawn; the others are drawn beside it or belong to the clothes."""
 
 

@@ -67,6 +67,8 @@ def parse_value(address: str, value: object) -> tuple[float, ...]:
     row = ROWS.get(address)
     if row is None:
         raise PersonError(f"{address!r} has no value that can be set", f"there are: {', '.join(ROWS)}")
+    if row.kind == "names":
+        return (_number_of_names(row, value),)
     parts: list[Any] = list(value) if isinstance(value, list | tuple) else [value]
     arguments = value_arguments(row)
     checked = [argument.check(part) for argument, part in zip(arguments, parts, strict=False)]
@@ -75,6 +77,15 @@ def parse_value(address: str, value: object) -> tuple[float, ...]:
         expected = arguments[0].expected.removeprefix(f"{row.names[0]} ")
         raise PersonError(f"{address!r} = {value!r}", f"expected {many}{expected}")
     return tuple(float(part) for part in parts)
+
+
+def _number_of_names(row: Parameter, value: object) -> float:
+    """Return the number of names in a patch: a text, or a list of texts."""
+    words = value if isinstance(value, list | tuple) else (value,)
+    try:
+        return row.number_of_names("+".join(map(str, words)))
+    except ValueError as error:
+        raise PersonError(f"{row.address!r}: {error}", 'write one name, or several: ["a", "b"]') from None
 
 
 class ParameterTable:
