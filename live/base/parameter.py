@@ -25,7 +25,7 @@ _COMPONENTS: Final[Mapping[Kind, tuple[str, ...]]] = {
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One parameter: a number, a switch (0 or 1), a choice, names, a colour (r, g, b), or a place or direction (x, y, z).
+    """One parameter: a number, switch (0 or 1), choice, names, colour (r, g, b), or place or direction (x, y, z).
 
     Names stand in the row as one number, the sum of the `choices` of each name, which are powers of two.
     """

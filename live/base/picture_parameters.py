@@ -237,6 +237,9 @@ _STYLE_ROWS: Final = (
     _number("pulse", 0, 1, 0.0, "How much the dancers' colours pulse with the beat."),
     _number("sheen", 0, 3, 1.0, "How much the clothes shine in the light."),
     _number("emission", 0, 2, 0.0, "How much light the clothes emit."),
+)
+"""Their addresses are names under `/dance/draw/`."""
+_CLOTHES_ROWS: Final = (
     _names("costume", COSTUMES, f"What the dancers wear: {', '.join(COSTUMES)}."),
     _names("shoes", SHOES, f"What they have on their feet: {', '.join(SHOES)}."),
     _names("hair", HAIRS, f"How their hair is: {', '.join(HAIRS)}."),
@@ -248,7 +251,9 @@ _STYLE_ROWS: Final = (
     _number("accent/amount", 0, 1, 0.0, "How far these take that colour; 0: a dark shade of the first one."),
     _number("skirt", 0, 1, 0.5, "Length of skirts and dresses, from the hips to the floor."),
 )
-"""Their addresses are names under `/dance/draw/`."""
+"""What dancers wear and look like, under the same prefix: drawn in any style."""
+CLOTHES_NAMES: Final = tuple(row.address for row in _CLOTHES_ROWS)
+"""Their addresses without the prefix."""
 
 
 def _in_row(rows: Iterable[Parameter], first: int) -> tuple[Parameter, ...]:
@@ -276,7 +281,10 @@ GROUP_PARAMETERS: Final = {
     row.address: replace(row, per_group=True)
     for row in (
         *_in_row((_colour(GROUP_COLOUR_ADDRESS, (0.8, 0.8, 0.8), "Colour of the clothes of a group."),), COLOURS_START),
-        *_in_row((replace(row, address=STYLE_ADDRESS_PREFIX + row.address) for row in _STYLE_ROWS), STYLES_START),
+        *_in_row(
+            (replace(row, address=STYLE_ADDRESS_PREFIX + row.address) for row in (*_STYLE_ROWS, *_CLOTHES_ROWS)),
+            STYLES_START,
+        ),
     )
 }
 """The parameters that every group has, by address, with the positions of the first group."""

@@ -21,9 +21,7 @@ def value_arguments(row: Parameter) -> tuple[Argument, ...]:
     if row.kind == "names":
         form = f"one of {', '.join(row.choices)}, or several with + between them"
         kept = row.address.rpartition("/")[2]
-        return (
-            Argument(kept, "name", row.components[0], convert=row.number_of_names, form=form, names=kept),
-        )
+        return (Argument(kept, "name", row.components[0], convert=row.number_of_names, form=form, names=kept),)
     kind: Literal["bool", "float"] = "bool" if row.kind == "switch" else "float"
     return tuple(
         Argument(name, kind, words, row.unit, row.low, row.high)

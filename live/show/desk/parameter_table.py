@@ -44,6 +44,12 @@ ROWS: Final = {row.address: row for row in (
 """All parameters by address."""
 
 
+NAME_CHOICES: Final = {
+    row.address.rpartition("/")[2]: tuple(row.choices) for row in ROWS.values() if row.kind == "names"
+}
+"""The names that each parameter of names can have, by the last word of its address: costume, shoes, hair."""
+
+
 def split_key(key: str) -> tuple[str, str]:
     """Return address and group of a key such as `/dance/motion/larger ember`; the group is "*" if there is none."""
     address, _, group = key.strip().partition(" ")
@@ -80,12 +86,16 @@ def parse_value(address: str, value: object) -> tuple[float, ...]:
 
 
 def _number_of_names(row: Parameter, value: object) -> float:
-    """Return the number of names in a patch: a text, or a list of texts."""
+    """Return the number of names in a patch, a text or a list of texts, or in an event, which has the number."""
     words = value if isinstance(value, list | tuple) else (value,)
+    number = words[0] if len(words) == 1 else None
+    if isinstance(number, int | float) and number in range(int(row.low), int(row.high) + 1):
+        return float(number)
     try:
         return row.number_of_names("+".join(map(str, words)))
     except ValueError as error:
-        raise PersonError(f"{row.address!r}: {error}", 'write one name, or several: ["a", "b"]') from None
+        expected = 'expected one name, or several: ["a", "b"]'
+        raise PersonError(f"{row.address!r} = {value!r}: {error}", expected) from None
 
 
 class ParameterTable:
