@@ -241,7 +241,7 @@ def _tube(
     shape: FaceShape,
     body: str,
 ) -> BodyMesh:
-    """Hanging hair around a line: `line(t)` (N, 3), `radius(t)` (N,) for shares 0 to 1; `flat` times as deep as wide."""
+    """Hanging hair around a line: `line(t)` (N, 3), `radius(t)` (N,) for shares 0 to 1, `flat`: depth by width."""
     segments, pieces = _TUBE[level]
     share = np.linspace(0.0, 1.0, pieces + 1)
     middle = _off_body(line(share), radius(share) * flat, body)

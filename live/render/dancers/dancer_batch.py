@@ -14,9 +14,10 @@ from live.render.adaptive_quality import Quality
 from live.render.body.body_lookup import FAMILIES, characters_of, kinds_of, mesh_of, pieces_of
 from live.render.body.body_mesh import BodyMesh
 from live.render.characters.character_buffers import CharacterBuffers
-from live.render.dancers.group_styles import WARDROBE_TEXELS, GroupStyles, dancer_colours
+from live.render.dancers.group_styles import GroupStyles
 from live.render.dancers.instance_lists import InstanceLists, ViewVolume
 from live.render.dancers.skinning import POSE_TEXELS, SKIN_UNIT, MeshTexture, PoseTexture, SkinTexture, skin_levels
+from live.render.dancers.wardrobe import WARDROBE_TEXELS, dancer_colours
 from live.render.shader import release_all, set_uniform
 
 POSE_UNIT: Final = 0
@@ -122,9 +123,9 @@ class DancerBatch:
 
     def set_styles(self, row: npt.NDArray[np.float64]) -> None:
         """Set the groups' styles from a parameter row, from the next frame on."""
-        variety, sheen = self.styles.variety, self.styles.sheen
+        before = self.styles.clothes
         self.styles.apply_row(row)
-        if not (np.array_equal(variety, self.styles.variety) and np.array_equal(sheen, self.styles.sheen)):
+        if not np.array_equal(before, self.styles.clothes):
             self._group[:] = -1
 
     def _allocate(self, capacity: int) -> None:
@@ -140,7 +141,7 @@ class DancerBatch:
         self._wardrobe.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._group = np.full(capacity, -1, np.int32)
         self._instances = InstanceLists(self._ctx, capacity, len(self.kinds), len(FAMILIES))
-        self._appearance = np.full((0, APPEARANCE_SIZE), BY_CHANCE, np.int32)
+        self._appearance = np.full((capacity, APPEARANCE_SIZE), BY_CHANCE - 1, np.int32)
 
     @property
     def box(self) -> Float32:
@@ -160,13 +161,14 @@ class DancerBatch:
         count = len(view.joint_position)
         if count > self._capacity:
             self._allocate(count)
-        if not np.array_equal(view.appearance, self._appearance):
-            self._appearance = view.appearance.copy()
+        changed = not np.array_equal(view.appearance, self._appearance[:count])
+        if changed:
+            self._appearance[:count] = view.appearance
             self._instances.piece[:count] = pieces_of(self.kinds, self._scene, view.appearance)
         meshes, skin = self._places, self._skin
         self._instances.fill(view, self._view_volume, light, self.quality, self.styles, self.reach, meshes, skin)
         self._poses.upload(view)
-        if not np.array_equal(view.group, self._group[:count]):
+        if changed or not np.array_equal(view.group, self._group[:count]):
             self._upload_colours(view, count)
 
     def skin(self) -> None:
@@ -182,7 +184,7 @@ class DancerBatch:
         self._group[:count] = view.group
         blocks, rows = self._wardrobe.width // WARDROBE_TEXELS, self.rows
         padded = np.zeros((blocks * rows, WARDROBE_TEXELS, 4), np.uint8)
-        padded[:count] = dancer_colours(view.group, self._colours, self.styles.variety, self.styles.sheen)
+        padded[:count] = dancer_colours(view.group, self._colours, self.styles.clothes, view.appearance)
         columns = padded.reshape(blocks, rows, WARDROBE_TEXELS, 4).transpose(1, 0, 2, 3)
         self._wardrobe.write(np.ascontiguousarray(columns))
 

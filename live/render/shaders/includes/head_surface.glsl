@@ -14,7 +14,7 @@ float uneven(vec2 p) {   // smooth chance, about 0.5
 
 // White, iris and pupil by the offset from where the eye looks [m]; square roots of colours.
 vec3 eye_colour(vec2 off, int dancer, float skin_light) {
-    vec3 own = material(4, dancer).yzw;
+    vec3 own = material(IDENTITY, dancer).yzw;
     float kind = own.y;   // the paler the skin, the more eyes are not brown
     vec3 brown = mix(vec3(0.25, 0.15, 0.10), vec3(0.46, 0.29, 0.16), own.z);
     vec3 light = kind < 0.35 ? vec3(0.36, 0.47, 0.58) : (kind < 0.6 ? vec3(0.40, 0.45, 0.32) : vec3(0.47, 0.40, 0.24));
@@ -30,8 +30,8 @@ vec3 eye_colour(vec2 off, int dancer, float skin_light) {
 }
 
 vec4 face_colour(vec3 rest, int dancer, bool painted) {
-    vec4 skin = material(2, dancer), hair = material(3, dancer);
-    vec3 own = material(4, dancer).yzw;
+    vec4 skin = material(SKIN, dancer), hair = material(HAIR, dancer);
+    vec3 own = material(IDENTITY, dancer).yzw;
     float s = abs(rest.x), y = rest.y;
     float front = smoothstep(0.030, 0.055, rest.z);
     vec3 colour = skin.rgb;
@@ -84,7 +84,7 @@ vec4 face_colour(vec3 rest, int dancer, bool painted) {
 
 // Across and along the strands from the hairline [m], and whether it is curly.
 vec4 hair_colour(vec3 at, int dancer) {
-    vec4 hair = material(3, dancer);
+    vec4 hair = material(HAIR, dancer);
     if (at.z > 0.5) {
         float curl = uneven(at.xy * 230.0) * 0.6 + uneven(at.xy * 520.0 + 9.0) * 0.4;
         if (at.y < 0.010 * curl - 0.001) discard;
@@ -97,8 +97,8 @@ vec4 hair_colour(vec3 at, int dancer) {
 }
 
 vec4 head_surface(vec3 rest, int dancer, int part) {
-    if (part == 6) return hair_colour(rest, dancer);
-    vec4 skin = material(2, dancer);
+    if (part == HAIR_PART) return hair_colour(rest, dancer);
+    vec4 skin = material(SKIN, dancer);
     if (part == 3) {
         vec3 off = rest - vec3(EYE_AT.x * sign(rest.x), EYE_AT.y, 0.0648);
         return vec4(off.z > 0.0 ? eye_colour(off.xy, dancer, dot(skin.rgb, vec3(0.3, 0.6, 0.1))) : vec3(0.5), 0.4);
