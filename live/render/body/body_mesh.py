@@ -14,10 +14,11 @@ import numpy as np
 from live.base.arrays import Float32, Float64, Int32, Int64
 from live.base.body.catalogue import DEFAULT_BODY
 from live.base.disk.array_cache import ArrayCache, Arrays, digest_of_code
-from live.render.body.body_variants import bun_of, parts_of
-from live.render.body.cage import Cage, build_bun_cage, build_cage
+from live.render.body.body_variants import parts_of, trunk_of
+from live.render.body.cage import Cage, build_cage
 from live.render.body.implicit_surface import Shape
 from live.render.body.mesh_simplify import simplify, subdivide
+from live.render.body.surface_parts import BODY
 
 COARSE: Final = 0
 """Level for shadows and reflections."""
@@ -27,10 +28,14 @@ FINE: Final = 2
 """Level for a graphics card and few dancers."""
 DISTANT: Final = 3
 """Level for dancers far from the camera; at 12 m it looks like `LIGHT`."""
-LEVELS: Final = (COARSE, LIGHT, FINE, DISTANT)
+CLOSE: Final = 4
+"""Level for software rendering, of the few dancers next to the camera."""
+LEVELS: Final = (COARSE, LIGHT, FINE, DISTANT, CLOSE)
+WITH_HEAD: Final = (COARSE, DISTANT)
+"""Levels at which a body has a head of its own; at the others heads are meshes of their own."""
 
-_SUBDIVISIONS: Final = (0, 1, 2, 1)
-_TRIANGLES: Final = {LIGHT: 1220, DISTANT: 640}
+_SUBDIVISIONS: Final = (0, 1, 2, 1, 2)
+_TRIANGLES: Final = {LIGHT: 980, DISTANT: 600, CLOSE: 3600}
 """Triangle counts of simplified levels."""
 _INFLUENCES: Final = 4
 _PROJECTIONS: Final = 4
@@ -56,6 +61,10 @@ class BodyMesh:
     """Share of ambient light that reaches the vertex, 0 to 1, shape (V,)."""
     triangle: Int32
     """Vertex indices, shape (T, 3)."""
+    place: Float32
+    """Where the vertex lies on the usual body [m], by which the surface is painted, shape (V, 3)."""
+    part: Int32
+    """What the surface is (`surface_parts`), shape (V,); the same for all corners of a triangle."""
 
 
 def _project(shape: Shape, points: Float64) -> Float64:
@@ -96,7 +105,8 @@ def _triangles(points: Float64, faces: Int64) -> Int64:
     return np.concatenate([turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]])
 
 
-def _openness(shape: Shape, points: Float64, normals: Float64) -> Float64:
+def occlusion(shape: Shape, points: Float64, normals: Float64) -> Float64:
+    """Return the share of ambient light that reaches points (N, 3) on a surface, 0 to 1."""
     total = np.zeros(len(points))
     for reach in _OCCLUSION_REACH:
         total += np.clip(shape.distance(points + normals * reach) / reach, 0.0, 1.0)
@@ -134,9 +144,10 @@ def _unpack(arrays: Arrays) -> BodyMesh:
     shapes = {
         "position": (vertices, 3), "normal": (vertices, 3), "joint": (vertices, _INFLUENCES),
         "weight": (vertices, _INFLUENCES), "openness": (vertices,), "triangle": (triangles, 3),
+        "place": (vertices, 3), "part": (vertices,),
     }  # fmt: skip
     for name, shape in shapes.items():
-        kind = np.int32 if name in ("joint", "triangle") else np.float32
+        kind = np.int32 if name in ("joint", "triangle", "part") else np.float32
         if arrays[name].shape != shape or arrays[name].dtype != kind:
             raise ValueError(f"{name}: {shape} numbers of {kind.__name__} expected")
     if mesh.triangle.min() < 0 or mesh.triangle.max() >= vertices:
@@ -145,22 +156,15 @@ def _unpack(arrays: Arrays) -> BodyMesh:
 
 
 def _build(level: int, name: str) -> BodyMesh:
-    body, bun = Shape(parts_of(name)), Shape(bun_of(name))
-    parts = [
-        (body, _refine(build_cage(), body, _SUBDIVISIONS[level])),
-        (bun, _refine(build_bun_cage(), bun, _SUBDIVISIONS[level])),
-    ]
-    points = np.concatenate([cage.points for _, cage in parts])
-    weights = np.concatenate([cage.weights for _, cage in parts])
-    normals = np.concatenate([shape.normal(cage.points) for shape, cage in parts])
-    first = len(parts[0][1].points)
-    triangles = np.concatenate(
-        [_triangles(cage.points, cage.faces) + start for (_, cage), start in zip(parts, (0, first), strict=True)]
-    )
+    shape = Shape(parts_of(name) if level in WITH_HEAD else trunk_of(name))
+    cage = _refine(build_cage(head=level in WITH_HEAD), shape, _SUBDIVISIONS[level])
+    points, weights, triangles = cage.points, cage.weights, _triangles(cage.points, cage.faces)
+    normals = shape.normal(points)
     if level in _TRIANGLES:
         used, triangles = simplify(points, triangles, weights, _TRIANGLES[level])
         points, weights, normals = points[used], weights[used], normals[used]
-    openness = _openness(body, points, normals)
+    openness = occlusion(Shape(parts_of(name)), points, normals)
+    place = points
     if level == COARSE:
         points = points + normals * _SHADOW_OFFSET
     joint, weight = strongest_weights(weights)
@@ -171,4 +175,25 @@ def _build(level: int, name: str) -> BodyMesh:
         weight,
         np.ascontiguousarray(openness, np.float32),
         np.ascontiguousarray(triangles, np.int32),
+        np.ascontiguousarray(place, np.float32),
+        np.full(len(points), BODY, np.int32),
     )
+
+
+def empty_mesh() -> BodyMesh:
+    """Return a mesh of nothing."""
+    three, four, one = ((0, 3), (0, 4), (0,))
+    return BodyMesh(
+        np.zeros(three, np.float32), np.zeros(three, np.float32), np.zeros(four, np.int32), np.zeros(four, np.float32),
+        np.zeros(one, np.float32), np.zeros(three, np.int32), np.zeros(three, np.float32), np.zeros(one, np.int32),
+    )  # fmt: skip
+
+
+def merged(meshes: list[BodyMesh]) -> BodyMesh:
+    """Return meshes as one; none of their vertices are shared."""
+    first = np.cumsum([0, *(len(mesh.position) for mesh in meshes)])[:-1]
+    arrays = {field.name: [getattr(mesh, field.name) for mesh in meshes] for field in fields(BodyMesh)}
+    arrays["triangle"] = [
+        (triangle + start).astype(np.int32) for triangle, start in zip(arrays["triangle"], first, strict=True)
+    ]
+    return BodyMesh(**{name: np.ascontiguousarray(np.concatenate(each)) for name, each in arrays.items()})

@@ -160,7 +160,6 @@ def _scaled_small_part(part: Loft | Ellipsoid, kind: BodyType) -> Loft | Ellipso
     return _scaled_about(part, _HEAD_ROOT, kind.head) if part.centre[1] > _HEAD_ROOT[1] - 0.03 else part
 
 
-def bun_of(name: str) -> tuple[Loft | Ellipsoid, ...]:
-    """Return the hair bun of the body of that name."""
-    factor = TYPES[name].head
-    return tuple(_scaled_about(part, _HEAD_ROOT, factor) if isinstance(part, Ellipsoid) else part for part in usual.BUN)
+def trunk_of(name: str) -> tuple[Loft | Ellipsoid, ...]:
+    """Return the parts of a body without its head: its neck ends in a head of its own mesh."""
+    return tuple(part for part in parts_of(name) if isinstance(part, Loft) or part.centre[1] < _HEAD_ROOT[1] - 0.03)

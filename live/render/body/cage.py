@@ -85,6 +85,11 @@ _HEAD: Final[tuple[tuple[tuple[Point, Point, Point, Point], JointWeights], ...]]
     (((0.0, 1.655, 0.080), (0.048, 1.662, 0.055), (0.052, 1.670, -0.052), (0.0, 1.672, -0.075)), {"head": 1.0}),
 )
 
+# Where a body without a head ends: rows as above.
+_NECK_END: Final[tuple[tuple[tuple[Point, Point, Point, Point], JointWeights], ...]] = (
+    (((0.0, 1.478, 0.030), (0.034, 1.478, 0.018), (0.034, 1.478, -0.044), (0.0, 1.478, -0.056)), {"neck": 1.0}),
+)
+
 # Arm rings along x: x, half-height, half-depth, weights; centre line at the height of the shoulder joint.
 _ARM_LINE: Final = (1.380, -0.010)
 _ARM: Final[tuple[tuple[float, float, float, JointWeights], ...]] = (
@@ -121,10 +126,9 @@ _FOOT: Final[tuple[tuple[float, float, float, float, float, JointWeights], ...]]
     (0.120, 0.002, 0.038, 0.056, 0.126, {"leftFoot": 0.52, "leftToes": 0.48}),
     (0.184, 0.003, 0.020, 0.066, 0.110, {"leftToes": 1.0}),
 )
-_BUN: Final = ((0.0, 1.668, -0.094), 0.030)
 
 
-def _trunk(half: _HalfBuilder) -> list[list[int]]:
+def _trunk(half: _HalfBuilder, *, head: bool) -> list[list[int]]:
     crease: list[Point] = [(0.0, 0.812, 0.034), (0.150, 0.862, 0.060), (0.140, 0.828, -0.085), (0.0, 0.808, -0.050)]
     side = {"hips": 0.50, "leftUpperLeg": 0.50}
     rows = [half.ring(crease, [{"hips": 1.0}, side, {"hips": 0.42, "leftUpperLeg": 0.58}, {"hips": 1.0}])]
@@ -132,7 +136,7 @@ def _trunk(half: _HalfBuilder) -> list[list[int]]:
         middle = {name: weight for name, weight in bond.items() if not name.startswith("left")}
         corners: list[Point] = [(0.0, y, front), (width, y, front * 0.72), (width, y, back * 0.72), (0.0, y, back)]
         rows.append(half.ring(corners, [middle, bond, bond, middle]))
-    for corners_, bond in _HEAD:
+    for corners_, bond in _HEAD if head else _NECK_END:
         rows.append(half.ring(list(corners_), bond))
     for index in range(len(rows) - 1):
         socket = 1 if index == _SHOULDER_ROW else None
@@ -211,21 +215,10 @@ def _mirrored(half: _HalfBuilder) -> Cage:
     )
 
 
-def build_cage() -> Cage:
-    """Return the cage of the body without its hair bun, in the rest pose."""
+def build_cage(*, head: bool = True) -> Cage:
+    """Return the cage of the body in the rest pose; without a head its neck ends inside one."""
     half = _HalfBuilder()
-    rows = _trunk(half)
+    rows = _trunk(half, head=head)
     _leg(half, rows[0])
     _arm(half, rows[_SHOULDER_ROW], rows[_SHOULDER_ROW + 1])
     return _mirrored(half)
-
-
-def build_bun_cage() -> Cage:
-    """Return the cage of the hair bun: a cube on the back of the head."""
-    (x, y, z), r = _BUN
-    signs = np.array(
-        [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]
-    )
-    faces = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2]], np.int64)
-    weights = np.tile(_weights({"head": 1.0}), (8, 1))
-    return Cage(np.array([x, y, z]) + signs * r, weights, faces)

@@ -195,15 +195,13 @@ BODY: Final[tuple[Loft | Ellipsoid, ...]] = (
     HEEL,
     FOOT,
     TOES,
-    Ellipsoid((0.0, 1.617, -0.006), (0.070, 0.084, 0.087), 0.015),  # skull
-    Ellipsoid((0.0, 1.575, 0.034), (0.050, 0.073, 0.052), 0.035),  # face
-    Ellipsoid((0.0, 1.512, 0.056), (0.026, 0.020, 0.024), 0.035),  # chin
-    Ellipsoid((0.0, 1.577, 0.084), (0.009, 0.026, 0.010), 0.026, 14.0),  # nose
+    # a head for far away (near ones are meshes of their own): skull, face, chin, nose
+    Ellipsoid((0.0, 1.622, -0.006), (0.0735, 0.078, 0.0935), 0.015),
+    Ellipsoid((0.0, 1.570, 0.030), (0.054, 0.074, 0.056), 0.035),
+    Ellipsoid((0.0, 1.507, 0.058), (0.028, 0.020, 0.028), 0.035),
+    Ellipsoid((0.0, 1.572, 0.088), (0.009, 0.024, 0.014), 0.020, 14.0),
 )
 """The left half of the body, in blending order."""
-
-BUN: Final[tuple[Loft | Ellipsoid, ...]] = (Ellipsoid((0.0, 1.668, -0.094), (0.043, 0.040, 0.038), 0.0),)
-"""The hair bun, a separate closed surface that intersects the head."""
 
 
 def _ellipsoid_distance(part: Ellipsoid, points: Float64) -> Float64:
