@@ -13,7 +13,16 @@ import numpy as np
 
 from live.base.arrays import Float64, Int64
 from live.base.body.catalogue import DEFAULT_BODY
-from live.render.body.body_mesh import COARSE, DISTANT, BodyMesh, build_body, empty_mesh, merged, strongest_weights
+from live.render.body.body_mesh import (
+    COARSE,
+    DISTANT,
+    BodyMesh,
+    build_body,
+    cached_mesh,
+    empty_mesh,
+    merged,
+    strongest_weights,
+)
 from live.render.body.drawn_joints import DRAWN_COUNT
 from live.render.body.surface_parts import CLOTH, SECOND_CLOTH, SHOE, SOLE
 
@@ -52,23 +61,23 @@ def _jacket_lift(place: Float64) -> Float64:
     cuff = np.clip((side - 0.30) / 0.34, 0.0, 1.0)
     shoulder = np.exp(-(((side - 0.165) / 0.05) ** 2)) * np.clip((height - 1.38) / 0.03, 0.0, 1.0)
     lapel = np.exp(-((np.minimum(_jacket_covers(place), 0.2) / 0.022) ** 2)) * (place[:, 2] > 0.0) * (height > 1.06)
-    return 0.009 + 0.026 * hem**1.5 + 0.008 * cuff + 0.008 * shoulder + 0.006 * lapel
+    return 0.009 + 0.017 * hem**1.5 + 0.008 * cuff + 0.008 * shoulder + 0.006 * lapel
 
 
 def _trousers_covers(place: Float64) -> Float64:
-    return np.minimum.reduce([0.985 - place[:, 1], place[:, 1] - 0.034, 0.30 - _side(place)])
+    return np.minimum.reduce([0.985 - place[:, 1], place[:, 1] - 0.100, 0.30 - _side(place)])
 
 
 def _trousers_lift(place: Float64) -> Float64:
     height = place[:, 1]
     knee = np.clip((0.80 - height) / 0.35, 0.0, 1.0)
-    hem = np.clip((0.46 - height) / 0.42, 0.0, 1.0)
+    hem = np.clip((0.46 - height) / 0.36, 0.0, 1.0)
     inner = np.clip((0.09 - _side(place)) / 0.09, 0.0, 1.0)  # thighs are near each other
     return (0.004 + 0.016 * knee + 0.034 * hem**1.3) * (1.0 - 0.45 * inner)
 
 
 def _sneaker_covers(place: Float64) -> Float64:
-    return 0.094 - 0.10 * np.clip(place[:, 2] - 0.02, 0.0, 0.2) - place[:, 1] + 0.02 * (place[:, 2] > 0.06)
+    return 0.088 + 0.08 * np.clip(-place[:, 2], 0.0, 0.05) - place[:, 1]
 
 
 def _boot_covers(place: Float64) -> Float64:
@@ -98,8 +107,10 @@ def build_garment(level: int, body: str = DEFAULT_BODY, name: str = "jacket") ->
     far away clothes are only painted."""
     if name not in GARMENTS or level in (COARSE, DISTANT):
         return empty_mesh()
-    mesh = build_body(level, body)
-    return merged([_shell(mesh, garment) for garment in GARMENTS[name]])
+    return cached_mesh(
+        f"garment {name} {body} {level}",
+        lambda: merged([_shell(build_body(level, body), garment) for garment in GARMENTS[name]]),
+    )
 
 
 def _dense(mesh: BodyMesh) -> Float64:
@@ -187,4 +198,3 @@ def cut_mesh(rows: Float64, triangles: Int64, covers: _Field) -> tuple[Float64, 
     used, renumbered = np.unique(faces, return_inverse=True)
     edges = np.searchsorted(used, np.array(hem, np.int64).reshape(-1, 2))
     return every[used], renumbered.reshape(-1, 3), edges
-
