@@ -29,9 +29,13 @@ DISTANT: Final = 3
 """Level for dancers far from the camera; at 12 m it looks like `LIGHT`."""
 LEVELS: Final = (COARSE, LIGHT, FINE, DISTANT)
 
-_SUBDIVISIONS: Final = (0, 1, 2, 1)
-_TRIANGLES: Final = {LIGHT: 1220, DISTANT: 640}
+_SUBDIVISIONS: Final = (0, 1, 2, 0)
+_FINGERS: Final = (LIGHT, FINE)
+"""Levels whose hands have fingers; the others have mittens."""
+_TRIANGLES: Final = {COARSE: 440, LIGHT: 1400, DISTANT: 640}
 """Triangle counts of simplified levels."""
+_HANDS_FROM: Final = 0.70
+"""Hands are subdivided once only, because their cage is fine: it begins here, to the side [m]."""
 _INFLUENCES: Final = 4
 _PROJECTIONS: Final = 4
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
@@ -67,8 +71,11 @@ def _project(shape: Shape, points: Float64) -> Float64:
 
 def _refine(cage: Cage, shape: Shape, level: int) -> Cage:
     points, weights, faces = _project(shape, cage.points), cage.weights, cage.faces
-    for _ in range(level):
-        values, faces = subdivide(np.concatenate([points, weights], axis=1), faces)
+    for number in range(level):
+        chosen = None if number == 0 else np.abs(points[faces].mean(axis=1)[:, 0]) < _HANDS_FROM
+        values, faces = subdivide(np.concatenate([points, weights], axis=1), faces, chosen)
+        used = np.unique(faces[faces >= 0])
+        values, faces = values[used], np.where(faces < 0, -1, np.searchsorted(used, faces))
         points, weights = _project(shape, values[:, :3]), values[:, 3:]
     return Cage(points, weights, faces)
 
@@ -89,11 +96,19 @@ def strongest_weights(weights: Float64) -> tuple[Int32, Float32]:
 
 
 def _triangles(points: Float64, faces: Int64) -> Int64:
-    """Split each quadrilateral into two triangles along its shorter diagonal."""
-    across = np.linalg.norm(points[faces[:, 0]] - points[faces[:, 2]], axis=1)
-    other = np.linalg.norm(points[faces[:, 1]] - points[faces[:, 3]], axis=1)
-    turned = np.where((other < across - 1e-6)[:, None], np.roll(faces, -1, axis=1), faces)
-    return np.concatenate([turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]])
+    """Split each quadrilateral into two triangles along its shorter diagonal, larger faces into a fan."""
+    corners = (faces >= 0).sum(axis=1)
+    four = faces[corners == 4][:, :4]
+    across = np.linalg.norm(points[four[:, 0]] - points[four[:, 2]], axis=1)
+    other = np.linalg.norm(points[four[:, 1]] - points[four[:, 3]], axis=1)
+    turned = np.where((other < across - 1e-6)[:, None], np.roll(four, -1, axis=1), four)
+    parts = [turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]]
+    for count in range(5, faces.shape[1] + 1):
+        rows = faces[corners == count]
+        first = rows.argmax(axis=1)  # the newest corner: on an edge that a neighbour has split
+        fan = np.take_along_axis(rows, (first[:, None] + np.arange(count)) % count, axis=1)
+        parts += [fan[:, [0, at, at + 1]] for at in range(1, count - 1)]
+    return np.concatenate(parts)
 
 
 def _openness(shape: Shape, points: Float64, normals: Float64) -> Float64:
@@ -147,7 +162,7 @@ def _unpack(arrays: Arrays) -> BodyMesh:
 def _build(level: int, name: str) -> BodyMesh:
     body, bun = Shape(parts_of(name)), Shape(bun_of(name))
     parts = [
-        (body, _refine(build_cage(), body, _SUBDIVISIONS[level])),
+        (body, _refine(build_cage(fingers=level in _FINGERS), body, _SUBDIVISIONS[level])),
         (bun, _refine(build_bun_cage(), bun, _SUBDIVISIONS[level])),
     ]
     points = np.concatenate([cage.points for _, cage in parts])

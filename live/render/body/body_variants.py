@@ -11,8 +11,10 @@ from typing import Final
 import numpy as np
 
 from live.base.body.catalogue import BODIES, DEFAULT_BODY
-from live.render.body import implicit_surface as usual
-from live.render.body.implicit_surface import BODY, Ellipsoid, Loft
+from live.render.body import body_parts as usual
+from live.render.body.body_parts import BODY
+from live.render.body.hand_parts import HAND
+from live.render.body.implicit_surface import Ellipsoid, Loft
 
 _Curve = tuple[tuple[float, float, float, float], ...]
 """Rows (position along the part from 0 to 1, factors of its half-widths across, in front and behind)."""
@@ -147,7 +149,7 @@ def _scaled_small_part(part: Loft | Ellipsoid, kind: BodyType) -> Loft | Ellipso
         if part in (usual.FOOT, usual.TOES):
             return _evenly_scaled_loft(part, kind.foot)
         return _evenly_scaled_loft(
-            part, kind.hand if part in (usual.PALM, usual.FINGERS, usual.THUMB) else kind.shoulder
+            part, kind.hand if part in HAND else kind.shoulder
         )
     if part is usual.CHEST:
         return _scaled(part, *kind.chest)

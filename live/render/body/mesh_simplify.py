@@ -11,7 +11,7 @@ from typing import Final
 
 import numpy as np
 
-from live.base.arrays import Float64, Int64
+from live.base.arrays import Bool, Float64, Int64
 
 _DATA_COST: Final = 3e-5
 """Cost of a full change of weights along a metre [m^4]."""
@@ -158,35 +158,57 @@ def simplify(points: Float64, triangles: Int64, vertex_data: Float64, target_cou
     return used, np.searchsorted(used, left)
 
 
-def subdivide(values: Float64, faces: Int64) -> tuple[Float64, Int64]:
-    """Split each face into four; `values` (V, C): positions and other vertex data.
+def subdivide(values: Float64, faces: Int64, chosen: Bool | None = None) -> tuple[Float64, Int64]:
+    """Split each face of n corners into n; `values` (V, C): positions and other vertex data; `faces` (F, N): a face
+    with fewer than N corners ends with -1.
 
-    Returns the new values, old vertices first, and the new faces (4F, 4) with the same orientation.
+    Returns the new values, old vertices first, and the new faces (-, 4) with the same orientation. With `chosen` (F,)
+    only these quadrilaterals are split; the others follow with up to 8 corners, those on a split edge included, and
+    vertices without a face may be among the values.
     Raises ValueError if the mesh is not closed (an edge with other than two faces).
     """
     count = len(values)
-    start, stop = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    there = faces >= 0
+    corners = there.sum(axis=1)
+    column = np.arange(faces.shape[1])
+    following = np.take_along_axis(faces, (column + 1) % corners[:, None], axis=1)
+    start, stop = faces[there], following[there]
     pairs = np.stack([np.minimum(start, stop), np.maximum(start, stop)], axis=1)
-    edges, edge_of = np.unique(pairs, axis=0, return_inverse=True)
-    edge_of = edge_of.reshape(faces.shape)
-    uses = np.bincount(edge_of.ravel(), minlength=len(edges))
+    edges, edge_number = np.unique(pairs, axis=0, return_inverse=True)
+    edge_of = np.zeros_like(faces)
+    edge_of[there] = edge_number.reshape(-1)
+    uses = np.bincount(edge_of[there], minlength=len(edges))
     if not np.all(uses == 2):
         raise ValueError(f"the mesh is not closed: {int((uses != 2).sum())} edges without exactly two faces")
 
-    face_value = values[faces].mean(axis=1)
+    face_value = (values[faces] * there[:, :, None]).sum(axis=1) / corners[:, None]
+    each = np.repeat(face_value, corners, axis=0)
     edge_faces = np.zeros((len(edges), values.shape[1]))
-    np.add.at(edge_faces, edge_of.ravel(), np.repeat(face_value, 4, axis=0))
+    np.add.at(edge_faces, edge_of[there], each)
     middle = values[edges].mean(axis=1)
     edge_value = 0.5 * middle + 0.25 * edge_faces
 
     valence = np.bincount(edges.ravel(), minlength=count)[:, None].astype(np.float64)
     face_sum = np.zeros_like(values)
-    np.add.at(face_sum, faces.ravel(), np.repeat(face_value, 4, axis=0))
+    np.add.at(face_sum, start, each)
     edge_sum = np.zeros_like(values)
     np.add.at(edge_sum, edges.ravel(), np.repeat(middle, 2, axis=0))
     vertex_value = (face_sum / valence + 2.0 * edge_sum / valence + (valence - 3.0) * values) / valence
 
     edge_index = count + edge_of
+    before = np.take_along_axis(edge_index, (column - 1) % corners[:, None], axis=1)
     centre = count + len(edges) + np.arange(len(faces))
-    quads = [np.stack([faces[:, i], edge_index[:, i], centre, edge_index[:, i - 1]], axis=1) for i in range(4)]
-    return np.concatenate([vertex_value, edge_value, face_value]), np.concatenate(quads)
+    quads = [
+        np.stack([faces[:, i], edge_index[:, i], centre, before[:, i]], axis=1)[there[:, i]] for i in column.tolist()
+    ]
+    new_values = np.concatenate([vertex_value, edge_value, face_value])
+    if chosen is None:
+        return new_values, np.concatenate(quads)
+    split = np.zeros(len(edges), np.bool_)
+    split[edge_of[chosen]] = True
+    left = faces[~chosen]
+    around = np.stack([left, np.where(split[edge_of[~chosen]], edge_index[~chosen], -1)], axis=2)
+    around = around.reshape(len(left), 2 * faces.shape[1])
+    around = np.take_along_axis(around, np.argsort(around < 0, axis=1, kind="stable"), axis=1)
+    whole = np.concatenate([quad[chosen] for quad in quads])
+    return new_values, np.concatenate([np.pad(whole, ((0, 0), (0, 4)), constant_values=-1), around])
