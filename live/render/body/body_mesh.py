@@ -14,8 +14,8 @@ import numpy as np
 from live.base.arrays import Float32, Float64, Int32, Int64
 from live.base.body.catalogue import DEFAULT_BODY
 from live.base.disk.array_cache import ArrayCache, Arrays, digest_of_code
-from live.render.body.body_variants import bun_of, parts_of
-from live.render.body.cage import Cage, build_bun_cage, build_cage
+from live.render.body.body_variants import bun_of, parts_of, toes_of
+from live.render.body.cage import Cage, build_bun_cage, build_cage, build_toe_cage
 from live.render.body.implicit_surface import Shape
 from live.render.body.mesh_simplify import simplify, subdivide
 
@@ -32,10 +32,14 @@ LEVELS: Final = (COARSE, LIGHT, FINE, DISTANT)
 _SUBDIVISIONS: Final = (0, 1, 2, 0)
 _FINGERS: Final = (LIGHT, FINE)
 """Levels whose hands have fingers; the others have mittens."""
+_TOES: Final = (FINE,)
+"""Levels whose feet have toes."""
 _TRIANGLES: Final = {COARSE: 440, LIGHT: 1400, DISTANT: 640}
 """Triangle counts of simplified levels."""
 _HANDS_FROM: Final = 0.70
-"""Hands are subdivided once only, because their cage is fine: it begins here, to the side [m]."""
+"""Hands are subdivided once less, because their cage is fine: they begin here, to the side [m]."""
+_FINGERS_FROM: Final = 0.76
+"""No vertex of a finger is left out: they begin here."""
 _INFLUENCES: Final = 4
 _PROJECTIONS: Final = 4
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
@@ -69,10 +73,12 @@ def _project(shape: Shape, points: Float64) -> Float64:
     return points
 
 
-def _refine(cage: Cage, shape: Shape, level: int) -> Cage:
+def _refine(cage: Cage, shape: Shape, level: int, hands: int = 9) -> Cage:
+    """Subdivide so many times, hands no more than `hands` times."""
     points, weights, faces = _project(shape, cage.points), cage.weights, cage.faces
     for number in range(level):
-        chosen = None if number == 0 else np.abs(points[faces].mean(axis=1)[:, 0]) < _HANDS_FROM
+        left_out = number >= hands
+        chosen = np.abs(points[faces[:, 0]][:, 0]) < _HANDS_FROM if left_out else None
         values, faces = subdivide(np.concatenate([points, weights], axis=1), faces, chosen)
         used = np.unique(faces[faces >= 0])
         values, faces = values[used], np.where(faces < 0, -1, np.searchsorted(used, faces))
@@ -160,20 +166,24 @@ def _unpack(arrays: Arrays) -> BodyMesh:
 
 
 def _build(level: int, name: str) -> BodyMesh:
-    body, bun = Shape(parts_of(name)), Shape(bun_of(name))
+    body, bun = Shape(parts_of(name, toes=level in _TOES)), Shape(bun_of(name))
     parts = [
-        (body, _refine(build_cage(fingers=level in _FINGERS), body, _SUBDIVISIONS[level])),
+        (body, _refine(build_cage(fingers=level in _FINGERS), body, _SUBDIVISIONS[level], _SUBDIVISIONS[level] - 1)),
         (bun, _refine(build_bun_cage(), bun, _SUBDIVISIONS[level])),
     ]
+    if level in _TOES:
+        toes = [(Shape((toe,)), build_toe_cage(toe)) for toe in toes_of(name)]
+        parts += [(shape, _refine(cage, shape, 1)) for shape, cage in toes]
     points = np.concatenate([cage.points for _, cage in parts])
     weights = np.concatenate([cage.weights for _, cage in parts])
     normals = np.concatenate([shape.normal(cage.points) for shape, cage in parts])
-    first = len(parts[0][1].points)
+    first = np.cumsum([0, *(len(cage.points) for _, cage in parts[:-1])]).tolist()
     triangles = np.concatenate(
-        [_triangles(cage.points, cage.faces) + start for (_, cage), start in zip(parts, (0, first), strict=True)]
+        [_triangles(cage.points, cage.faces) + start for (_, cage), start in zip(parts, first, strict=True)]
     )
     if level in _TRIANGLES:
-        used, triangles = simplify(points, triangles, weights, _TRIANGLES[level])
+        kept = (np.abs(points[:, 0]) > _FINGERS_FROM) & (level in _FINGERS)
+        used, triangles = simplify(points, triangles, weights, _TRIANGLES[level], kept)
         points, weights, normals = points[used], weights[used], normals[used]
     openness = _openness(body, points, normals)
     if level == COARSE:

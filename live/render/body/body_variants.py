@@ -121,13 +121,15 @@ _HEAD_ROOT: Final = (0.0, 1.530, 0.0)
 
 
 @cache
-def parts_of(name: str) -> tuple[Loft | Ellipsoid, ...]:
-    """Return the parts of the left half of a body, in blending order; ValueError for an unknown name."""
+def parts_of(name: str, *, toes: bool = True) -> tuple[Loft | Ellipsoid, ...]:
+    """Return the parts of the left half of a body, in blending order, without its toes (`toes_of`) or, if there are
+    none, with what encloses them; ValueError for an unknown name."""
     if name not in TYPES:
         raise ValueError(f"body {name!r}: there are {', '.join(BODIES)}")
     kind = TYPES[name]
+    enclosing = () if toes else (_evenly_scaled_loft(usual.TOES_TOGETHER, kind.foot),)
     if name == DEFAULT_BODY:
-        return BODY
+        return *BODY, *enclosing
     parts: list[Loft | Ellipsoid] = []
     for part in BODY:
         match part:
@@ -139,7 +141,7 @@ def parts_of(name: str) -> tuple[Loft | Ellipsoid, ...]:
                 parts.append(_scaled_loft(part, kind.arm))
             case _:
                 parts.append(_scaled_small_part(part, kind))
-    return tuple(parts)
+    return *parts, *enclosing
 
 
 def _scaled_small_part(part: Loft | Ellipsoid, kind: BodyType) -> Loft | Ellipsoid:
@@ -166,3 +168,8 @@ def bun_of(name: str) -> tuple[Loft | Ellipsoid, ...]:
     """Return the hair bun of the body of that name."""
     factor = TYPES[name].head
     return tuple(_scaled_about(part, _HEAD_ROOT, factor) if isinstance(part, Ellipsoid) else part for part in usual.BUN)
+
+
+def toes_of(name: str) -> tuple[Loft, ...]:
+    """Return the toes of the left foot of the body of that name, each a closed surface of its own in the foot."""
+    return tuple(_evenly_scaled_loft(toe, TYPES[name].foot) for toe in usual.TOE_PARTS)

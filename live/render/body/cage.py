@@ -10,6 +10,7 @@ import numpy as np
 
 from live.render.body.cage_builder import Cage, HalfBuilder, JointWeights, Point, mirrored, weights_of
 from live.render.body.hand_cage import add_hand
+from live.render.body.implicit_surface import Loft
 
 # Torso and neck from the hip crease up: y [m], half-width, front, back, weights at the middle and at the side.
 _TRUNK: Final[tuple[tuple[float, float, float, float, JointWeights], ...]] = (
@@ -167,6 +168,25 @@ def build_cage(*, fingers: bool = True) -> Cage:
     _leg(half, rows[0])
     wrist = _arm(half, *rows[_ARMPIT_ROW : _ARMPIT_ROW + 3])
     add_hand(half, wrist, fingers=fingers)
+    return mirrored(half)
+
+
+def build_toe_cage(toe: Loft) -> Cage:
+    """Return the cage of a toe and of its opposite: a box along its bone."""
+    half = HalfBuilder()
+    start, end = np.array(toe.start), np.array(toe.end)
+    previous: list[int] = []
+    for t in (-0.05, 0.5, 1.1):
+        x, y, z = (start + (end - start) * t).tolist()
+        wide, tall = 1.1 * float(np.interp(t, *zip(*((row[0], row[1]) for row in toe.rows), strict=True))), 0.011
+        corners = [(x + wide, y - tall, z), (x + wide, y + tall, z), (x - wide, y + tall, z), (x - wide, y - tall, z)]
+        ring = half.ring(corners, {"leftToes": 1.0})
+        if previous:
+            half.bridge(previous, ring)
+        else:
+            half.cap(ring[::-1])
+        previous = ring
+    half.cap(previous)
     return mirrored(half)
 
 

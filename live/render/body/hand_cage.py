@@ -124,17 +124,15 @@ def _across(finger: Finger, phalanx: int) -> Float64:
 def _limb(half: HalfBuilder, socket: list[int], finger: Finger) -> None:
     """Add a finger to its socket: four corners, two on the side away from the thumb first, the upper one before."""
     previous = socket
-    for joint, (size, bond) in enumerate(
-        (
-            (1.0, {_name(finger, 0): 0.5, _name(finger, 1): 0.5}),
-            (0.94, {_name(finger, 1): 0.5, _name(finger, 2): 0.5}),
-            (0.70, {_name(finger, 2): 1.0}),
-        )
-    ):
-        phalanx = min(joint + 1, 2)
-        centre = np.array(finger.places[joint + 1])
-        if joint == 2:
-            centre = centre - finger.direction(2) * 0.004
+    rows: tuple[tuple[int, float, float, JointWeights], ...] = (
+        (1, 0.0, 1.0, {_name(finger, 0): 0.5, _name(finger, 1): 0.5}),
+        (2, 0.0, 0.94, {_name(finger, 1): 0.5, _name(finger, 2): 0.5}),
+        (3, 0.008, 0.90, {_name(finger, 2): 1.0}),
+        (3, 0.000, 0.55, {_name(finger, 2): 1.0}),
+    )
+    for joint, before, size, bond in rows:
+        phalanx = min(joint, 2)
+        centre = np.array(finger.places[joint]) - finger.direction(2) * before
         across, along = _across(finger, phalanx), finger.direction(phalanx)
         up = np.cross(along, across)
         wide, thick = across * finger.wide * size, up * finger.thick * size

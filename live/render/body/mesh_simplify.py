@@ -104,8 +104,8 @@ def _normal(corners: Float64) -> Float64:
 class _CollapseQueue:
     """Priority queue of possible collapses, cheapest first; entries of changed vertices are stale."""
 
-    def __init__(self, mesh: _Mesh, partner: list[int]) -> None:
-        self._mesh, self._partner = mesh, partner
+    def __init__(self, mesh: _Mesh, partner: list[int], kept: Bool) -> None:
+        self._mesh, self._partner, self._kept = mesh, partner, kept.tolist()
         self._heap: list[tuple[float, int, int, int, int]] = []
         self._version = [0] * len(mesh.points)
 
@@ -113,6 +113,8 @@ class _CollapseQueue:
         """Add every collapse along the edges of a vertex."""
         for other in self._mesh.neighbours(vertex):
             for gone, kept in ((vertex, other), (other, vertex)):
+                if self._kept[gone]:
+                    continue
                 if self._partner[gone] != gone or self._partner[kept] == kept:  # vertices at x = 0 stay there
                     versions = self._version[gone], self._version[kept]
                     heapq.heappush(self._heap, (self._mesh.cost(gone, kept), gone, kept, *versions))
@@ -132,15 +134,18 @@ class _CollapseQueue:
             self._version[one] += 1
 
 
-def simplify(points: Float64, triangles: Int64, vertex_data: Float64, target_count: int) -> tuple[Int64, Int64]:
+def simplify(
+    points: Float64, triangles: Int64, vertex_data: Float64, target_count: int, kept: Bool | None = None
+) -> tuple[Int64, Int64]:
     """Return kept vertices (indices into `points`), and about `target_count` triangles among them, or more if needed.
 
-    `vertex_data` (V, C): vertex data (joint weights); collapses between different values cost more.
+    `vertex_data` (V, C): vertex data (joint weights); collapses between different values cost more; `kept` (V,): these
+    vertices stay.
     The mesh [m] must be closed and symmetric about x = 0.
     """
     mesh = _Mesh(points, triangles, vertex_data)
     partner = mirror_partners(points).tolist()
-    queue = _CollapseQueue(mesh, partner)
+    queue = _CollapseQueue(mesh, partner, np.zeros(len(points), np.bool_) if kept is None else kept)
     for vertex in np.flatnonzero(points[:, 0] >= -1e-9).tolist():
         queue.push(vertex)
     while len(mesh.faces) > target_count and (pair := queue.pop()) is not None:
@@ -163,8 +168,8 @@ def subdivide(values: Float64, faces: Int64, chosen: Bool | None = None) -> tupl
     with fewer than N corners ends with -1.
 
     Returns the new values, old vertices first, and the new faces (-, 4) with the same orientation. With `chosen` (F,)
-    only these quadrilaterals are split; the others follow with up to 8 corners, those on a split edge included, and
-    vertices without a face may be among the values.
+    only these are split; the others follow with up to 2N corners, those on a split edge included, and vertices without
+    a face may be among the values.
     Raises ValueError if the mesh is not closed (an edge with other than two faces).
     """
     count = len(values)
@@ -198,17 +203,17 @@ def subdivide(values: Float64, faces: Int64, chosen: Bool | None = None) -> tupl
     edge_index = count + edge_of
     before = np.take_along_axis(edge_index, (column - 1) % corners[:, None], axis=1)
     centre = count + len(edges) + np.arange(len(faces))
-    quads = [
-        np.stack([faces[:, i], edge_index[:, i], centre, before[:, i]], axis=1)[there[:, i]] for i in column.tolist()
-    ]
+    part = there if chosen is None else there & chosen[:, None]
+    quads = np.concatenate(
+        [np.stack([faces[:, i], edge_index[:, i], centre, before[:, i]], axis=1)[part[:, i]] for i in column.tolist()]
+    )
     new_values = np.concatenate([vertex_value, edge_value, face_value])
     if chosen is None:
-        return new_values, np.concatenate(quads)
+        return new_values, quads
     split = np.zeros(len(edges), np.bool_)
     split[edge_of[chosen]] = True
     left = faces[~chosen]
-    around = np.stack([left, np.where(split[edge_of[~chosen]], edge_index[~chosen], -1)], axis=2)
+    around = np.stack([left, np.where((split[edge_of] & there)[~chosen], edge_index[~chosen], -1)], axis=2)
     around = around.reshape(len(left), 2 * faces.shape[1])
     around = np.take_along_axis(around, np.argsort(around < 0, axis=1, kind="stable"), axis=1)
-    whole = np.concatenate([quad[chosen] for quad in quads])
-    return new_values, np.concatenate([np.pad(whole, ((0, 0), (0, 4)), constant_values=-1), around])
+    return new_values, np.concatenate([np.pad(quads, ((0, 0), (0, around.shape[1] - 4)), constant_values=-1), around])
