@@ -18,6 +18,7 @@ from live.render.body.body_variants import bun_of, parts_of, toes_of
 from live.render.body.cage import Cage, build_bun_cage, build_cage, build_toe_cage
 from live.render.body.implicit_surface import Shape
 from live.render.body.mesh_simplify import simplify, subdivide
+from live.render.body.skin_weights import settled_weights
 
 COARSE: Final = 0
 """Level for shadows and reflections."""
@@ -83,7 +84,7 @@ def _refine(cage: Cage, shape: Shape, level: int, hands: int = 9) -> Cage:
         used = np.unique(faces[faces >= 0])
         values, faces = values[used], np.where(faces < 0, -1, np.searchsorted(used, faces))
         points, weights = _project(shape, values[:, :3]), values[:, 3:]
-    return Cage(points, weights, faces)
+    return Cage(points, settled_weights(points, weights), faces)
 
 
 def strongest_weights(weights: Float64) -> tuple[Int32, Float32]:

@@ -4,6 +4,7 @@ Lofts follow the bones of `live.motion.skeleton`. What light shows of bones and 
 bones, ribs, shoulder blades, knee caps, ankles.
 """
 
+from dataclasses import replace
 from typing import Final
 
 from live.render.body.hand_parts import HAND
@@ -106,6 +107,7 @@ CHEST: Final = Ellipsoid((0.060, 1.250, 0.058), (0.064, 0.058, 0.048), 0.050)
 SEAT: Final = Ellipsoid((0.072, 0.872, -0.058), (0.078, 0.084, 0.062), 0.040)
 DELTOID: Final = Ellipsoid((0.166, 1.375, -0.010), (0.047, 0.040, 0.045), 0.045)
 HEEL: Final = Ellipsoid((0.090, 0.034, -0.027), (0.028, 0.036, 0.037), 0.022)
+ARMPIT: Final = Ellipsoid((0.172, 1.312, -0.012), (0.030, 0.034, 0.030), 0.030, hollow=True)
 TRAPEZIUS: Final = Loft(
     (0.020, 1.440, -0.026),
     (0.142, 1.392, -0.014),
@@ -121,23 +123,37 @@ def _rod(start: tuple[float, float, float], end: tuple[float, float, float], rad
     return Loft(start, end, (0.3, 0.9, 0.31), rows, blend)
 
 
-COLLAR: Final[tuple[Part, ...]] = (
-    _rod((0.016, 1.406, 0.024), (0.075, 1.412, 0.030), 0.0075, 0.012),  # collar bone: an S seen from above
-    _rod((0.075, 1.412, 0.030), (0.140, 1.410, 0.006), 0.0070, 0.014),
-    Ellipsoid((0.0, 1.420, 0.038), (0.010, 0.013, 0.012), 0.014, hollow=True),  # pit of the neck
+COLLAR: Final = Loft(
+    (0.014, 1.404, 0.024),
+    (0.138, 1.408, 0.004),
+    _VERTICAL,
+    ((0.0, 0.0070, 0.0075, 0.0075, 0.0), (0.4, 0.0060, 0.0065, 0.0065, 0.008), (1.0, 0.0070, 0.0070, 0.0070, 0.0)),
+    0.016,
 )
+"""The collar bone, an S seen from above."""
 TORSO_DETAILS: Final[tuple[Part, ...]] = (
     Ellipsoid((0.062, 1.345, 0.050), (0.060, 0.050, 0.024), 0.030),  # upper part of the chest's muscle
-    _rod((0.014, 1.178, 0.082), (0.080, 1.100, 0.056), 0.010, 0.034),  # edge of the rib cage
-    Ellipsoid((0.104, 1.225, -0.040), (0.030, 0.085, 0.034), 0.030),  # the broad back under the arm
+    Ellipsoid((0.098, 1.240, -0.040), (0.032, 0.100, 0.036), 0.045),  # the broad back under the arm
     Ellipsoid((0.082, 1.300, -0.076), (0.034, 0.056, 0.015), 0.016, 0.0, 10.0),  # shoulder blade
     Ellipsoid((0.030, 1.080, -0.050), (0.022, 0.120, 0.020), 0.030),  # straight muscle of the back
     Ellipsoid((0.104, 0.968, 0.042), (0.018, 0.030, 0.020), 0.028),  # crest of the hip bone
     Ellipsoid((0.036, 1.055, 0.070), (0.032, 0.095, 0.016), 0.024),  # straight muscle of the belly
-    Ellipsoid((0.0, 1.290, 0.104), (0.007, 0.090, 0.012), 0.016, hollow=True),  # breast bone
-    Ellipsoid((0.0, 1.120, 0.094), (0.005, 0.075, 0.008), 0.012, hollow=True),  # middle of the belly
+    Ellipsoid((0.0, 1.282, 0.112), (0.010, 0.075, 0.015), 0.030, hollow=True),  # breast bone
     Ellipsoid((0.0, 1.030, 0.089), (0.0065, 0.0085, 0.009), 0.008, hollow=True),  # navel
-    Ellipsoid((0.0, 1.170, -0.090), (0.009, 0.200, 0.016), 0.020, hollow=True),  # furrow of the spine
+    replace(
+        upright(
+            0.0, 0.0,
+            tuple(
+                (y, 0.011, 0.010, 0.010, z)
+                for y, z in (
+                    (1.340, -0.110), (1.270, -0.101), (1.200, -0.090), (1.120, -0.074), (1.060, -0.068),
+                    (1.000, -0.076), (0.950, -0.100),
+                )
+            ),
+            0.020,
+        ),
+        hollow=True,
+    ),  # furrow of the spine
 )
 ARM_DETAILS: Final[tuple[Part, ...]] = (
     Ellipsoid((0.300, 1.382, 0.008), (0.070, 0.024, 0.024), 0.022),  # biceps
@@ -154,7 +170,7 @@ LEG_DETAILS: Final[tuple[Part, ...]] = (
     _rod((0.090, 0.460, 0.045), (0.090, 0.428, 0.037), 0.008, 0.012),  # its sinew
     Ellipsoid((0.073, 0.350, -0.042), (0.026, 0.068, 0.030), 0.020),  # inner calf
     Ellipsoid((0.106, 0.366, -0.038), (0.024, 0.062, 0.028), 0.020),  # outer calf
-    _rod((0.086, 0.400, 0.036), (0.084, 0.190, 0.028), 0.009, 0.016),  # shin
+    _rod((0.086, 0.400, 0.036), (0.085, 0.200, 0.018), 0.009, 0.020),  # shin
     Ellipsoid((0.072, 0.108, -0.030), (0.0075, 0.036, 0.009), 0.014, hollow=True),  # beside the Achilles sinew
     Ellipsoid((0.109, 0.104, -0.032), (0.0075, 0.036, 0.009), 0.014, hollow=True),
     Ellipsoid((0.065, 0.090, 0.004), (0.009, 0.013, 0.013), 0.010),  # inner ankle
@@ -196,9 +212,10 @@ BODY: Final[tuple[Part, ...]] = (
     NECK,
     TRAPEZIUS,
     *TORSO_DETAILS,
-    *COLLAR,
+    COLLAR,
     DELTOID,
     ARM,
+    ARMPIT,
     *ARM_DETAILS,
     *HAND,
     LEG,

@@ -46,8 +46,9 @@ _ARM_LINE: Final = (1.380, -0.010)
 _ARM: Final[tuple[tuple[float, float, float, JointWeights], ...]] = (
     (0.215, 0.046, 0.044, {"leftShoulder": 0.14, "leftArmRoll": 0.86}),
     (0.335, 0.037, 0.038, {"leftArmRoll": 0.35, "leftUpperArm": 0.65}),
+    (0.388, 0.033, 0.034, {"leftUpperArm": 0.90, "leftLowerArm": 0.10}),
     (0.430, 0.031, 0.033, {"leftUpperArm": 0.50, "leftLowerArm": 0.50}),
-    (0.515, 0.033, 0.036, {"leftLowerArm": 1.0}),
+    (0.475, 0.034, 0.037, {"leftUpperArm": 0.09, "leftLowerArm": 0.91}),
     (0.600, 0.026, 0.029, {"leftLowerArm": 0.40, "leftForearmRoll": 0.60}),
     (0.660, 0.019, 0.025, {"leftForearmRoll": 0.85, "leftHand": 0.15}),
 )
@@ -56,9 +57,11 @@ _ARM: Final[tuple[tuple[float, float, float, JointWeights], ...]] = (
 _LEG_X: Final = 0.090
 _LEG: Final[tuple[tuple[float, float, float, float, JointWeights], ...]] = (
     (0.760, 0.070, 0.080, -0.082, {"hips": 0.08, "leftThighRoll": 0.92}),
-    (0.610, 0.056, 0.068, -0.064, {"leftThighRoll": 0.35, "leftUpperLeg": 0.65}),
+    (0.630, 0.058, 0.070, -0.066, {"leftThighRoll": 0.35, "leftUpperLeg": 0.65}),
+    (0.533, 0.049, 0.056, -0.053, {"leftUpperLeg": 0.90, "leftLowerLeg": 0.10}),
     (0.475, 0.046, 0.052, -0.049, {"leftUpperLeg": 0.50, "leftLowerLeg": 0.50}),
-    (0.365, 0.047, 0.040, -0.064, {"leftLowerLeg": 1.0}),
+    (0.420, 0.046, 0.045, -0.056, {"leftUpperLeg": 0.10, "leftLowerLeg": 0.90}),
+    (0.345, 0.047, 0.040, -0.064, {"leftLowerLeg": 1.0}),
     (0.200, 0.031, 0.033, -0.040, {"leftLowerLeg": 1.0}),
     (0.100, 0.027, 0.031, -0.036, {"leftLowerLeg": 0.45, "leftFoot": 0.55}),
 )
@@ -66,7 +69,6 @@ _SOLE: Final = (0.004, 0.034, 0.048, -0.058)
 """The heel on the floor: y, half-width, front, back [m]."""
 # Foot rings forward z: z, low y, high y, inner x, outer x, weights.
 _FOOT: Final[tuple[tuple[float, float, float, float, float, JointWeights], ...]] = (
-    (0.085, 0.003, 0.052, 0.056, 0.124, {"leftFoot": 1.0}),
     (0.124, 0.002, 0.038, 0.052, 0.128, {"leftFoot": 0.50, "leftToes": 0.50}),
     (0.158, 0.003, 0.028, 0.056, 0.122, {"leftToes": 1.0}),
     (0.182, 0.004, 0.018, 0.066, 0.106, {"leftToes": 1.0}),

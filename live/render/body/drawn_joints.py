@@ -28,16 +28,7 @@ from live.base.body.expression import (
 )
 from live.motion.skeleton import SKELETON
 from live.render.body.fingers import FINGERS, PHALANGES, Vector
-
-
-@dataclass(frozen=True, slots=True)
-class Driver:
-    """How far a joint of the skeleton is turned about an axis, beside its parent: the twist of its swing-twist
-    decomposition (Dobrowolski 2015) [rad], from -pi to pi."""
-
-    joint: str
-    axis: Vector
-    """Unit, in the axes of the rest pose."""
+from live.render.body.muscles import MUSCLES, Driver
 
 
 Term = tuple[int | Driver, Vector]
@@ -84,28 +75,19 @@ def _hand(side: str, sign: float, start: int) -> list[DetailJoint]:
     return rows
 
 
-_X: Final = (1.0, 0.0, 0.0)
-_Y: Final = (0.0, 1.0, 0.0)
-_MUSCLES: Final[tuple[tuple[str, str, Vector, str, Vector, Vector], ...]] = (
-    # skin near a joint follows only a part of a bone's turn about its own axis, or the whole limb would twist there
-    ("ArmRoll", "UpperArm", (0.165, 1.380, -0.010), "UpperArm", _X, (-0.75, 0.0, 0.0)),
-    ("ForearmRoll", "LowerArm", (0.430, 1.380, -0.010), "Hand", _X, (0.60, 0.0, 0.0)),
-    ("ThighRoll", "UpperLeg", (0.090, 0.890, 0.000), "UpperLeg", _Y, (0.0, -0.70, 0.0)),
-    # muscles that shorten: far pivots, so that they glide outwards more than they turn
-    ("Biceps", "UpperArm", (0.090, 1.380, 0.020), "LowerArm", _Y, (0.0, 0.022, 0.0)),
-    ("Calf", "LowerLeg", (0.090, 0.560, -0.060), "Foot", _X, (0.035, 0.0, 0.0)),
-)
-"""Name, parent, pivot, driving joint and axis of it, rotation vector, all of the left side."""
-
-
 def _muscles(side: str, sign: float) -> list[DetailJoint]:
     return [
         DetailJoint(
-            side + name, side + parent, _mirrored_point(pivot, sign),
-            (Driver(side + joint, _mirrored_turn(axis, sign)), _mirrored_turn(turn, sign)),
+            side + muscle.name,
+            muscle.parent if muscle.parent in SKELETON.names else side + muscle.parent,
+            _mirrored_point(muscle.pivot, sign),
+            (
+                Driver(side + muscle.driver.joint, _mirrored_turn(muscle.driver.axis, sign), muscle.driver.least),
+                _mirrored_turn(muscle.turn, sign),
+            ),
         )
-        for name, parent, pivot, joint, axis, turn in _MUSCLES
-    ]  # fmt: skip
+        for muscle in MUSCLES
+    ]
 
 
 def _half_face(side: str, sign: float, blink: int) -> list[DetailJoint]:
@@ -174,12 +156,13 @@ def _source_number(source: int | Driver) -> int:
 
 
 def driver_rows() -> Float32:
-    """Return for each driver two texels, shape (D, 2, 4): axis and joint; the joint's parent."""
+    """Return for each driver two texels, shape (D, 2, 4): axis and joint; the joint's parent and the least
+    angle."""
     rows = np.zeros((len(DRIVERS), 2, 4), np.float32)
     for number, driver in enumerate(DRIVERS):
         joint = SKELETON.index(driver.joint)
         rows[number, 0] = (*driver.axis, joint)
-        rows[number, 1, 0] = SKELETON.parents[joint]
+        rows[number, 1, :2] = SKELETON.parents[joint], driver.least
     return rows
 
 

@@ -25,13 +25,12 @@ Motion after(Motion a, Motion b) { return Motion(product(a.turn, b.turn), turned
 float column(int block, int row, float which) {
     int number = int(which + 0.5);
     if (number < EXPRESSION) return texelFetch(expression, ivec2(block * EXPRESSION + number, row), 0).x;
-    vec4 what = driver[2 * (number - EXPRESSION)];
-    int parent = int(driver[2 * (number - EXPRESSION) + 1].x + 0.5);
+    vec4 what = driver[2 * (number - EXPRESSION)], beyond = driver[2 * (number - EXPRESSION) + 1];
     vec4 q = texelFetch(joint_rotation, ivec2(block * JOINTS + int(what.w + 0.5), row), 0).yzwx;
-    vec4 p = texelFetch(joint_rotation, ivec2(block * JOINTS + parent, row), 0).yzwx;
+    vec4 p = texelFetch(joint_rotation, ivec2(block * JOINTS + int(beyond.x + 0.5), row), 0).yzwx;
     vec4 beside = product(vec4(-p.xyz, p.w), q);
     float s = dot(beside.xyz, what.xyz);
-    return 2.0 * (beside.w < 0.0 ? atan(-s, -beside.w) : atan(s, max(beside.w, 1e-9)));
+    return max(2.0 * (beside.w < 0.0 ? atan(-s, -beside.w) : atan(s, max(beside.w, 1e-9))), beyond.y);
 }
 
 // What a detail joint does beside the joint that it hangs on.
