@@ -131,6 +131,7 @@ COLLAR: Final = Loft(
     0.016,
 )
 """The collar bone, an S seen from above."""
+NAVEL: Final = Ellipsoid((0.0, 1.030, 0.089), (0.0065, 0.0085, 0.009), 0.008, hollow=True)
 TORSO_DETAILS: Final[tuple[Part, ...]] = (
     Ellipsoid((0.062, 1.345, 0.050), (0.060, 0.050, 0.024), 0.030),  # upper part of the chest's muscle
     Ellipsoid((0.098, 1.240, -0.040), (0.032, 0.100, 0.036), 0.045),  # the broad back under the arm
@@ -139,7 +140,6 @@ TORSO_DETAILS: Final[tuple[Part, ...]] = (
     Ellipsoid((0.104, 0.968, 0.042), (0.018, 0.030, 0.020), 0.028),  # crest of the hip bone
     Ellipsoid((0.036, 1.055, 0.070), (0.032, 0.095, 0.016), 0.024),  # straight muscle of the belly
     Ellipsoid((0.0, 1.282, 0.112), (0.010, 0.075, 0.015), 0.030, hollow=True),  # breast bone
-    Ellipsoid((0.0, 1.030, 0.089), (0.0065, 0.0085, 0.009), 0.008, hollow=True),  # navel
     replace(
         upright(
             0.0, 0.0,
@@ -212,6 +212,7 @@ BODY: Final[tuple[Part, ...]] = (
     NECK,
     TRAPEZIUS,
     *TORSO_DETAILS,
+    NAVEL,
     COLLAR,
     DELTOID,
     ARM,
