@@ -8,7 +8,9 @@ from typing import Final
 
 DEFAULT_BODY: Final = "dancer"
 """The default body."""
-BODIES: Final = (DEFAULT_BODY, "slim", "strong", "round", "child", "woman", "man", "older woman", "older man")
+BODIES: Final = (
+    DEFAULT_BODY, "woman", "man", "slim", "strong", "round", "child", "older woman", "older man",
+)  # fmt: skip
 """The built-in bodies. Joints are the same in each, so feet and hands reach the same places. `dancer`, `slim` and
 `round` are women too, `strong` is a man."""
 MEN: Final = ("strong", "man", "older man")

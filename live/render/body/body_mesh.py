@@ -30,7 +30,7 @@ DISTANT: Final = 3
 """Level for dancers far from the camera; at 12 m it looks like `LIGHT`."""
 LEVELS: Final = (COARSE, LIGHT, FINE, DISTANT)
 
-_SUBDIVISIONS: Final = (0, 1, 2, 0)
+_SUBDIVISIONS: Final = (0, 1, 2, 1)
 _FINGERS: Final = (LIGHT, FINE)
 """Levels whose hands have fingers; the others have mittens."""
 _TOES: Final = (FINE,)
@@ -43,6 +43,8 @@ _FINGERS_FROM: Final = 0.76
 """No vertex of a finger is left out: they begin here."""
 _INFLUENCES: Final = 4
 _PROJECTIONS: Final = 4
+_ON_SURFACE: Final = 1e-4
+"""Nearer to the surface than this [m] a vertex is on it."""
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
 _CACHE: Final = ArrayCache("body", max_entries=64)
 _SHADOW_OFFSET: Final = 0.006
@@ -68,9 +70,12 @@ class BodyMesh:
 
 
 def _project(shape: Shape, points: Float64) -> Float64:
+    points, moving = points.copy(), np.arange(len(points))
     for _ in range(_PROJECTIONS):
-        step = np.clip(shape.distance(points), -0.03, 0.03)
-        points = points - shape.normal(points) * step[:, None]
+        step = np.clip(shape.distance(points[moving]), -0.03, 0.03)
+        far = np.abs(step) > _ON_SURFACE
+        moving, step = moving[far], step[far]
+        points[moving] -= shape.normal(points[moving]) * step[:, None]
     return points
 
 

@@ -53,14 +53,17 @@ _ARM: Final[tuple[tuple[float, float, float, JointWeights], ...]] = (
     (0.660, 0.019, 0.025, {"leftForearmRoll": 0.85, "leftHand": 0.15}),
 )
 
+_SHOULDER: Final = (0.168, 0.046, 0.044, {"upperChest": 0.15, "leftShoulder": 0.30, "leftArmRoll": 0.55})
+"""A ring that subdivision makes of itself."""
+
 # Leg rings down y: y, half-width, front, back, weights; centre line under the hip joint.
 _LEG_X: Final = 0.090
 _LEG: Final[tuple[tuple[float, float, float, float, JointWeights], ...]] = (
     (0.760, 0.070, 0.080, -0.082, {"hips": 0.08, "leftThighRoll": 0.92}),
     (0.630, 0.058, 0.070, -0.066, {"leftThighRoll": 0.35, "leftUpperLeg": 0.65}),
-    (0.533, 0.049, 0.056, -0.053, {"leftUpperLeg": 0.90, "leftLowerLeg": 0.10}),
+    (0.533, 0.049, 0.056, -0.053, {"leftUpperLeg": 0.86, "leftLowerLeg": 0.14}),
     (0.475, 0.046, 0.052, -0.049, {"leftUpperLeg": 0.50, "leftLowerLeg": 0.50}),
-    (0.420, 0.046, 0.045, -0.056, {"leftUpperLeg": 0.10, "leftLowerLeg": 0.90}),
+    (0.420, 0.046, 0.045, -0.056, {"leftUpperLeg": 0.14, "leftLowerLeg": 0.86}),
     (0.345, 0.047, 0.040, -0.064, {"leftLowerLeg": 1.0}),
     (0.200, 0.031, 0.033, -0.040, {"leftLowerLeg": 1.0}),
     (0.100, 0.027, 0.031, -0.036, {"leftLowerLeg": 0.45, "leftFoot": 0.55}),
@@ -120,11 +123,12 @@ def _breathing(bond: JointWeights, share: float) -> JointWeights:
     return {**bond, **moved, "breath": sum(bond[name] for name in moved) * share} if share else bond
 
 
-def _arm(half: HalfBuilder, low: list[int], middle: list[int], high: list[int]) -> list[int]:
-    """Add the arm as far as the wrist; return its last ring, from the top to the front."""
+def _arm(half: HalfBuilder, low: list[int], middle: list[int], high: list[int], *, round_: bool) -> list[int]:
+    """Add the arm as far as the wrist, with a ring for round shoulders if need be; return its last ring, from the top
+    to the front."""
     y, z = _ARM_LINE
     previous = [high[3], high[2], middle[2], low[2], low[3], middle[3]]
-    for x, tall, deep, bond in _ARM:
+    for x, tall, deep, bond in (_SHOULDER, *_ARM) if round_ else _ARM:
         turned = _AROUND + np.radians(30.0) * min(max((x - 0.43) / 0.22, 0.0), 1.0)  # a corner on top of the hand
         ring = half.ring(
             [(x, y + tall * float(np.cos(a)) * 1.1, z + deep * float(np.sin(a)) * 1.1) for a in turned], bond
@@ -168,7 +172,8 @@ def build_cage(*, fingers: bool = True) -> Cage:
     half = HalfBuilder()
     rows = _trunk(half)
     _leg(half, rows[0])
-    wrist = _arm(half, *rows[_ARMPIT_ROW : _ARMPIT_ROW + 3])
+    low, middle, high = rows[_ARMPIT_ROW : _ARMPIT_ROW + 3]
+    wrist = _arm(half, low, middle, high, round_=not fingers)
     add_hand(half, wrist, fingers=fingers)
     return mirrored(half)
 

@@ -59,11 +59,11 @@ MUSCLES: Final = (
     # a raised arm takes the side of the back along, and turns the shoulder blade
     Muscle(
         "Back", "upperChest", (0.160, 1.180, 0.000), Driver("UpperArm", _Z, 0.0), (0.0, 0.0, -0.09),
-        (0.125, 1.290, -0.020), (0.060, 0.110, 0.080),
+        (0.116, 1.282, -0.020), (0.070, 0.110, 0.085), 0.65,
     ),
     Muscle(
         "Blade", "upperChest", (0.070, 1.350, -0.080), Driver("UpperArm", _Z, 0.0), (0.0, 0.0, 0.35),
-        (0.082, 1.290, -0.090), (0.055, 0.085, 0.045), 0.7,
+        (0.082, 1.290, -0.090), (0.070, 0.090, 0.056), 0.6,
     ),
 )  # fmt: skip
 """All muscles of the left side."""
