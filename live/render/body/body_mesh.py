@@ -14,8 +14,10 @@ import numpy as np
 from live.base.arrays import Float32, Float64, Int32, Int64
 from live.base.body.catalogue import DEFAULT_BODY
 from live.base.disk.array_cache import ArrayCache, Arrays, digest_of_code
+from live.motion.skeleton import JOINT_COUNT
 from live.render.body.body_variants import bun_of, parts_of, toes_of
 from live.render.body.cage import Cage, build_bun_cage, build_cage, build_toe_cage
+from live.render.body.drawn_joints import ANCHORS
 from live.render.body.implicit_surface import Shape
 from live.render.body.mesh_simplify import simplify, subdivide
 from live.render.body.skin_weights import settled_weights
@@ -105,6 +107,14 @@ def strongest_weights(weights: Float64) -> tuple[Int32, Float32]:
     weight /= weight.sum(axis=1, keepdims=True)
     joint[weight == 0.0] = 0
     return np.ascontiguousarray(joint, np.int32), np.ascontiguousarray(weight, np.float32)
+
+
+def skeleton_weights(mesh: BodyMesh) -> tuple[Int32, Float32]:
+    """Return joints and weights (V, 4) with the skeleton's joints only: muscles and fingers go with what they hang on."""
+    skeletal = np.concatenate([np.arange(JOINT_COUNT), ANCHORS])
+    dense = np.zeros((len(mesh.position), JOINT_COUNT))
+    np.add.at(dense, (np.arange(len(dense))[:, None], skeletal[mesh.joint]), mesh.weight)
+    return strongest_weights(dense)
 
 
 def _triangles(points: Float64, faces: Int64) -> Int64:

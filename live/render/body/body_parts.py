@@ -193,7 +193,7 @@ TOES_TOGETHER: Final = Loft(
 
 TOE_PARTS: Final[tuple[Loft, ...]] = tuple(
     Loft(
-        (x, 0.0135 * size, 0.138 - back), (x + lean, 0.0105 * size, 0.193 - back - short), (1.0, 0.0, 0.0),
+        (x, 0.0135 * size, 0.138 - back), (x + lean, 0.0105 * size, 0.184 - back - short), (1.0, 0.0, 0.0),
         ((0.0, 0.0085 * size, 0.0090 * size, 0.010, 0.0), (0.55, 0.0085 * size, 0.0080 * size, 0.010, 0.0),
          (0.8, 0.0098 * size, 0.0095 * size, 0.010, 0.0), (1.0, 0.0080 * size, 0.0070 * size, 0.008, 0.0)),
         0.004,
