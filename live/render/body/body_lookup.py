@@ -9,13 +9,11 @@ from typing import Final
 
 import numpy as np
 
-from live.base.arrays import Float32, Int32
+from live.base.arrays import Int32
 from live.base.body.appearance import BODY, COSTUME, COSTUMES, HAIR, HAIRS, SHOES, SHOES_WORN
 from live.base.body.catalogue import BODIES, DEFAULT_BODY
 from live.base.stage_snapshot import Scene
-from live.motion.skeleton import SKELETON
-from live.render.body.body_mesh import BodyMesh, build_body, merged, strongest_weights
-from live.render.body.drawn_joints import ANCHORS
+from live.render.body.body_mesh import BodyMesh, build_body, merged
 from live.render.body.face_shape import FACE_COUNT
 from live.render.body.garment_mesh import GARMENTS, build_garment
 from live.render.body.hair_mesh import build_hair
@@ -110,13 +108,3 @@ def mesh_of(scene: Scene, kind: Kind, level: int) -> BodyMesh:
 def build_figure(level: int, name: str = DEFAULT_BODY) -> BodyMesh:
     """Return a whole generated body with its first face and hair style, as one mesh."""
     return merged([build_body(level, name), build_head(level, name, 0), build_hair(level, name, HAIRS[0])])
-
-
-def skeleton_weights(mesh: BodyMesh) -> tuple[Int32, Float32]:
-    """Return joints and weights of a mesh (V, 4 each) for programs that know the skeleton only: fingers and face move
-    with the joints that they hang on."""
-    of = np.concatenate([np.arange(SKELETON.joint_count), ANCHORS])
-    dense = np.zeros((len(mesh.position), SKELETON.joint_count))
-    for column in range(mesh.joint.shape[1]):
-        np.add.at(dense, (np.arange(len(dense)), of[mesh.joint[:, column]]), mesh.weight[:, column])
-    return strongest_weights(dense)

@@ -15,10 +15,13 @@ import numpy as np
 from live.base.arrays import Float32, Float64, Int32, Int64
 from live.base.body.catalogue import DEFAULT_BODY
 from live.base.disk.array_cache import ArrayCache, Arrays, digest_of_code
-from live.render.body.body_variants import parts_of, trunk_of
-from live.render.body.cage import Cage, build_cage
+from live.motion.skeleton import JOINT_COUNT
+from live.render.body.body_variants import parts_of, toes_of, trunk_of
+from live.render.body.cage import Cage, build_cage, build_toe_cage
+from live.render.body.drawn_joints import ANCHORS
 from live.render.body.implicit_surface import Shape
 from live.render.body.mesh_simplify import simplify, subdivide
+from live.render.body.skin_weights import settled_weights
 from live.render.body.surface_parts import BODY
 
 COARSE: Final = 0
@@ -35,11 +38,21 @@ LEVELS: Final = (COARSE, LIGHT, FINE, DISTANT, CLOSE)
 WITH_HEAD: Final = (COARSE, DISTANT)
 """Levels at which a body has a head of its own; at the others heads are meshes of their own."""
 
-_SUBDIVISIONS: Final = (0, 1, 2, 1, 2)
-_TRIANGLES: Final = {LIGHT: 980, DISTANT: 600, CLOSE: 3600}
+_SUBDIVISIONS: Final = (0, 1, 2, 1, 1)
+_FINGERS: Final = (LIGHT, FINE, CLOSE)
+"""Levels whose hands have fingers; the others have mittens."""
+_TOES: Final = (FINE,)
+"""Levels whose feet have toes."""
+_TRIANGLES: Final = {COARSE: 440, LIGHT: 1160, DISTANT: 600}
 """Triangle counts of simplified levels."""
+_HANDS_FROM: Final = 0.70
+"""Hands are subdivided once less, because their cage is fine: they begin here, to the side [m]."""
+_FINGERS_FROM: Final = 0.76
+"""No vertex of a finger is left out: they begin here."""
 _INFLUENCES: Final = 4
 _PROJECTIONS: Final = 4
+_ON_SURFACE: Final = 1e-4
+"""Nearer to the surface than this [m] a vertex is on it."""
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
 _CACHE: Final = ArrayCache("body", max_entries=512)
 _SHADOW_OFFSET: Final = 0.006
@@ -69,18 +82,26 @@ class BodyMesh:
 
 
 def _project(shape: Shape, points: Float64) -> Float64:
+    points, moving = points.copy(), np.arange(len(points))
     for _ in range(_PROJECTIONS):
-        step = np.clip(shape.distance(points), -0.03, 0.03)
-        points = points - shape.normal(points) * step[:, None]
+        step = np.clip(shape.distance(points[moving]), -0.03, 0.03)
+        far = np.abs(step) > _ON_SURFACE
+        moving, step = moving[far], step[far]
+        points[moving] -= shape.normal(points[moving]) * step[:, None]
     return points
 
 
-def _refine(cage: Cage, shape: Shape, level: int) -> Cage:
+def _refine(cage: Cage, shape: Shape, level: int, hands: int = 9) -> Cage:
+    """Subdivide so many times, hands no more than `hands` times."""
     points, weights, faces = _project(shape, cage.points), cage.weights, cage.faces
-    for _ in range(level):
-        values, faces = subdivide(np.concatenate([points, weights], axis=1), faces)
+    for number in range(level):
+        left_out = number >= hands
+        chosen = np.abs(points[faces[:, 0]][:, 0]) < _HANDS_FROM if left_out else None
+        values, faces = subdivide(np.concatenate([points, weights], axis=1), faces, chosen)
+        used = np.unique(faces[faces >= 0])
+        values, faces = values[used], np.where(faces < 0, -1, np.searchsorted(used, faces))
         points, weights = _project(shape, values[:, :3]), values[:, 3:]
-    return Cage(points, weights, faces)
+    return Cage(points, settled_weights(points, weights), faces)
 
 
 def strongest_weights(weights: Float64) -> tuple[Int32, Float32]:
@@ -98,12 +119,28 @@ def strongest_weights(weights: Float64) -> tuple[Int32, Float32]:
     return np.ascontiguousarray(joint, np.int32), np.ascontiguousarray(weight, np.float32)
 
 
+def skeleton_weights(mesh: BodyMesh) -> tuple[Int32, Float32]:
+    """Return joints and weights (V, 4) with the skeleton's joints only: muscles and fingers go with what they hang on."""
+    skeletal = np.concatenate([np.arange(JOINT_COUNT), ANCHORS])
+    dense = np.zeros((len(mesh.position), JOINT_COUNT))
+    np.add.at(dense, (np.arange(len(dense))[:, None], skeletal[mesh.joint]), mesh.weight)
+    return strongest_weights(dense)
+
+
 def _triangles(points: Float64, faces: Int64) -> Int64:
-    """Split each quadrilateral into two triangles along its shorter diagonal."""
-    across = np.linalg.norm(points[faces[:, 0]] - points[faces[:, 2]], axis=1)
-    other = np.linalg.norm(points[faces[:, 1]] - points[faces[:, 3]], axis=1)
-    turned = np.where((other < across - 1e-6)[:, None], np.roll(faces, -1, axis=1), faces)
-    return np.concatenate([turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]])
+    """Split each quadrilateral into two triangles along its shorter diagonal, larger faces into a fan."""
+    corners = (faces >= 0).sum(axis=1)
+    four = faces[corners == 4][:, :4]
+    across = np.linalg.norm(points[four[:, 0]] - points[four[:, 2]], axis=1)
+    other = np.linalg.norm(points[four[:, 1]] - points[four[:, 3]], axis=1)
+    turned = np.where((other < across - 1e-6)[:, None], np.roll(four, -1, axis=1), four)
+    parts = [turned[:, [0, 1, 2]], turned[:, [0, 2, 3]]]
+    for count in range(5, faces.shape[1] + 1):
+        rows = faces[corners == count]
+        first = rows.argmax(axis=1)  # the newest corner: on an edge that a neighbour has split
+        fan = np.take_along_axis(rows, (first[:, None] + np.arange(count)) % count, axis=1)
+        parts += [fan[:, [0, at, at + 1]] for at in range(1, count - 1)]
+    return np.concatenate(parts)
 
 
 def occlusion(shape: Shape, points: Float64, normals: Float64) -> Float64:
@@ -162,12 +199,23 @@ def _unpack(arrays: Arrays) -> BodyMesh:
 
 
 def _build(level: int, name: str) -> BodyMesh:
-    shape = Shape(parts_of(name) if level in WITH_HEAD else trunk_of(name))
-    cage = _refine(build_cage(head=level in WITH_HEAD), shape, _SUBDIVISIONS[level])
-    points, weights, triangles = cage.points, cage.weights, _triangles(cage.points, cage.faces)
-    normals = shape.normal(points)
+    head = level in WITH_HEAD
+    body = Shape(parts_of(name, toes=level in _TOES) if head else trunk_of(name, toes=level in _TOES))
+    cage = build_cage(fingers=level in _FINGERS, head=head)
+    parts = [(body, _refine(cage, body, _SUBDIVISIONS[level], _SUBDIVISIONS[level] - 1))]
+    if level in _TOES:
+        toes = [(Shape((toe,)), build_toe_cage(toe)) for toe in toes_of(name)]
+        parts += [(shape, _refine(cage, shape, 1)) for shape, cage in toes]
+    points = np.concatenate([cage.points for _, cage in parts])
+    weights = np.concatenate([cage.weights for _, cage in parts])
+    normals = np.concatenate([shape.normal(cage.points) for shape, cage in parts])
+    first = np.cumsum([0, *(len(cage.points) for _, cage in parts[:-1])]).tolist()
+    triangles = np.concatenate(
+        [_triangles(cage.points, cage.faces) + start for (_, cage), start in zip(parts, first, strict=True)]
+    )
     if level in _TRIANGLES:
-        used, triangles = simplify(points, triangles, weights, _TRIANGLES[level])
+        kept = (np.abs(points[:, 0]) > _FINGERS_FROM) & (level in _FINGERS)
+        used, triangles = simplify(points, triangles, weights, _TRIANGLES[level], kept)
         points, weights, normals = points[used], weights[used], normals[used]
     openness = occlusion(Shape(parts_of(name)), points, normals)
     place = points

@@ -93,16 +93,14 @@ def _with_all(faces: tuple[FaceShape, ...], **more: float) -> tuple[FaceShape, .
 
 FACES: Final[dict[str, tuple[FaceShape, ...]]] = {
     DEFAULT_BODY: _WOMEN,
-    "woman": _WOMEN,
+    "woman": _with_all(_WOMEN, cheeks=0.2, chin=0.1),
     "slim": _with_all(_WOMEN, cheeks=-0.4, jaw=-0.2),
     "round": _with_all(_WOMEN, cheeks=0.9, jaw=0.5, chin=-0.3, neck=-0.5),
     "child": _CHILDREN,
     "man": _MEN,
     "strong": _with_all(_MEN, jaw=0.2, cheeks=-0.1),
-    "older": (
-        *_with_all(_WOMEN[:2], age=0.9, nose_length=0.4, lips=-0.6, eyes=-0.3),
-        *_with_all(_MEN[:2], age=0.9, nose_length=0.3, lips=-0.3),
-    ),
+    "older woman": _with_all(_WOMEN, age=0.9, nose_length=0.4, lips=-0.6, eyes=-0.3),
+    "older man": _with_all(_MEN, age=0.9, nose_length=0.3, lips=-0.3),
 }
 """Faces of each body, by its name."""
 

@@ -52,7 +52,7 @@ def _jacket_covers(place: Float64) -> Float64:
     lapel = 0.0075 + 0.0975 * np.clip((height - 1.06) * 3.0, 0.0, 1.2) ** 0.8
     opening = np.where(front > 0.0, side - lapel, 1.0)
     neck = np.where(place[:, 2] > 0.0, 1.452, 1.462) - height
-    return np.minimum.reduce([height - 0.850, 0.640 - side, opening, neck])
+    return np.asarray(np.minimum.reduce([height - 0.850, 0.640 - side, opening, neck]))
 
 
 def _jacket_lift(place: Float64) -> Float64:
@@ -65,7 +65,7 @@ def _jacket_lift(place: Float64) -> Float64:
 
 
 def _trousers_covers(place: Float64) -> Float64:
-    return np.minimum.reduce([0.985 - place[:, 1], place[:, 1] - 0.100, 0.30 - _side(place)])
+    return np.asarray(np.minimum.reduce([0.985 - place[:, 1], place[:, 1] - 0.100, 0.30 - _side(place)]))
 
 
 def _trousers_lift(place: Float64) -> Float64:
@@ -80,6 +80,14 @@ def _sneaker_covers(place: Float64) -> Float64:
     return 0.088 + 0.08 * np.clip(-place[:, 2], 0.0, 0.05) - place[:, 1]
 
 
+def _sneaker_lift(place: Float64) -> Float64:
+    return np.where(place[:, 1] > 0.06, 0.0085, 0.0055)
+
+
+def _boot_lift(place: Float64) -> Float64:
+    return np.asarray(0.0055 + 0.010 * np.clip((place[:, 1] - 0.18) / 0.15, 0.0, 1.0))
+
+
 def _boot_covers(place: Float64) -> Float64:
     return 0.330 + 0.15 * np.clip(place[:, 2], -0.1, 0.1) - place[:, 1]
 
@@ -88,11 +96,11 @@ GARMENTS: Final[dict[str, tuple[Garment, ...]]] = {
     "jacket": (Garment(_jacket_covers, _jacket_lift, CLOTH),),
     "trousers": (Garment(_trousers_covers, _trousers_lift, SECOND_CLOTH),),
     "sneakers": (
-        Garment(_sneaker_covers, lambda place: 0.0055 + 0.003 * (place[:, 1] > 0.06), SHOE),
+        Garment(_sneaker_covers, _sneaker_lift, SHOE),
         Garment(lambda place: 0.026 - place[:, 1], lambda place: np.full(len(place), 0.0105), SOLE),
     ),
     "boots": (
-        Garment(_boot_covers, lambda place: 0.0055 + 0.010 * np.clip((place[:, 1] - 0.18) / 0.15, 0.0, 1.0), SHOE),
+        Garment(_boot_covers, _boot_lift, SHOE),
         Garment(lambda place: 0.016 - place[:, 1], lambda place: np.full(len(place), 0.0095), SOLE),
     ),
 }

@@ -38,7 +38,7 @@ from live.render.body.implicit_surface import Shape
 from live.render.body.mesh_simplify import simplify, subdivide
 from live.render.body.surface_parts import EAR, EYE, FACE, PAINTED_FACE, TEETH
 
-_TRIANGLES: Final = {LIGHT: 300}
+_TRIANGLES: Final = {LIGHT: 260}
 _EYE_RINGS: Final = {FINE: (6, 14), CLOSE: (4, 10)}
 """Rings and segments of an eyeball."""
 _EAR_RING: Final = {FINE: 18, CLOSE: 11, LIGHT: 6}

@@ -17,7 +17,14 @@ from live.base.stage_snapshot import StageView
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.adaptive_quality import Quality
 from live.render.body.body_mesh import COARSE, BodyMesh
-from live.render.body.drawn_joints import DETAIL_JOINTS, DRAWN_COUNT, EXPRESSION_SIZE, shader_rows
+from live.render.body.drawn_joints import (
+    DETAIL_JOINTS,
+    DRAWN_COUNT,
+    DRIVERS,
+    EXPRESSION_SIZE,
+    driver_rows,
+    shader_rows,
+)
 from live.render.shader import Releasable, compile_program, release_all, set_uniform
 
 SKINS: Final = ("coarse", "near", "far", "close", "xray")
@@ -54,7 +61,9 @@ def pose_texture(ctx: moderngl.Context, capacity: int) -> moderngl.Texture:
     return _texture(ctx, (width // _WIDEST * POSE_TEXELS, rows), 4, "f4")
 
 
-_CONSTANTS: Final = (("JOINTS", JOINT_COUNT), ("DETAILS", len(DETAIL_JOINTS)), ("EXPRESSION", EXPRESSION_SIZE))
+_CONSTANTS: Final = (
+    ("JOINTS", JOINT_COUNT), ("DETAILS", len(DETAIL_JOINTS)), ("DRIVERS", len(DRIVERS)), ("EXPRESSION", EXPRESSION_SIZE),
+)  # fmt: skip
 
 
 class PoseTexture:
@@ -69,6 +78,7 @@ class PoseTexture:
         set_uniform(self._program, "joint_rotation", _ROTATION_UNIT)
         set_uniform(self._program, "expression", _EXPRESSION_UNIT)
         set_uniform(self._program, "detail", [tuple(row) for row in shader_rows().reshape(-1, 4).tolist()])
+        set_uniform(self._program, "driver", [tuple(row) for row in driver_rows().reshape(-1, 4).tolist()])
         set_uniform(self._program, "rest", [tuple(joint) for joint in SKELETON.rest_positions().tolist()])
         self._triangle = ctx.vertex_array(self._program, [])
         self._owned: list[Releasable] = []

@@ -6,8 +6,9 @@ import pytest
 from live.base.body.catalogue import BODIES, DEFAULT_BODY
 from live.render.body.body_lookup import build_figure
 from live.render.body.body_mesh import COARSE, LIGHT, build_body
+from live.render.body.body_parts import BODY
 from live.render.body.body_variants import TYPES, parts_of
-from live.render.body.implicit_surface import BODY, Shape
+from live.render.body.implicit_surface import Shape
 from live.render.dancers.particle_points import build_points
 
 
@@ -24,7 +25,7 @@ def litres(name, level=COARSE):
 
 def test_every_body_name_has_type_and_default_is_base_body():
     assert tuple(TYPES) == BODIES
-    assert parts_of(DEFAULT_BODY) is BODY
+    assert parts_of(DEFAULT_BODY) == BODY
     with pytest.raises(ValueError, match="body 'tall'"):
         parts_of("tall")
 

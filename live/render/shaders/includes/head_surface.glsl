@@ -48,7 +48,7 @@ vec4 face_colour(vec3 rest, int dancer, bool painted) {
     float t = min(s / 0.0247, 1.0);
     float upper = 1.53685 - 0.0093 * t * t - 0.0007 * exp(-square(s / 0.0028)), lower = 1.5174 + 0.0101 * pow(t, 2.5);
     float lips = smoothstep(-0.0004, 0.0007, min(upper - y, y - lower)) * (1.0 - smoothstep(0.0236, 0.0250, s)) * step(0.06, rest.z);
-    vec3 red = colour * mix(vec3(0.93, 0.66, 0.67), vec3(0.90, 0.52, 0.56), own.z) * (y > 1.5276 ? 0.92 : 1.0);
+    vec3 red = colour * mix(vec3(0.95, 0.76, 0.76), vec3(0.90, 0.56, 0.59), own.z * own.z) * (y > 1.5276 ? 0.92 : 1.0);
     colour = mix(colour, red, 0.85 * lips);
     float sheen = mix(skin.a, 0.30, lips);
     if (painted) {
@@ -85,13 +85,14 @@ vec4 face_colour(vec3 rest, int dancer, bool painted) {
 // Across and along the strands from the hairline [m], and whether it is curly.
 vec4 hair_colour(vec3 at, int dancer) {
     vec4 hair = material(HAIR, dancer);
+    float near = clamp(0.0005 / max(max(fwidth(at.x), fwidth(at.y)), 1e-6), 0.0, 1.0);   // far away its border is even
     if (at.z > 0.5) {
         float curl = uneven(at.xy * 230.0) * 0.6 + uneven(at.xy * 520.0 + 9.0) * 0.4;
-        if (at.y < 0.010 * curl - 0.001) discard;
+        if (at.y < near * (0.010 * curl - 0.001)) discard;
         return vec4(hair.rgb * (0.45 + 1.0 * curl), 0.10 + 0.25 * curl * curl);
     }
     float fine = uneven(vec2(at.x * 1300.0, at.y * 22.0)), broad = uneven(vec2(at.x * 330.0, at.y * 12.0 + 5.0));
-    if (at.y < 0.0040 * fine + 0.0016 * broad - 0.0006) discard;   // it begins strand by strand
+    if (at.y < near * (0.0040 * fine + 0.0016 * broad - 0.0006)) discard;   // it begins strand by strand
     float strand = 0.55 * fine + 0.45 * broad;
     return vec4(hair.rgb * (0.62 + 0.70 * strand), hair.a * (0.10 + 0.95 * strand * strand));
 }
