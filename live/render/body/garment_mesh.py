@@ -1,4 +1,4 @@
-"""Loose clothes: jackets, wide trousers, sneakers and boots as shells around the body, moved by the same joints.
+"""Loose clothes: jackets, wide trousers and shoes as shells around the body, moved by the same joints.
 
 A shell is the part of the body's mesh that the garment covers, cut along its hems, lifted off the skin, and closed to
 the skin along the hems, so that cloth has thickness. Skirts and what swings are simulated (`live.motion.cloth`).
@@ -12,10 +12,13 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Float64, Int64
+from live.base.body.appearance import SHOES
 from live.base.body.catalogue import DEFAULT_BODY
 from live.render.body.body_mesh import (
+    CLOSE,
     COARSE,
     DISTANT,
+    FINE,
     BodyMesh,
     build_body,
     cached_mesh,
@@ -92,9 +95,26 @@ def _boot_covers(place: Float64) -> Float64:
     return 0.330 + 0.15 * np.clip(place[:, 2], -0.1, 0.1) - place[:, 1]
 
 
+def _slipper_covers(height: float, instep: float) -> _Field:
+    """Return what a low shoe covers: to a height [m], less on the instep."""
+
+    def covers(place: Float64) -> Float64:
+        front = np.minimum(place[:, 2] + 0.010, 0.118 - place[:, 2])
+        opening = np.maximum(np.minimum(4.0 * front, height - 0.022), 0.0)
+        return np.asarray(height - place[:, 1] - instep * opening)
+
+    return covers
+
+
+def _thin(place: Float64) -> Float64:
+    return np.full(len(place), 0.003)
+
+
 GARMENTS: Final[dict[str, tuple[Garment, ...]]] = {
     "jacket": (Garment(_jacket_covers, _jacket_lift, CLOTH),),
     "trousers": (Garment(_trousers_covers, _trousers_lift, SECOND_CLOTH),),
+    "ballet": (Garment(_slipper_covers(0.072, 0.75), _thin, SHOE),),
+    "pumps": (Garment(_slipper_covers(0.066, 0.85), _thin, SHOE),),
     "sneakers": (
         Garment(_sneaker_covers, _sneaker_lift, SHOE),
         Garment(lambda place: 0.026 - place[:, 1], lambda place: np.full(len(place), 0.0105), SOLE),
@@ -117,8 +137,13 @@ def build_garment(level: int, body: str = DEFAULT_BODY, name: str = "jacket") ->
         return empty_mesh()
     return cached_mesh(
         f"garment {name} {body} {level}",
-        lambda: merged([_shell(build_body(level, body), garment) for garment in GARMENTS[name]]),
+        lambda: merged([_shell(build_body(_base(level, name), body), garment) for garment in GARMENTS[name]]),
     )
+
+
+def _base(level: int, name: str) -> int:
+    """Return the level of the body around which a garment is made: shoes have no toes."""
+    return CLOSE if level == FINE and name in SHOES else level
 
 
 def _dense(mesh: BodyMesh) -> Float64:
