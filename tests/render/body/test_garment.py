@@ -51,7 +51,7 @@ def test_shell_lies_off_the_skin_and_near_it(level, name) -> None:
     distance = Shape(trunk_of("dancer")).distance(mesh.position.astype(np.float64))
     assert distance.min() > -CHORD_M[CLOSE if name in SHOES else level]
     assert distance.max() < MAX_LIFT + 0.01
-    assert (distance > 0.002).mean() > 0.5
+    assert (distance > 0.002).mean() > (0.5 if name in ("jacket", "trousers") else 0.1)
     assert mesh.position[:, 1].min() >= -1e-6
     np.testing.assert_allclose(mesh.weight.sum(axis=1), 1.0, atol=1e-5)
     np.testing.assert_allclose(np.linalg.norm(mesh.normal, axis=1), 1.0, atol=1e-4)
