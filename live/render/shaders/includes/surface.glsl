@@ -104,7 +104,7 @@ Wear worn_at_place(vec3 rest, int dancer) {
 // Square root of the colour, and sheen. Where pixels are dear there are no seams.
 vec4 surface(vec3 rest, int dancer, int part) {
 #ifdef VERTEX
-    if (part == HAIR_PART) return material(HAIR, dancer);
+    if (part == HAIR_PART || min(0.012 + 0.42 * (rest.y - 1.60) - rest.z, rest.y - 1.536) > 0.0) return material(HAIR, dancer);
 #endif
     Wear wear = worn_at_place(rest, dancer);
     if (part >= GARMENT_PART) wear = Wear(part - GARMENT_PART, 1.0);
