@@ -62,8 +62,8 @@ struct Wear { int which; float border; };
 
 void put(inout Wear wear, int which, float inside) {
     if (which == wear.which) return;
-    if (inside > 0.0) wear.which = which;
-    wear.border = min(wear.border, abs(inside));
+    if (inside > 0.0) wear = Wear(which, inside);   // hides the borders below it
+    else wear.border = min(wear.border, -inside);
 }
 
 const int SKIN = 2, HAIR = 3, SHOE = 4, SHIRT = 6, SOLE = 7;
