@@ -15,12 +15,13 @@ from live.base.arrays import Float32, Float64, Int32, Int64
 from live.base.body.catalogue import DEFAULT_BODY
 from live.base.disk.array_cache import ArrayCache, Arrays, digest_of_code
 from live.motion.skeleton import JOINT_COUNT
-from live.render.body.body_variants import bun_of, parts_of, toes_of
-from live.render.body.cage import Cage, build_bun_cage, build_cage, build_toe_cage
+from live.render.body.body_variants import parts_of, toes_of, trunk_of
+from live.render.body.cage import Cage, build_cage, build_toe_cage
 from live.render.body.drawn_joints import ANCHORS
 from live.render.body.implicit_surface import Shape
 from live.render.body.mesh_simplify import simplify, subdivide
 from live.render.body.skin_weights import settled_weights
+from live.render.body.surface_parts import BODY
 
 COARSE: Final = 0
 """Level for shadows and reflections."""
@@ -30,14 +31,18 @@ FINE: Final = 2
 """Level for a graphics card and few dancers."""
 DISTANT: Final = 3
 """Level for dancers far from the camera; at 12 m it looks like `LIGHT`."""
-LEVELS: Final = (COARSE, LIGHT, FINE, DISTANT)
+CLOSE: Final = 4
+"""Level for software rendering, of the few dancers next to the camera."""
+LEVELS: Final = (COARSE, LIGHT, FINE, DISTANT, CLOSE)
+WITH_HEAD: Final = (COARSE, DISTANT)
+"""Levels at which a body has a head of its own; at the others heads are meshes of their own."""
 
-_SUBDIVISIONS: Final = (0, 1, 2, 1)
-_FINGERS: Final = (LIGHT, FINE)
+_SUBDIVISIONS: Final = (0, 1, 2, 1, 1)
+_FINGERS: Final = (LIGHT, FINE, CLOSE)
 """Levels whose hands have fingers; the others have mittens."""
 _TOES: Final = (FINE,)
 """Levels whose feet have toes."""
-_TRIANGLES: Final = {COARSE: 440, LIGHT: 1400, DISTANT: 640}
+_TRIANGLES: Final = {COARSE: 440, LIGHT: 1160, DISTANT: 600}
 """Triangle counts of simplified levels."""
 _HANDS_FROM: Final = 0.70
 """Hands are subdivided once less, because their cage is fine: they begin here, to the side [m]."""
@@ -69,6 +74,10 @@ class BodyMesh:
     """Share of ambient light that reaches the vertex, 0 to 1, shape (V,)."""
     triangle: Int32
     """Vertex indices, shape (T, 3)."""
+    place: Float32
+    """Where the vertex lies on the usual body [m], by which the surface is painted, shape (V, 3)."""
+    part: Int32
+    """What the surface is (`surface_parts`), shape (V,); the same for all corners of a triangle."""
 
 
 def _project(shape: Shape, points: Float64) -> Float64:
@@ -133,7 +142,8 @@ def _triangles(points: Float64, faces: Int64) -> Int64:
     return np.concatenate(parts)
 
 
-def _openness(shape: Shape, points: Float64, normals: Float64) -> Float64:
+def occlusion(shape: Shape, points: Float64, normals: Float64) -> Float64:
+    """Return the share of ambient light that reaches points (N, 3) on a surface, 0 to 1."""
     total = np.zeros(len(points))
     for reach in _OCCLUSION_REACH:
         total += np.clip(shape.distance(points + normals * reach) / reach, 0.0, 1.0)
@@ -171,9 +181,10 @@ def _unpack(arrays: Arrays) -> BodyMesh:
     shapes = {
         "position": (vertices, 3), "normal": (vertices, 3), "joint": (vertices, _INFLUENCES),
         "weight": (vertices, _INFLUENCES), "openness": (vertices,), "triangle": (triangles, 3),
+        "place": (vertices, 3), "part": (vertices,),
     }  # fmt: skip
     for name, shape in shapes.items():
-        kind = np.int32 if name in ("joint", "triangle") else np.float32
+        kind = np.int32 if name in ("joint", "triangle", "part") else np.float32
         if arrays[name].shape != shape or arrays[name].dtype != kind:
             raise ValueError(f"{name}: {shape} numbers of {kind.__name__} expected")
     if mesh.triangle.min() < 0 or mesh.triangle.max() >= vertices:
@@ -182,11 +193,10 @@ def _unpack(arrays: Arrays) -> BodyMesh:
 
 
 def _build(level: int, name: str) -> BodyMesh:
-    body, bun = Shape(parts_of(name, toes=level in _TOES)), Shape(bun_of(name))
-    parts = [
-        (body, _refine(build_cage(fingers=level in _FINGERS), body, _SUBDIVISIONS[level], _SUBDIVISIONS[level] - 1)),
-        (bun, _refine(build_bun_cage(), bun, _SUBDIVISIONS[level])),
-    ]
+    head = level in WITH_HEAD
+    body = Shape(parts_of(name, toes=level in _TOES) if head else trunk_of(name, toes=level in _TOES))
+    cage = build_cage(fingers=level in _FINGERS, head=head)
+    parts = [(body, _refine(cage, body, _SUBDIVISIONS[level], _SUBDIVISIONS[level] - 1))]
     if level in _TOES:
         toes = [(Shape((toe,)), build_toe_cage(toe)) for toe in toes_of(name)]
         parts += [(shape, _refine(cage, shape, 1)) for shape, cage in toes]
@@ -201,7 +211,8 @@ def _build(level: int, name: str) -> BodyMesh:
         kept = (np.abs(points[:, 0]) > _FINGERS_FROM) & (level in _FINGERS)
         used, triangles = simplify(points, triangles, weights, _TRIANGLES[level], kept)
         points, weights, normals = points[used], weights[used], normals[used]
-    openness = _openness(body, points, normals)
+    openness = occlusion(Shape(parts_of(name)), points, normals)
+    place = points
     if level == COARSE:
         points = points + normals * _SHADOW_OFFSET
     joint, weight = strongest_weights(weights)
@@ -212,4 +223,25 @@ def _build(level: int, name: str) -> BodyMesh:
         weight,
         np.ascontiguousarray(openness, np.float32),
         np.ascontiguousarray(triangles, np.int32),
+        np.ascontiguousarray(place, np.float32),
+        np.full(len(points), BODY, np.int32),
     )
+
+
+def empty_mesh() -> BodyMesh:
+    """Return a mesh of nothing."""
+    three, four, one = ((0, 3), (0, 4), (0,))
+    return BodyMesh(
+        np.zeros(three, np.float32), np.zeros(three, np.float32), np.zeros(four, np.int32), np.zeros(four, np.float32),
+        np.zeros(one, np.float32), np.zeros(three, np.int32), np.zeros(three, np.float32), np.zeros(one, np.int32),
+    )  # fmt: skip
+
+
+def merged(meshes: list[BodyMesh]) -> BodyMesh:
+    """Return meshes as one; none of their vertices are shared."""
+    first = np.cumsum([0, *(len(mesh.position) for mesh in meshes)])[:-1]
+    arrays = {field.name: [getattr(mesh, field.name) for mesh in meshes] for field in fields(BodyMesh)}
+    arrays["triangle"] = [
+        (triangle + start).astype(np.int32) for triangle, start in zip(arrays["triangle"], first, strict=True)
+    ]
+    return BodyMesh(**{name: np.ascontiguousarray(np.concatenate(each)) for name, each in arrays.items()})

@@ -262,7 +262,10 @@ def toes_of(name: str) -> tuple[Loft, ...]:
     return tuple(_evenly_scaled_loft(toe, TYPES[name].foot) for toe in usual.TOE_PARTS)
 
 
-def bun_of(name: str) -> tuple[Part, ...]:
-    """Return the hair bun of the body of that name."""
-    factor = TYPES[name].head
-    return tuple(_scaled_about(part, _HEAD_ROOT, factor) if isinstance(part, Ellipsoid) else part for part in usual.BUN)
+def trunk_of(name: str, *, toes: bool = False) -> tuple[Part, ...]:
+    """Return the parts of a body without its head: its neck ends in a head of its own mesh."""
+    return tuple(
+        part
+        for part in parts_of(name, toes=toes)
+        if not isinstance(part, Ellipsoid) or part.centre[1] < _HEAD_ROOT[1] - 0.03
+    )

@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from live.render.body.cage_builder import Cage, HalfBuilder, JointWeights, Point, mirrored, weights_of
+from live.render.body.cage_builder import Cage, HalfBuilder, JointWeights, Point, mirrored
 from live.render.body.hand_cage import add_hand
 from live.render.body.implicit_surface import Loft
 
@@ -39,6 +39,11 @@ _HEAD: Final[tuple[tuple[tuple[Point, Point, Point, Point], JointWeights], ...]]
     (((0.0, 1.535, 0.090), (0.052, 1.550, 0.055), (0.064, 1.575, -0.058), (0.0, 1.570, -0.088)), {"head": 1.0}),
     (((0.0, 1.585, 0.100), (0.058, 1.600, 0.060), (0.070, 1.620, -0.052), (0.0, 1.620, -0.092)), {"head": 1.0}),
     (((0.0, 1.655, 0.080), (0.048, 1.662, 0.055), (0.052, 1.670, -0.052), (0.0, 1.672, -0.075)), {"head": 1.0}),
+)
+
+# Where a body without a head ends: rows as above.
+_NECK_END: Final[tuple[tuple[tuple[Point, Point, Point, Point], JointWeights], ...]] = (
+    (((0.0, 1.478, 0.030), (0.034, 1.478, 0.018), (0.034, 1.478, -0.044), (0.0, 1.478, -0.056)), {"neck": 1.0}),
 )
 
 # Arm rings along x: x, half-height, half-depth, weights; centre line at the height of the shoulder joint.
@@ -76,7 +81,6 @@ _FOOT: Final[tuple[tuple[float, float, float, float, float, JointWeights], ...]]
     (0.158, 0.003, 0.028, 0.056, 0.122, {"leftToes": 1.0}),
     (0.182, 0.004, 0.018, 0.066, 0.106, {"leftToes": 1.0}),
 )
-_BUN: Final = ((0.0, 1.668, -0.094), 0.030)
 _COLUMNS: Final = np.radians([0.0, 34.0, 70.0, 110.0, 146.0, 180.0])
 """Directions of the corners of the trunk's rows, from the front to the back."""
 _AROUND: Final = np.radians([-30.0, 30.0, 90.0, 150.0, 210.0, 270.0])
@@ -96,7 +100,7 @@ def _six(corners: tuple[Point, ...]) -> list[Point]:
     return [a, (front[0], front[1], front[2] + 0.01), b, c, (back[0], back[1], back[2] - 0.01), d]
 
 
-def _trunk(half: HalfBuilder) -> list[list[int]]:
+def _trunk(half: HalfBuilder, *, head: bool) -> list[list[int]]:
     crease: list[Point] = [
         (0.0, 0.812, 0.034), (0.078, 0.838, 0.072), (0.152, 0.868, 0.045),
         (0.150, 0.850, -0.060), (0.085, 0.802, -0.100), (0.0, 0.808, -0.050),
@@ -107,9 +111,11 @@ def _trunk(half: HalfBuilder) -> list[list[int]]:
     for y, width, front, back, bond in _TRUNK:
         inner = {name: weight for name, weight in bond.items() if not name.startswith("left")}
         breath = _BREATHING.get(y, 0.0)
-        bonds = [_breathing(one, breath * part) for one, part in zip((inner, inner, bond), (1.0, 1.0, 0.6), strict=True)]
+        bonds = [
+            _breathing(one, breath * part) for one, part in zip((inner, inner, bond), (1.0, 1.0, 0.6), strict=True)
+        ]
         rows.append(half.ring(_row(y, width, front, back), [*bonds, bond, inner, inner]))
-    for corners_, bond in _HEAD:
+    for corners_, bond in _HEAD if head else _NECK_END:
         rows.append(half.ring(_six(corners_), bond))
     for index in range(len(rows) - 1):
         socket = (2,) if index in (_ARMPIT_ROW, _ARMPIT_ROW + 1) else ()
@@ -167,10 +173,11 @@ def _leg_ring(y: float, width: float, front: float, back: float) -> list[Point]:
     return [(_LEG_X - width * float(np.cos(a)), y, centre + deep * float(np.sin(a))) for a in angles]
 
 
-def build_cage(*, fingers: bool = True) -> Cage:
-    """Return the cage of the body without its hair bun, in the rest pose; without `fingers` they are one mitten."""
+def build_cage(*, fingers: bool = True, head: bool = True) -> Cage:
+    """Return the cage of the body in the rest pose; without `fingers` they are one mitten; without a `head` its neck
+    ends inside one."""
     half = HalfBuilder()
-    rows = _trunk(half)
+    rows = _trunk(half, head=head)
     _leg(half, rows[0])
     low, middle, high = rows[_ARMPIT_ROW : _ARMPIT_ROW + 3]
     wrist = _arm(half, low, middle, high, round_=not fingers)
@@ -195,14 +202,3 @@ def build_toe_cage(toe: Loft) -> Cage:
         previous = ring
     half.cap(previous)
     return mirrored(half)
-
-
-def build_bun_cage() -> Cage:
-    """Return the cage of the hair bun: a cube on the back of the head."""
-    (x, y, z), r = _BUN
-    signs = np.array(
-        [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]
-    )
-    faces = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2]], np.int64)
-    weights = np.tile(weights_of({"head": 1.0}), (8, 1))
-    return Cage(np.array([x, y, z]) + signs * r, weights, faces)

@@ -28,8 +28,8 @@ from live.base.body.expression import (
 )
 from live.motion.skeleton import SKELETON
 from live.render.body.fingers import FINGERS, PHALANGES, Vector
+from live.render.body.head_cage import EYE_CENTRE
 from live.render.body.muscles import MUSCLES, Driver
-
 
 Term = tuple[int | Driver, Vector]
 
@@ -68,9 +68,7 @@ def _hand(side: str, sign: float, start: int) -> list[DetailJoint]:
             curl = (start + CURL.start + number, _mirrored_turn(turn, sign))
             spread = (start + SPREAD, _mirrored_turn(finger.spread, sign))
             place = _mirrored_point(finger.places[phalanx], sign)
-            rows.append(
-                DetailJoint(f"{side}{finger.name}{name}", parent, place, curl, _NONE if phalanx else spread)
-            )
+            rows.append(DetailJoint(f"{side}{finger.name}{name}", parent, place, curl, _NONE if phalanx else spread))
             parent = rows[-1].name
     return rows
 
@@ -91,14 +89,14 @@ def _muscles(side: str, sign: float) -> list[DetailJoint]:
 
 
 def _half_face(side: str, sign: float, blink: int) -> list[DetailJoint]:
-    eye = _mirrored_point((0.0315, 1.600, 0.066), sign)
+    eye = _mirrored_point(EYE_CENTRE, sign)
     return [
         DetailJoint(f"{side}Eye", "head", eye, (GAZE_YAW, (0.0, 1.0, 0.0)), (GAZE_PITCH, (-1.0, 0.0, 0.0))),
         # the upper lid closes over the eye, and goes with a gaze up or down
-        DetailJoint(f"{side}Lid", "head", eye, (blink, (0.62, 0.0, 0.0)), (GAZE_PITCH, (-0.55, 0.0, 0.0))),
+        DetailJoint(f"{side}Lid", "head", eye, (blink, (0.88, 0.0, 0.0)), (GAZE_PITCH, (-0.55, 0.0, 0.0))),
         # far pivots: brows and corners of the mouth glide more than they turn
         DetailJoint(f"{side}Brow", "head", (0.0, 1.610, 0.0), (BROW, _mirrored_turn((-0.075, 0.0, 0.03), sign))),
-        DetailJoint(f"{side}Mouth", "head", (0.0, 1.560, 0.0), (SMILE, _mirrored_turn((-0.070, 0.055, 0.0), sign))),
+        DetailJoint(f"{side}Mouth", "head", (0.0, 1.560, 0.0), (SMILE, _mirrored_turn((-0.115, 0.095, 0.0), sign))),
     ]
 
 

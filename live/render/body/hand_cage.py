@@ -68,9 +68,7 @@ def _fingers(half: HalfBuilder, near: list[int]) -> list[int]:
     bulge = [0.7, 1.0, 1.1, 1.0, 0.7]
     rings = []
     for side in (1.0, -1.0):
-        points = [
-            (x, _Y + side * thick * b, z) for x, b, z in zip(far_x, bulge, edges, strict=True)
-        ]
+        points = [(x, _Y + side * thick * b, z) for x, b, z in zip(far_x, bulge, edges, strict=True)]
         rings.append(half.ring(points, bonds))
     top, low = rings
     half.faces += [

@@ -10,10 +10,12 @@ import pytest
 from live.base.body.catalogue import DEFAULT_BODY
 from live.motion.skeleton import BODY_HEIGHT, SKELETON
 from live.render.body import body_mesh
-from live.render.body.body_mesh import COARSE, DISTANT, FINE, LIGHT, BodyMesh, build_body
-from live.render.body.body_variants import parts_of, toes_of
+from live.render.body.body_lookup import build_figure
+from live.render.body.body_mesh import COARSE, DISTANT, FINE, LIGHT, BodyMesh, build_body, merged
+from live.render.body.body_variants import parts_of, toes_of, trunk_of
 from live.render.body.drawn_joints import ANCHORS, DRAWN_COUNT, DRAWN_MIRROR, DRAWN_NAMES
 from live.render.body.fingers import FINGERS, PHALANGES
+from live.render.body.head_mesh import build_head
 from live.render.body.implicit_surface import Shape
 
 LEVELS = (COARSE, LIGHT, FINE)
@@ -40,9 +42,11 @@ def test_every_edge_has_two_triangles_of_opposite_orientation(level: int) -> Non
     assert all((b, a) in forward for a, b in forward)
 
 
-@pytest.mark.parametrize(("level", "least", "most"), [(COARSE, 300, 500), (LIGHT, 1000, 1400), (FINE, 9000, 16000), (DISTANT, 400, 640)])
+@pytest.mark.parametrize(
+    ("level", "least", "most"), [(COARSE, 300, 600), (LIGHT, 1200, 1800), (FINE, 12000, 22000), (DISTANT, 400, 740)]
+)
 def test_triangle_count_is_within_range_of_level(level: int, least: int, most: int) -> None:
-    assert least <= len(build_body(level).triangle) <= most
+    assert least <= len(build_figure(level).triangle) <= most
 
 
 @pytest.mark.parametrize("level", LEVELS)
@@ -88,14 +92,14 @@ def test_left_and_right_are_mirror_images(level: int) -> None:
 
 
 def test_body_matches_skeleton_height_and_stands_on_floor() -> None:
-    mesh = build_body(FINE)
+    mesh = merged([build_body(FINE), build_head(FINE)])
     assert mesh.position[:, 1].max() == pytest.approx(BODY_HEIGHT, abs=0.02)
     assert mesh.position[:, 1].min() == pytest.approx(0.0, abs=0.005)
     assert mesh.position[:, 0].max() == pytest.approx(0.85, abs=0.03)  # arm span about the height
 
 
 def test_every_joint_influences_nearby_vertices() -> None:
-    mesh = build_body(LIGHT)
+    mesh = build_body(DISTANT)
     dense = _dense(mesh)
     for number, anchor in enumerate(ANCHORS):  # muscles and fingers belong to the joint that they hang on
         dense[:, anchor] += dense[:, SKELETON.joint_count + number]
@@ -109,9 +113,8 @@ def test_every_joint_influences_nearby_vertices() -> None:
 @pytest.mark.parametrize("level", [LIGHT, FINE])
 def test_vertices_lie_on_the_implicit_surface(level: int) -> None:
     mesh = build_body(level)
-    bun = (mesh.position[:, 1] > 1.62) & (mesh.position[:, 2] < -0.05)
-    places = mesh.position[~bun].astype(np.float64)
-    distance = np.abs(Shape(parts_of(DEFAULT_BODY, toes=level == FINE)).distance(places))
+    places = mesh.position.astype(np.float64)
+    distance = np.abs(Shape(trunk_of(DEFAULT_BODY, toes=level == FINE)).distance(places))
     if level == FINE:
         for toe in toes_of(DEFAULT_BODY):
             distance = np.minimum(distance, np.abs(Shape((toe,)).distance(places)))

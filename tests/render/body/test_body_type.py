@@ -4,9 +4,10 @@ import numpy as np
 import pytest
 
 from live.base.body.catalogue import BODIES, DEFAULT_BODY, MEN
+from live.render.body.body_lookup import build_figure
 from live.render.body.body_mesh import COARSE, LIGHT, build_body
-from live.render.body.body_variants import TYPES, parts_of
 from live.render.body.body_parts import BODY
+from live.render.body.body_variants import TYPES, parts_of
 from live.render.body.implicit_surface import Shape
 from live.render.dancers.particle_points import build_points
 
@@ -118,5 +119,4 @@ def test_particle_points_lie_on_skin_and_any_prefix_is_evenly_spread():
     for axis in range(3):
         first, all_ = (np.percentile(points.position[:count, axis], [20, 50, 80]) for count in (300, 1500))
         np.testing.assert_allclose(first, all_, atol=0.09)
-    mesh = build_body(LIGHT)
-    assert points.joint.max() <= mesh.joint.max()
+    assert points.joint.max() <= build_figure(LIGHT).joint.max()
