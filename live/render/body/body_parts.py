@@ -143,7 +143,7 @@ TORSO_DETAILS: Final[tuple[Part, ...]] = (
     Ellipsoid((0.082, 1.300, -0.076), (0.034, 0.056, 0.015), 0.016, 0.0, 10.0),  # shoulder blade
     Ellipsoid((0.030, 1.080, -0.050), (0.022, 0.120, 0.020), 0.030),  # straight muscle of the back
     Ellipsoid((0.104, 0.968, 0.042), (0.018, 0.030, 0.020), 0.028),  # crest of the hip bone
-    Ellipsoid((0.036, 1.055, 0.070), (0.032, 0.095, 0.016), 0.024),  # straight muscle of the belly
+    Ellipsoid((0.036, 1.070, 0.070), (0.032, 0.090, 0.016), 0.030),  # straight muscle of the belly
     Ellipsoid((0.0, 1.282, 0.112), (0.010, 0.075, 0.015), 0.030, hollow=True),  # breast bone
     replace(
         upright(

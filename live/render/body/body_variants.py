@@ -208,18 +208,25 @@ _HEAD_ROOT: Final = (0.0, 1.530, 0.0)
 """Centre for scaling the head: where the neck enters it."""
 
 
+_LIMB_DETAILS: Final = (*usual.ARM_DETAILS, *usual.LEG_DETAILS)
+
+
 @cache
-def parts_of(name: str, *, toes: bool = True) -> tuple[Part, ...]:
-    """Return the parts of the left half of a body, in blending order, without its toes (`toes_of`) or, if there are
-    none, with what encloses them; ValueError for an unknown name."""
+def parts_of(name: str, *, toes: bool = True, details: bool = True) -> tuple[Part, ...]:
+    """Return the parts of the left half of a body, in blending order; ValueError for an unknown name.
+
+    Without its toes (`toes_of`) or, if there are none, with what encloses them; without `details`, arms and legs are
+    smooth, because large triangles would catch bones and muscles by chance.
+    """
     if name not in TYPES:
         raise ValueError(f"body {name!r}: there are {', '.join(BODIES)}")
     kind = TYPES[name]
     enclosing = () if toes else (_evenly_scaled_loft(usual.TOES_TOGETHER, kind.foot),)
+    shown = BODY if details else tuple(part for part in BODY if part not in _LIMB_DETAILS)
     if name == DEFAULT_BODY:
-        return *BODY, *enclosing
+        return *shown, *enclosing
     parts: list[Part] = []
-    for part in BODY:
+    for part in shown:
         if part is usual.TORSO:
             parts += [_scaled_loft(usual.TORSO, kind.torso), *kind.extra_parts]
         elif part is usual.LEG:
@@ -262,10 +269,10 @@ def toes_of(name: str) -> tuple[Loft, ...]:
     return tuple(_evenly_scaled_loft(toe, TYPES[name].foot) for toe in usual.TOE_PARTS)
 
 
-def trunk_of(name: str, *, toes: bool = False) -> tuple[Part, ...]:
+def trunk_of(name: str, *, toes: bool = False, details: bool = True) -> tuple[Part, ...]:
     """Return the parts of a body without its head: its neck ends in a head of its own mesh."""
     return tuple(
         part
-        for part in parts_of(name, toes=toes)
+        for part in parts_of(name, toes=toes, details=details)
         if not isinstance(part, Ellipsoid) or part.centre[1] < _HEAD_ROOT[1] - 0.03
     )

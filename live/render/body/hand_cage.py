@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Float64
-from live.render.body.cage_builder import HalfBuilder, JointWeights, Point
+from live.render.body.cage_builder import Cage, HalfBuilder, JointWeights, Point, mirrored
 from live.render.body.fingers import FINGERS, PHALANGES, Finger
 
 # Palm rings along x: x, half-thickness, to the front, to the back, shift up, weights.
@@ -22,17 +22,18 @@ def _name(finger: Finger, phalanx: int) -> str:
     return f"left{finger.name}{PHALANGES[phalanx]}"
 
 
-def add_hand(half: HalfBuilder, wrist: list[int], *, fingers: bool) -> None:
-    """Add the hand to a ring of six corners around the wrist, the first on top, the next in front of it."""
+def add_hand(half: HalfBuilder, wrist: list[int], *, fingers: bool, tips: bool) -> None:
+    """Add the hand to a ring of six corners around the wrist, the first on top, the next in front of it; `tips`: round
+    finger tips."""
     x, thick, front, back, bond = _WRIST_END
     thumb = {"leftHand": 0.65, "leftThumbProximal": 0.35}
     near = half.ring(_hexagon(x, thick, front, back), [bond, thumb, thumb, bond, bond, bond])
     half.bridge(wrist, near)
     if fingers:
-        socket = _fingers(half, near)
+        socket = _fingers(half, near, tips)
     else:
         socket = _mitten(half, near)
-    _limb(half, socket, FINGERS[0])
+    _limb(half, socket, FINGERS[0], tips and fingers)
 
 
 def _hexagon(x: float, thick: float, front: float, back: float) -> list[Point]:
@@ -59,7 +60,7 @@ def _mitten(half: HalfBuilder, near: list[int]) -> list[int]:
     return [far[1], near[1], near[2], far[2]]
 
 
-def _fingers(half: HalfBuilder, near: list[int]) -> list[int]:
+def _fingers(half: HalfBuilder, near: list[int], tips: bool) -> list[int]:
     """Add the palm and four fingers; return the socket of the thumb."""
     thick, front, back = _KNUCKLES[1:]
     edges = [front, *(0.5 * (one.places[0][2] + two.places[0][2]) for one, two in _pairs()), back]
@@ -86,7 +87,7 @@ def _fingers(half: HalfBuilder, near: list[int]) -> list[int]:
         here = slice(number, number + 2)
         a, b = web_top[here]
         c, d = web_low[here]
-        _limb(half, [b, a, c, d], finger)
+        _limb(half, [b, a, c, d], finger, tips)
     return [top[0], near[1], near[2], low[0]]
 
 
@@ -119,7 +120,36 @@ def _across(finger: Finger, phalanx: int) -> Float64:
     return np.asarray(-across / np.linalg.norm(across))
 
 
-def _limb(half: HalfBuilder, socket: list[int], finger: Finger) -> None:
+_NAIL: Final = np.radians([-54.0, -18.0, 18.0, 54.0])
+"""Directions of the corners across a nail, from the top of the finger."""
+
+
+def build_nail_cage(finger: Finger) -> Cage:
+    """Return a finger's nail and the opposite one: a curved plate on the tip."""
+    half = HalfBuilder()
+    along, across = finger.direction(2), _across(finger, 2)
+    up = np.cross(along, across)
+    previous: list[int] = []
+    for back, size in ((0.0125, 0.955), (0.0065, 0.955), (0.0020, 0.78)):
+        centre = np.array(finger.places[3]) - along * back
+        upper, lower = (
+            [
+                centre + (across * np.sin(a) * finger.wide + up * np.cos(a) * finger.thick) * (size - deep)
+                for a in _NAIL[::order]
+            ]
+            for deep, order in ((0.0, -1), (0.25, 1))
+        )
+        ring = half.ring([_point(place) for place in (*upper, *lower)], {_name(finger, 2): 1.0})
+        if previous:
+            half.bridge(previous, ring)
+        else:
+            half.cap(ring[::-1])
+        previous = ring
+    half.cap(previous)
+    return mirrored(half)
+
+
+def _limb(half: HalfBuilder, socket: list[int], finger: Finger, tips: bool) -> None:
     """Add a finger to its socket: four corners, two on the side away from the thumb first, the upper one before."""
     previous = socket
     rows: tuple[tuple[int, float, float, JointWeights], ...] = (
@@ -128,7 +158,8 @@ def _limb(half: HalfBuilder, socket: list[int], finger: Finger) -> None:
         (3, 0.008, 0.90, {_name(finger, 2): 1.0}),
         (3, 0.000, 0.55, {_name(finger, 2): 1.0}),
     )
-    for joint, before, size, bond in rows:
+    blunt: tuple[int, float, float, JointWeights] = (3, 0.003, 0.75, {_name(finger, 2): 1.0})
+    for joint, before, size, bond in rows if tips else (*rows[:2], blunt):
         phalanx = min(joint, 2)
         centre = np.array(finger.places[joint]) - finger.direction(2) * before
         across, along = _across(finger, phalanx), finger.direction(phalanx)
