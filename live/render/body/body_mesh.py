@@ -16,7 +16,8 @@ from live.base.body.catalogue import DEFAULT_BODY
 from live.base.disk.array_cache import ArrayCache, Arrays, digest_of_code
 from live.motion.skeleton import JOINT_COUNT
 from live.render.body.body_variants import parts_of, toes_of, trunk_of
-from live.render.body.cage import Cage, build_cage, build_toe_cage
+from live.render.body.cage import build_cage, build_toe_cage
+from live.render.body.cage_builder import Cage
 from live.render.body.drawn_joints import ANCHORS
 from live.render.body.fingers import FINGERS
 from live.render.body.hand_cage import build_nail_cage
@@ -127,7 +128,7 @@ def strongest_weights(weights: Float64) -> tuple[Int32, Float32]:
 
 
 def skeleton_weights(mesh: BodyMesh) -> tuple[Int32, Float32]:
-    """Return joints and weights (V, 4) with the skeleton's joints only: muscles and fingers go with what they hang on."""
+    """Return joints and weights (V, 4) of the skeleton: muscles and fingers go with the joint that they hang on."""
     skeletal = np.concatenate([np.arange(JOINT_COUNT), ANCHORS])
     dense = np.zeros((len(mesh.position), JOINT_COUNT))
     np.add.at(dense, (np.arange(len(dense))[:, None], skeletal[mesh.joint]), mesh.weight)

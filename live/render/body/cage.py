@@ -192,7 +192,8 @@ def build_toe_cage(toe: Loft) -> Cage:
     previous: list[int] = []
     for t in (-0.05, 0.5, 1.1):
         x, y, z = (start + (end - start) * t).tolist()
-        wide, tall = 1.1 * float(np.interp(t, *zip(*((row[0], row[1]) for row in toe.rows), strict=True))), 0.011
+        wide = 1.1 * float(np.interp(t, [row[0] for row in toe.rows], [row[1] for row in toe.rows]))
+        tall = 0.011
         corners = [(x + wide, y - tall, z), (x + wide, y + tall, z), (x - wide, y + tall, z), (x - wide, y - tall, z)]
         ring = half.ring(corners, {"leftToes": 1.0})
         if previous:

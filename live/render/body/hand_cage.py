@@ -1,6 +1,7 @@
 """Cage of the left hand: a palm with a socket for each finger, or one mitten for bodies that are drawn small."""
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -92,7 +93,7 @@ def _fingers(half: HalfBuilder, near: list[int], tips: bool) -> list[int]:
 
 
 def _pairs() -> Iterator[tuple[Finger, Finger]]:
-    return zip(FINGERS[1:4], FINGERS[2:5], strict=True)
+    return pairwise(FINGERS[1:])
 
 
 def _web(half: HalfBuilder, side: float) -> list[int]:
@@ -101,7 +102,7 @@ def _web(half: HalfBuilder, side: float) -> list[int]:
     at = [np.array(one.places[0]) + one.direction(0) * 0.020 for one in four]
     across = [_across(one, 0) for one in four]
     places = [at[0] - across[0] * four[0].wide]
-    places += [0.5 * (p + q) for p, q in zip(at[:-1], at[1:], strict=True)]
+    places += [0.5 * (p + q) for p, q in pairwise(at)]
     places.append(at[-1] + across[-1] * four[-1].wide)
     bonds: list[JointWeights] = [{_name(four[0], 0): 1.0}]
     bonds += [{_name(one, 0): 0.5, _name(two, 0): 0.5} for one, two in _pairs()]

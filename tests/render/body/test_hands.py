@@ -1,5 +1,7 @@
 """Hands and feet: five fingers that bend at their joints, fists that close, toes of their own."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
@@ -93,8 +95,8 @@ def test_pressed_fingers_touch_and_spread_ones_part():
     for spread in (-1.0, 0.0, 1.0):
         _, _, turns, moves = posed(LIGHT, 0.0, spread)
         tips = [bone(finger, turns, moves, 2)[1] for finger in FOUR]
-        gaps[spread] = [float(np.linalg.norm(a - b)) for a, b in zip(tips, tips[1:], strict=False)]
-        for one, two in zip(FOUR, FOUR[1:], strict=False):
+        gaps[spread] = [float(np.linalg.norm(a - b)) for a, b in pairwise(tips)]
+        for one, two in pairwise(FOUR):
             gap = segment_distance(*bone(one, turns, moves, 1), *bone(two, turns, moves, 1))
             assert gap > 0.9 * (one.wide + two.wide)  # never one in the other
     assert all(a < b < c for a, b, c in zip(gaps[-1.0], gaps[0.0], gaps[1.0], strict=True))
