@@ -12,6 +12,8 @@ EYE: Final = 3
 TEETH: Final = 4
 EAR: Final = 5
 HAIR: Final = 6
+NAIL: Final = 7
+"""A finger's nail."""
 GARMENT: Final = 8
 """A garment's part is this and the number of its material, see `wardrobe.py`: cloth, …"""
 CLOTH: Final = GARMENT
