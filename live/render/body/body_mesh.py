@@ -16,12 +16,15 @@ from live.base.body.catalogue import DEFAULT_BODY
 from live.base.disk.array_cache import ArrayCache, Arrays, digest_of_code
 from live.motion.skeleton import JOINT_COUNT
 from live.render.body.body_variants import parts_of, toes_of, trunk_of
-from live.render.body.cage import Cage, build_cage, build_toe_cage
+from live.render.body.cage import build_cage, build_toe_cage
+from live.render.body.cage_builder import Cage
 from live.render.body.drawn_joints import ANCHORS
+from live.render.body.fingers import FINGERS
+from live.render.body.hand_cage import build_nail_cage
 from live.render.body.implicit_surface import Shape
 from live.render.body.mesh_simplify import simplify, subdivide
 from live.render.body.skin_weights import settled_weights
-from live.render.body.surface_parts import BODY
+from live.render.body.surface_parts import BODY, NAIL
 
 COARSE: Final = 0
 """Level for shadows and reflections."""
@@ -38,18 +41,24 @@ WITH_HEAD: Final = (COARSE, DISTANT)
 """Levels at which a body has a head of its own; at the others heads are meshes of their own."""
 
 _SUBDIVISIONS: Final = (0, 1, 2, 1, 1)
+_HAND_SUBDIVISIONS: Final = (0, 0, 1, 0, 1)
+"""By level, of the body and of its hands, whose cage is finer."""
 _FINGERS: Final = (LIGHT, FINE, CLOSE)
 """Levels whose hands have fingers; the others have mittens."""
+_DETAILED: Final = (FINE, CLOSE)
+"""Levels whose fingers have round tips and nails, and whose limbs show bones and muscles."""
 _TOES: Final = (FINE,)
 """Levels whose feet have toes."""
-_TRIANGLES: Final = {COARSE: 440, LIGHT: 1160, DISTANT: 600}
+_TRIANGLES: Final = {COARSE: 440, LIGHT: 1240, DISTANT: 600}
 """Triangle counts of simplified levels."""
 _HANDS_FROM: Final = 0.70
-"""Hands are subdivided once less, because their cage is fine: they begin here, to the side [m]."""
+"""Hands begin here, to the side [m]."""
 _FINGERS_FROM: Final = 0.76
 """No vertex of a finger is left out: they begin here."""
 _INFLUENCES: Final = 4
 _PROJECTIONS: Final = 4
+_NORMAL_STEP: Final = 2e-3
+"""Width over which the surface is averaged for normals [m]."""
 _ON_SURFACE: Final = 1e-4
 """Nearer to the surface than this [m] a vertex is on it."""
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
@@ -119,7 +128,7 @@ def strongest_weights(weights: Float64) -> tuple[Int32, Float32]:
 
 
 def skeleton_weights(mesh: BodyMesh) -> tuple[Int32, Float32]:
-    """Return joints and weights (V, 4) with the skeleton's joints only: muscles and fingers go with what they hang on."""
+    """Return joints and weights (V, 4) of the skeleton: muscles and fingers go with the joint that they hang on."""
     skeletal = np.concatenate([np.arange(JOINT_COUNT), ANCHORS])
     dense = np.zeros((len(mesh.position), JOINT_COUNT))
     np.add.at(dense, (np.arange(len(dense))[:, None], skeletal[mesh.joint]), mesh.weight)
@@ -194,15 +203,22 @@ def _unpack(arrays: Arrays) -> BodyMesh:
 
 def _build(level: int, name: str) -> BodyMesh:
     head = level in WITH_HEAD
-    body = Shape(parts_of(name, toes=level in _TOES) if head else trunk_of(name, toes=level in _TOES))
-    cage = build_cage(fingers=level in _FINGERS, head=head)
-    parts = [(body, _refine(cage, body, _SUBDIVISIONS[level], _SUBDIVISIONS[level] - 1))]
+    body = Shape((parts_of if head else trunk_of)(name, toes=level in _TOES, details=level in _DETAILED))
+    cage = build_cage(fingers=level in _FINGERS, tips=level in _DETAILED, head=head)
+    parts = [(body, _refine(cage, body, _SUBDIVISIONS[level], _HAND_SUBDIVISIONS[level]))]
     if level in _TOES:
         toes = [(Shape((toe,)), build_toe_cage(toe)) for toe in toes_of(name)]
         parts += [(shape, _refine(cage, shape, 1)) for shape, cage in toes]
+    painted = [np.full(len(cage.points), BODY, np.int32) for _, cage in parts]
+    if level in _DETAILED:
+        nails = [(body, build_nail_cage(finger)) for finger in FINGERS]
+        parts += nails
+        painted += [np.full(len(cage.points), NAIL, np.int32) for _, cage in nails]
+    part = np.concatenate(painted)
     points = np.concatenate([cage.points for _, cage in parts])
     weights = np.concatenate([cage.weights for _, cage in parts])
-    normals = np.concatenate([shape.normal(cage.points) for shape, cage in parts])
+    step = _NORMAL_STEP if level == FINE else 2.5 * _NORMAL_STEP  # large triangles show no folds
+    normals = np.concatenate([shape.normal(cage.points, step) for shape, cage in parts])
     first = np.cumsum([0, *(len(cage.points) for _, cage in parts[:-1])]).tolist()
     triangles = np.concatenate(
         [_triangles(cage.points, cage.faces) + start for (_, cage), start in zip(parts, first, strict=True)]
@@ -210,7 +226,7 @@ def _build(level: int, name: str) -> BodyMesh:
     if level in _TRIANGLES:
         kept = (np.abs(points[:, 0]) > _FINGERS_FROM) & (level in _FINGERS)
         used, triangles = simplify(points, triangles, weights, _TRIANGLES[level], kept)
-        points, weights, normals = points[used], weights[used], normals[used]
+        points, weights, normals, part = points[used], weights[used], normals[used], part[used]
     openness = occlusion(Shape(parts_of(name)), points, normals)
     place = points
     if level == COARSE:
@@ -224,7 +240,7 @@ def _build(level: int, name: str) -> BodyMesh:
         np.ascontiguousarray(openness, np.float32),
         np.ascontiguousarray(triangles, np.int32),
         np.ascontiguousarray(place, np.float32),
-        np.full(len(points), BODY, np.int32),
+        np.ascontiguousarray(part, np.int32),
     )
 
 

@@ -112,7 +112,7 @@ CHEST: Final = Ellipsoid((0.060, 1.250, 0.058), (0.064, 0.058, 0.048), 0.050)
 SEAT: Final = Ellipsoid((0.072, 0.872, -0.058), (0.078, 0.084, 0.062), 0.040)
 DELTOID: Final = Ellipsoid((0.166, 1.375, -0.010), (0.047, 0.040, 0.045), 0.045)
 HEEL: Final = Ellipsoid((0.090, 0.034, -0.027), (0.028, 0.036, 0.037), 0.022)
-ARMPIT: Final = Ellipsoid((0.172, 1.312, -0.012), (0.030, 0.034, 0.030), 0.030, hollow=True)
+ARMPIT: Final = Ellipsoid((0.172, 1.308, -0.012), (0.028, 0.030, 0.030), 0.030, hollow=True)
 TRAPEZIUS: Final = Loft(
     (0.020, 1.440, -0.026),
     (0.142, 1.392, -0.014),
@@ -143,7 +143,7 @@ TORSO_DETAILS: Final[tuple[Part, ...]] = (
     Ellipsoid((0.082, 1.300, -0.076), (0.034, 0.056, 0.015), 0.016, 0.0, 10.0),  # shoulder blade
     Ellipsoid((0.030, 1.080, -0.050), (0.022, 0.120, 0.020), 0.030),  # straight muscle of the back
     Ellipsoid((0.104, 0.968, 0.042), (0.018, 0.030, 0.020), 0.028),  # crest of the hip bone
-    Ellipsoid((0.036, 1.055, 0.070), (0.032, 0.095, 0.016), 0.024),  # straight muscle of the belly
+    Ellipsoid((0.036, 1.070, 0.070), (0.032, 0.090, 0.016), 0.030),  # straight muscle of the belly
     Ellipsoid((0.0, 1.282, 0.112), (0.010, 0.075, 0.015), 0.030, hollow=True),  # breast bone
     replace(
         upright(

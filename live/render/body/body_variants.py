@@ -65,8 +65,8 @@ TYPES: Final[dict[str, BodyType]] = {
              (1.0, 1.08, 1.06, 1.06)),
         arm=((0.0, 1.12, 1.12, 1.12), (0.25, 1.16, 1.18, 1.16), (0.5, 1.12, 1.12, 1.12), (0.64, 1.18, 1.18, 1.16),
              (1.0, 1.12, 1.10, 1.10)),
-        neck=1.15, head=1.02, hand=1.08, foot=1.06, shoulder=1.20, chest=(1.32, 0.88, 0.92), chest_drop=-0.034, seat=0.86,
-        muscle=1.2,
+        neck=1.15, head=1.02, hand=1.08, foot=1.06, shoulder=1.20, chest=(1.32, 0.88, 0.92), chest_drop=-0.034,
+        seat=0.86, muscle=1.2,
     ),
     "slim": BodyType(
         torso=((0.0, 0.97, 0.95, 0.95), (0.35, 0.90, 0.90, 0.90), (0.6, 0.90, 0.90, 0.90), (1.0, 0.90, 0.92, 0.88)),
@@ -83,8 +83,8 @@ TYPES: Final[dict[str, BodyType]] = {
              (1.0, 1.08, 1.08, 1.08)),
         arm=((0.0, 1.22, 1.20, 1.20), (0.25, 1.34, 1.36, 1.34), (0.5, 1.18, 1.18, 1.18), (0.64, 1.30, 1.28, 1.25),
              (1.0, 1.15, 1.12, 1.12)),
-        neck=1.22, head=1.02, hand=1.10, foot=1.06, shoulder=1.28, chest=(1.40, 0.95, 1.06), chest_drop=-0.034, seat=0.92,
-        muscle=1.9,
+        neck=1.22, head=1.02, hand=1.10, foot=1.06, shoulder=1.28, chest=(1.40, 0.95, 1.06), chest_drop=-0.034,
+        seat=0.92, muscle=1.9,
         extra_parts=(
             Ellipsoid((0.092, 1.215, -0.045), (0.058, 0.105, 0.048), 0.045),  # the broad back
             Ellipsoid((0.040, 1.090, 0.052), (0.040, 0.085, 0.030), 0.035),  # the belly's muscles
@@ -98,8 +98,8 @@ TYPES: Final[dict[str, BodyType]] = {
         leg=((0.0, 1.16, 1.14, 1.14), (0.25, 1.22, 1.18, 1.20), (0.5, 1.20, 1.16, 1.18), (0.65, 1.20, 1.14, 1.16),
              (1.0, 1.10, 1.08, 1.08)),
         arm=((0.0, 1.22, 1.20, 1.20), (0.3, 1.32, 1.30, 1.30), (0.6, 1.22, 1.20, 1.20), (1.0, 1.12, 1.10, 1.10)),
-        neck=1.16, head=1.05, hand=1.05, foot=1.04, shoulder=1.10, chest=(1.18, 1.16, 1.25), chest_drop=0.012, seat=1.18,
-        muscle=0.0, extra_parts=(_BELLY,),
+        neck=1.16, head=1.05, hand=1.05, foot=1.04, shoulder=1.10, chest=(1.18, 1.16, 1.25), chest_drop=0.012,
+        seat=1.18, muscle=0.0, extra_parts=(_BELLY,),
     ),
     "child": BodyType(
         torso=(
@@ -119,8 +119,8 @@ TYPES: Final[dict[str, BodyType]] = {
         leg=((0.0, 1.04, 1.02, 1.00), (0.3, 1.02, 1.00, 1.00), (0.5, 1.10, 1.06, 1.06), (0.65, 0.98, 1.02, 0.96),
              (1.0, 1.08, 1.04, 1.04)),
         arm=((0.0, 1.00, 1.00, 1.00), (0.25, 1.10, 1.04, 1.06), (0.5, 1.06, 1.04, 1.04), (1.0, 1.03, 1.02, 1.02)),
-        neck=1.00, head=1.0, hand=1.02, foot=1.02, shoulder=0.96, chest=(1.08, 1.16, 1.06), chest_drop=0.034, seat=0.98,
-        muscle=0.3,
+        neck=1.00, head=1.0, hand=1.02, foot=1.02, shoulder=0.96, chest=(1.08, 1.16, 1.06), chest_drop=0.034,
+        seat=0.98, muscle=0.3,
         extra_parts=(Ellipsoid((0.0, 0.990, 0.056), (0.100, 0.080, 0.056), 0.060),),
     ),
     "older man": BodyType(
@@ -132,8 +132,8 @@ TYPES: Final[dict[str, BodyType]] = {
              (1.0, 1.08, 1.06, 1.06)),
         arm=((0.0, 1.02, 1.02, 1.02), (0.25, 1.03, 1.04, 1.02), (0.5, 1.08, 1.08, 1.06), (0.64, 1.08, 1.08, 1.06),
              (1.0, 1.10, 1.08, 1.08)),
-        neck=1.08, head=1.02, hand=1.07, foot=1.05, shoulder=1.08, chest=(1.24, 0.92, 0.88), chest_drop=-0.020, seat=0.82,
-        muscle=0.7,
+        neck=1.08, head=1.02, hand=1.07, foot=1.05, shoulder=1.08, chest=(1.24, 0.92, 0.88), chest_drop=-0.020,
+        seat=0.82, muscle=0.7,
         extra_parts=(Ellipsoid((0.0, 1.030, 0.058), (0.098, 0.100, 0.062), 0.060),),
     ),
 }  # fmt: skip
@@ -208,18 +208,25 @@ _HEAD_ROOT: Final = (0.0, 1.530, 0.0)
 """Centre for scaling the head: where the neck enters it."""
 
 
+_LIMB_DETAILS: Final = (*usual.ARM_DETAILS, *usual.LEG_DETAILS)
+
+
 @cache
-def parts_of(name: str, *, toes: bool = True) -> tuple[Part, ...]:
-    """Return the parts of the left half of a body, in blending order, without its toes (`toes_of`) or, if there are
-    none, with what encloses them; ValueError for an unknown name."""
+def parts_of(name: str, *, toes: bool = True, details: bool = True) -> tuple[Part, ...]:
+    """Return the parts of the left half of a body, in blending order; ValueError for an unknown name.
+
+    Without its toes (`toes_of`) or, if there are none, with what encloses them; without `details`, arms and legs are
+    smooth, because large triangles would catch bones and muscles by chance.
+    """
     if name not in TYPES:
         raise ValueError(f"body {name!r}: there are {', '.join(BODIES)}")
     kind = TYPES[name]
     enclosing = () if toes else (_evenly_scaled_loft(usual.TOES_TOGETHER, kind.foot),)
+    shown = BODY if details else tuple(part for part in BODY if part not in _LIMB_DETAILS)
     if name == DEFAULT_BODY:
-        return *BODY, *enclosing
+        return *shown, *enclosing
     parts: list[Part] = []
-    for part in BODY:
+    for part in shown:
         if part is usual.TORSO:
             parts += [_scaled_loft(usual.TORSO, kind.torso), *kind.extra_parts]
         elif part is usual.LEG:
@@ -262,10 +269,10 @@ def toes_of(name: str) -> tuple[Loft, ...]:
     return tuple(_evenly_scaled_loft(toe, TYPES[name].foot) for toe in usual.TOE_PARTS)
 
 
-def trunk_of(name: str, *, toes: bool = False) -> tuple[Part, ...]:
+def trunk_of(name: str, *, toes: bool = False, details: bool = True) -> tuple[Part, ...]:
     """Return the parts of a body without its head: its neck ends in a head of its own mesh."""
     return tuple(
         part
-        for part in parts_of(name, toes=toes)
+        for part in parts_of(name, toes=toes, details=details)
         if not isinstance(part, Ellipsoid) or part.centre[1] < _HEAD_ROOT[1] - 0.03
     )

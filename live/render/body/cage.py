@@ -51,9 +51,9 @@ _ARM_LINE: Final = (1.380, -0.010)
 _ARM: Final[tuple[tuple[float, float, float, JointWeights], ...]] = (
     (0.215, 0.046, 0.044, {"leftShoulder": 0.14, "leftArmRoll": 0.86}),
     (0.335, 0.037, 0.038, {"leftArmRoll": 0.35, "leftUpperArm": 0.65}),
-    (0.388, 0.033, 0.034, {"leftUpperArm": 0.90, "leftLowerArm": 0.10}),
+    (0.388, 0.033, 0.034, {"leftUpperArm": 0.84, "leftLowerArm": 0.16}),
     (0.430, 0.031, 0.033, {"leftUpperArm": 0.50, "leftLowerArm": 0.50}),
-    (0.475, 0.034, 0.037, {"leftUpperArm": 0.09, "leftLowerArm": 0.91}),
+    (0.475, 0.034, 0.037, {"leftUpperArm": 0.15, "leftLowerArm": 0.85}),
     (0.600, 0.026, 0.029, {"leftLowerArm": 0.40, "leftForearmRoll": 0.60}),
     (0.660, 0.019, 0.025, {"leftForearmRoll": 0.85, "leftHand": 0.15}),
 )
@@ -173,15 +173,15 @@ def _leg_ring(y: float, width: float, front: float, back: float) -> list[Point]:
     return [(_LEG_X - width * float(np.cos(a)), y, centre + deep * float(np.sin(a))) for a in angles]
 
 
-def build_cage(*, fingers: bool = True, head: bool = True) -> Cage:
-    """Return the cage of the body in the rest pose; without `fingers` they are one mitten; without a `head` its neck
-    ends inside one."""
+def build_cage(*, fingers: bool = True, tips: bool = True, head: bool = True) -> Cage:
+    """Return the cage of the body in the rest pose; without `fingers` they are one mitten, without `tips` they end
+    bluntly; without a `head` its neck ends inside one."""
     half = HalfBuilder()
     rows = _trunk(half, head=head)
     _leg(half, rows[0])
     low, middle, high = rows[_ARMPIT_ROW : _ARMPIT_ROW + 3]
     wrist = _arm(half, low, middle, high, round_=not fingers)
-    add_hand(half, wrist, fingers=fingers)
+    add_hand(half, wrist, fingers=fingers, tips=tips)
     return mirrored(half)
 
 
@@ -192,7 +192,8 @@ def build_toe_cage(toe: Loft) -> Cage:
     previous: list[int] = []
     for t in (-0.05, 0.5, 1.1):
         x, y, z = (start + (end - start) * t).tolist()
-        wide, tall = 1.1 * float(np.interp(t, *zip(*((row[0], row[1]) for row in toe.rows), strict=True))), 0.011
+        wide = 1.1 * float(np.interp(t, [row[0] for row in toe.rows], [row[1] for row in toe.rows]))
+        tall = 0.011
         corners = [(x + wide, y - tall, z), (x + wide, y + tall, z), (x - wide, y + tall, z), (x - wide, y - tall, z)]
         ring = half.ring(corners, {"leftToes": 1.0})
         if previous:

@@ -1,4 +1,4 @@
-"""Builder of cages: closed meshes of polygons with skin weights, from rings of corners, one half and its mirror image."""
+"""Builder of cages: closed meshes of polygons with skin weights, from rings of corners, a half and its mirror image."""
 
 from dataclasses import dataclass
 

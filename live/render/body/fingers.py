@@ -49,7 +49,7 @@ def _finger(
     across = np.array([np.sin(aside), 0.0, -np.cos(aside)])
     places = (knuckle, *(_vector(place) for place in far))
     turns = [_vector(across * bend) for bend in (_FIST[0] * fist, *_FIST[1:])]
-    return Finger(name, places, wide, thick, (turns[0], turns[1], turns[2]), (0.0, -aside, 0.0))  # type: ignore[arg-type]
+    return Finger(name, places, wide, thick, (turns[0], turns[1], turns[2]), (0.0, -1.3 * aside, 0.0))  # type: ignore[arg-type]
 
 
 def _vector(values: Float64) -> Vector:
@@ -62,8 +62,8 @@ FINGERS: Final = (
         ((0.702, 1.371, 0.012), (0.736, 1.363, 0.040), (0.761, 1.358, 0.058), (0.783, 1.354, 0.071)),
         0.0098,
         0.0088,
-        ((0.81, -0.17, 0.08), (0.74, 0.08, -0.31), (1.01, -0.36, -0.81)),
-        (0.0, -0.35, 0.10),
+        ((0.66, -0.34, 0.19), (0.80, 0.00, -0.54), (1.02, -0.06, -0.82)),
+        (0.0, -0.25, 0.07),
     ),
     _finger("Index", (0.764, 1.3790, 0.022), 0.115, (0.038, 0.023, 0.021), 0.0085, 0.0082, 0.98),
     _finger("Middle", (0.768, 1.3800, 0.001), 0.015, (0.042, 0.026, 0.022), 0.0087, 0.0084),

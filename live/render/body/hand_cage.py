@@ -1,12 +1,13 @@
 """Cage of the left hand: a palm with a socket for each finger, or one mitten for bodies that are drawn small."""
 
 from collections.abc import Iterator
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
 
 from live.base.arrays import Float64
-from live.render.body.cage_builder import HalfBuilder, JointWeights, Point
+from live.render.body.cage_builder import Cage, HalfBuilder, JointWeights, Point, mirrored
 from live.render.body.fingers import FINGERS, PHALANGES, Finger
 
 # Palm rings along x: x, half-thickness, to the front, to the back, shift up, weights.
@@ -22,17 +23,18 @@ def _name(finger: Finger, phalanx: int) -> str:
     return f"left{finger.name}{PHALANGES[phalanx]}"
 
 
-def add_hand(half: HalfBuilder, wrist: list[int], *, fingers: bool) -> None:
-    """Add the hand to a ring of six corners around the wrist, the first on top, the next in front of it."""
+def add_hand(half: HalfBuilder, wrist: list[int], *, fingers: bool, tips: bool) -> None:
+    """Add the hand to a ring of six corners around the wrist, the first on top, the next in front of it; `tips`: round
+    finger tips."""
     x, thick, front, back, bond = _WRIST_END
     thumb = {"leftHand": 0.65, "leftThumbProximal": 0.35}
     near = half.ring(_hexagon(x, thick, front, back), [bond, thumb, thumb, bond, bond, bond])
     half.bridge(wrist, near)
     if fingers:
-        socket = _fingers(half, near)
+        socket = _fingers(half, near, tips)
     else:
         socket = _mitten(half, near)
-    _limb(half, socket, FINGERS[0])
+    _limb(half, socket, FINGERS[0], tips and fingers)
 
 
 def _hexagon(x: float, thick: float, front: float, back: float) -> list[Point]:
@@ -59,7 +61,7 @@ def _mitten(half: HalfBuilder, near: list[int]) -> list[int]:
     return [far[1], near[1], near[2], far[2]]
 
 
-def _fingers(half: HalfBuilder, near: list[int]) -> list[int]:
+def _fingers(half: HalfBuilder, near: list[int], tips: bool) -> list[int]:
     """Add the palm and four fingers; return the socket of the thumb."""
     thick, front, back = _KNUCKLES[1:]
     edges = [front, *(0.5 * (one.places[0][2] + two.places[0][2]) for one, two in _pairs()), back]
@@ -86,12 +88,12 @@ def _fingers(half: HalfBuilder, near: list[int]) -> list[int]:
         here = slice(number, number + 2)
         a, b = web_top[here]
         c, d = web_low[here]
-        _limb(half, [b, a, c, d], finger)
+        _limb(half, [b, a, c, d], finger, tips)
     return [top[0], near[1], near[2], low[0]]
 
 
 def _pairs() -> Iterator[tuple[Finger, Finger]]:
-    return zip(FINGERS[1:4], FINGERS[2:5], strict=True)
+    return pairwise(FINGERS[1:])
 
 
 def _web(half: HalfBuilder, side: float) -> list[int]:
@@ -100,7 +102,7 @@ def _web(half: HalfBuilder, side: float) -> list[int]:
     at = [np.array(one.places[0]) + one.direction(0) * 0.020 for one in four]
     across = [_across(one, 0) for one in four]
     places = [at[0] - across[0] * four[0].wide]
-    places += [0.5 * (p + q) for p, q in zip(at[:-1], at[1:], strict=True)]
+    places += [0.5 * (p + q) for p, q in pairwise(at)]
     places.append(at[-1] + across[-1] * four[-1].wide)
     bonds: list[JointWeights] = [{_name(four[0], 0): 1.0}]
     bonds += [{_name(one, 0): 0.5, _name(two, 0): 0.5} for one, two in _pairs()]
@@ -119,7 +121,36 @@ def _across(finger: Finger, phalanx: int) -> Float64:
     return np.asarray(-across / np.linalg.norm(across))
 
 
-def _limb(half: HalfBuilder, socket: list[int], finger: Finger) -> None:
+_NAIL: Final = np.radians([-54.0, -18.0, 18.0, 54.0])
+"""Directions of the corners across a nail, from the top of the finger."""
+
+
+def build_nail_cage(finger: Finger) -> Cage:
+    """Return a finger's nail and the opposite one: a curved plate on the tip."""
+    half = HalfBuilder()
+    along, across = finger.direction(2), _across(finger, 2)
+    up = np.cross(along, across)
+    previous: list[int] = []
+    for back, size in ((0.0125, 0.955), (0.0065, 0.955), (0.0020, 0.78)):
+        centre = np.array(finger.places[3]) - along * back
+        upper, lower = (
+            [
+                centre + (across * np.sin(a) * finger.wide + up * np.cos(a) * finger.thick) * (size - deep)
+                for a in _NAIL[::order]
+            ]
+            for deep, order in ((0.0, -1), (0.25, 1))
+        )
+        ring = half.ring([_point(place) for place in (*upper, *lower)], {_name(finger, 2): 1.0})
+        if previous:
+            half.bridge(previous, ring)
+        else:
+            half.cap(ring[::-1])
+        previous = ring
+    half.cap(previous)
+    return mirrored(half)
+
+
+def _limb(half: HalfBuilder, socket: list[int], finger: Finger, tips: bool) -> None:
     """Add a finger to its socket: four corners, two on the side away from the thumb first, the upper one before."""
     previous = socket
     rows: tuple[tuple[int, float, float, JointWeights], ...] = (
@@ -128,7 +159,8 @@ def _limb(half: HalfBuilder, socket: list[int], finger: Finger) -> None:
         (3, 0.008, 0.90, {_name(finger, 2): 1.0}),
         (3, 0.000, 0.55, {_name(finger, 2): 1.0}),
     )
-    for joint, before, size, bond in rows:
+    blunt: tuple[int, float, float, JointWeights] = (3, 0.003, 0.75, {_name(finger, 2): 1.0})
+    for joint, before, size, bond in rows if tips else (*rows[:2], blunt):
         phalanx = min(joint, 2)
         centre = np.array(finger.places[joint]) - finger.direction(2) * before
         across, along = _across(finger, phalanx), finger.direction(phalanx)

@@ -1,5 +1,6 @@
 """Parts of the left hand in the rest pose [m]."""
 
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -13,7 +14,7 @@ _UP: Final = (0.0, 1.0, 0.0)
 def _finger(finger: Finger) -> Loft:
     """A straight finger from its knuckle: thicker at its joints, with a flat nail."""
     first, *_, tip = finger.places
-    lengths = np.cumsum([0.0, *(np.linalg.norm(np.subtract(b, a)) for a, b in zip(finger.places, finger.places[1:]))])
+    lengths = np.cumsum([0.0, *(np.linalg.norm(np.subtract(b, a)) for a, b in pairwise(finger.places))])
     middle, last = lengths[1] / lengths[3], lengths[2] / lengths[3]
     w, h = finger.wide, finger.thick
     rows = (

@@ -155,7 +155,7 @@ class Shape:
                 total[near] = -_blend(-total[near], own, part.blend)
             else:
                 total[near] = _blend(total[near], own, part.blend)
-        return np.maximum(total, -points[:, 1])  # soles are flat
+        return np.asarray(np.maximum(total, -points[:, 1]))  # soles are flat
 
     def normal(self, points: Float64, step: float = 2e-3) -> Float64:
         """Return unit outward normals (N, 3) from central differences over `step` [m]."""

@@ -13,7 +13,7 @@ import numpy as np
 
 from live.base.arrays import Bool, Float64, Int64
 
-_DATA_COST: Final = 8e-5
+_DATA_COST: Final = 1.5e-4
 """Cost of a full change of weights along a metre [m^4]."""
 _FLIP: Final = 0.25
 """A triangle must not rotate by more than the angle with this cosine."""
@@ -104,8 +104,8 @@ def _normal(corners: Float64) -> Float64:
 class _CollapseQueue:
     """Priority queue of possible collapses, cheapest first; entries of changed vertices are stale."""
 
-    def __init__(self, mesh: _Mesh, partner: list[int], kept: Bool) -> None:
-        self._mesh, self._partner, self._kept = mesh, partner, kept.tolist()
+    def __init__(self, mesh: _Mesh, partner: list[int], fixed: Bool) -> None:
+        self._mesh, self._partner, self._fixed = mesh, partner, fixed.tolist()
         self._heap: list[tuple[float, int, int, int, int]] = []
         self._version = [0] * len(mesh.points)
 
@@ -113,7 +113,7 @@ class _CollapseQueue:
         """Add every collapse along the edges of a vertex."""
         for other in self._mesh.neighbours(vertex):
             for gone, kept in ((vertex, other), (other, vertex)):
-                if self._kept[gone]:
+                if self._fixed[gone]:
                     continue
                 if self._partner[gone] != gone or self._partner[kept] == kept:  # vertices at x = 0 stay there
                     versions = self._version[gone], self._version[kept]
@@ -135,17 +135,17 @@ class _CollapseQueue:
 
 
 def simplify(
-    points: Float64, triangles: Int64, vertex_data: Float64, target_count: int, kept: Bool | None = None
+    points: Float64, triangles: Int64, vertex_data: Float64, target_count: int, fixed: Bool | None = None
 ) -> tuple[Int64, Int64]:
     """Return kept vertices (indices into `points`), and about `target_count` triangles among them, or more if needed.
 
-    `vertex_data` (V, C): vertex data (joint weights); collapses between different values cost more; `kept` (V,): these
+    `vertex_data` (V, C): vertex data (joint weights); collapses between different values cost more; `fixed` (V,): these
     vertices stay.
     The mesh [m] must be closed and symmetric about x = 0.
     """
     mesh = _Mesh(points, triangles, vertex_data)
     partner = mirror_partners(points).tolist()
-    queue = _CollapseQueue(mesh, partner, np.zeros(len(points), np.bool_) if kept is None else kept)
+    queue = _CollapseQueue(mesh, partner, np.zeros(len(points), np.bool_) if fixed is None else fixed)
     for vertex in np.flatnonzero(points[:, 0] >= -1e-9).tolist():
         queue.push(vertex)
     while len(mesh.faces) > target_count and (pair := queue.pop()) is not None:

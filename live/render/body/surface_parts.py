@@ -12,5 +12,7 @@ EYE: Final = 3
 TEETH: Final = 4
 EAR: Final = 5
 HAIR: Final = 6
+NAIL: Final = 7
+"""A finger's nail."""
 PART_COUNT: Final = 16
 """Shaders pass a dancer's number and a part as one: dancer * PART_COUNT + part."""

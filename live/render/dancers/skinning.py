@@ -62,7 +62,8 @@ def pose_texture(ctx: moderngl.Context, capacity: int) -> moderngl.Texture:
 
 
 _CONSTANTS: Final = (
-    ("JOINTS", JOINT_COUNT), ("DETAILS", len(DETAIL_JOINTS)), ("DRIVERS", len(DRIVERS)), ("EXPRESSION", EXPRESSION_SIZE),
+    ("JOINTS", JOINT_COUNT), ("DETAILS", len(DETAIL_JOINTS)), ("DRIVERS", len(DRIVERS)),
+    ("EXPRESSION", EXPRESSION_SIZE),
 )  # fmt: skip
 
 

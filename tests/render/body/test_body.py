@@ -114,7 +114,7 @@ def test_every_joint_influences_nearby_vertices() -> None:
 def test_vertices_lie_on_the_implicit_surface(level: int) -> None:
     mesh = build_body(level)
     places = mesh.position.astype(np.float64)
-    distance = np.abs(Shape(trunk_of(DEFAULT_BODY, toes=level == FINE)).distance(places))
+    distance = np.abs(Shape(trunk_of(DEFAULT_BODY, toes=level == FINE, details=level == FINE)).distance(places))
     if level == FINE:
         for toe in toes_of(DEFAULT_BODY):
             distance = np.minimum(distance, np.abs(Shape((toe,)).distance(places)))

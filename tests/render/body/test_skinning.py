@@ -48,8 +48,12 @@ def _quaternion(turn):
 
 
 def skin_mesh(mesh, turns):
-    """Dual-quaternion skinning (Kavan et al. 2007) in double precision."""
-    turns_of, moves = drawn_motions(*pose(turns))
+    """A pose's vertices in double precision."""
+    return skinned_by(mesh, *drawn_motions(*pose(turns)))
+
+
+def skinned_by(mesh, turns_of, moves):
+    """Dual-quaternion skinning (Kavan et al. 2007)."""
     real = np.array([_quaternion(turn) for turn in turns_of])
     u, w = real[:, :3], real[:, 3:]
     dual = 0.5 * np.concatenate([moves * w + np.cross(moves, u), -(moves * u).sum(axis=1, keepdims=True)], axis=1)

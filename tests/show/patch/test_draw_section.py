@@ -76,5 +76,5 @@ def test_bodies_are_drawn_by_seed_for_initial_group_members():
     assert one[:30].count("strong") > one[:30].count("slim")
     assert one[30:] == ("dancer",) * 3
     assert make_scene(Patch.model_validate(patch_values())).bodies == ()
-    with pytest.raises(ValidationError, match="'dancer', 'woman', 'man', 'slim', 'strong', 'round', 'child', 'older woman' or 'older man'"):
+    with pytest.raises(ValidationError, match="'child', 'older woman' or 'older man'"):
         Patch.model_validate(patch_values(bodies=["tall"]))

@@ -58,7 +58,7 @@ vec3 bumped(vec3 n, vec3 place) { return n; }
 vec3 emitted() { return vec3(0.0); }
 
 const int SKIN = 2, HAIR = 3, SHOE = 4, IDENTITY = 5, SHIRT = 6, SOLE = 7;   // see wardrobe.py
-const int HAIR_PART = 6;                                                     // see surface_parts.py
+const int HAIR_PART = 6, NAIL_PART = 7;                                                     // see surface_parts.py
 
 #if defined(HEAD) && !defined(VERTEX)
 #include "head_surface.glsl"
@@ -70,8 +70,8 @@ struct Wear { int which; float border; };
 
 void put(inout Wear wear, int which, float inside) {
     if (which == wear.which) return;
-    if (inside > 0.0) wear.which = which;
-    wear.border = min(wear.border, abs(inside));
+    if (inside > 0.0) wear = Wear(which, inside);   // hides the borders below it
+    else wear.border = min(wear.border, -inside);
 }
 
 // By the cut of her costume and shoes: lengths in the rest pose, see wardrobe.py.
@@ -106,6 +106,7 @@ vec4 surface(vec3 rest, int dancer, int part) {
 #ifdef VERTEX
     if (part == HAIR_PART || min(0.012 + 0.42 * (rest.y - 1.60) - rest.z, rest.y - 1.536) > 0.0) return material(HAIR, dancer);
 #endif
+    if (part == NAIL_PART) return vec4(mix(material(SKIN, dancer).rgb, vec3(0.93, 0.76, 0.74), 0.5), 0.6);
     Wear wear = worn_at_place(rest, dancer);
     vec4 colour = wear.which >= SHIRT ? vec4(0.93, 0.92, 0.90, 0.12) : material(wear.which, dancer);
 #if SOFT
