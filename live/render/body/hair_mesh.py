@@ -328,12 +328,12 @@ def _along(curve: Float64, share: Float64) -> Float64:
 @cache
 def build_hair(level: int, body: str = DEFAULT_BODY, style: str = "bun", *, hanging: bool = True) -> BodyMesh:
     """Return a hair style (`live.base.body.appearance.HAIRS`) for a body at a level of detail, without triangles for
-    `bald`; `hanging`: with tail and plait, which may be simulated instead."""
+    `bald`; without `hanging`: only what lies on the head, where the rest is a garment that moves by itself."""
     if style not in CAPS:
         return empty_mesh()
     faces = faces_of(body)
     shape = FaceShape(skull=max(face.skull for face in faces), forehead=max(face.forehead for face in faces))
-    cap = CAPS[style]
+    cap = CAPS[style] if hanging or style != "long" else _SMOOTH
     flat = level == COARSE and not cap.falls and cap.crown < 0.02  # its shadow is the skull's
     parts = [] if flat else [_cap(level, cap, shape, body)]
     if style == "bun":

@@ -17,6 +17,7 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Float64, Int64
+from live.render.body.closed_meshes import spline
 
 Point = tuple[float, float, float]
 
@@ -167,21 +168,14 @@ def grid_points(row: Float64, column: Float64) -> Float64:
     )  # one column beyond the middle, each side
     low = np.clip(np.floor(row).astype(np.int64), 0, len(grid) - 2)
     around = [_cubic(ring[np.clip(low + step, 0, len(grid) - 1)], column + 1.0) for step in (-1, 0, 1, 2)]
-    return _between(*around, (row - low)[:, None])
+    return spline(around, (row - low)[:, None])
 
 
 def _cubic(rows: Float64, at: Float64) -> Float64:
     """Return a point of each row (N, C, 3) at fractional columns (N,), by Catmull and Rom's splines (1974)."""
     low = np.clip(np.floor(at).astype(np.int64), 1, rows.shape[1] - 3)
     t = (at - low)[:, None]
-    return _between(*(rows[np.arange(len(rows)), low + step] for step in (-1, 0, 1, 2)), t)
-
-
-def _between(a: Float64, b: Float64, c: Float64, d: Float64, t: Float64) -> Float64:
-    """Return points between b and c at shares `t` of a spline through all four (Catmull and Rom 1974)."""
-    return np.asarray(
-        0.5 * (2.0 * b + (c - a) * t + (2.0 * a - 5.0 * b + 4.0 * c - d) * t**2 + (3.0 * b - a - 3.0 * c + d) * t**3)
-    )
+    return spline([rows[np.arange(len(rows)), low + step] for step in (-1, 0, 1, 2)], t)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

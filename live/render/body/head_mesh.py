@@ -26,8 +26,8 @@ from live.render.body.body_variants import parts_of, trunk_of
 from live.render.body.closed_meshes import (
     ball,
     catmull_rom,
-    fan,
     faced_outward,
+    fan,
     grid_triangles,
     quads_to_triangles,
     vertex_normals,
