@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.picture_parameters import BY_ADDRESS, MAX_BACKGROUNDS
 from live.base.scalar_kernels import damper
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
@@ -114,6 +115,9 @@ DESK_EVENTS: Final = (
     events.Undo, events.Redo, events.FollowSpot, *MASTER_EVENTS,
 )  # fmt: skip
 """Events that `LightDesk.handle` handles."""
+_BACKGROUND_ROWS: Final = np.array(
+    [BY_ADDRESS[f"/dance/background/{number}"].first for number in range(1, MAX_BACKGROUNDS + 1)]
+)
 ENERGY_HALFLIFE: Final = 0.25
 """Half-life of the light's response to the energy of the music [s]."""
 PANIC_FADE_BEATS: Final = 2.0
@@ -146,6 +150,8 @@ class LightDesk:
         self.spots = Spots(self.parameters, motion)
         self.energy = 0.5
         """Smoothed energy of the music, 0 to 1."""
+        self.background_age = np.zeros((MAX_BACKGROUNDS, 2))
+        """Seconds and beats since each background was last dark, shape (8, 2)."""
         self.scenes = Scenes(patch, self.parameters, self.camera_rig)
         self._score_runner = score_runner
         self.cues = CueList(patch.cue, score_runner.playhead, beats=patch.clock.beats_per_measure)
@@ -224,6 +230,8 @@ class LightDesk:
         self.master.tick(beats)
         self.camera_rig.tick(ticks * TICK, beats)
         self.spots.tick(ticks * TICK)
+        self.background_age += ticks * TICK, beats
+        self.background_age[self.parameters.picture[_BACKGROUND_ROWS] <= 0.0] = 0.0
         self.energy = damper(self.energy, self._score_runner.mood.value("energy"), ENERGY_HALFLIFE, ticks * TICK)
 
     def fire(self, danced_beats: float, time: float) -> list[ControlEvent]:

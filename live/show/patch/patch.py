@@ -43,6 +43,7 @@ from live.show.patch.section_stage import (
     NamedLookSection,
     ObstacleSection,
     ProjectorSection,
+    ScenerySection,
     StageSection,
     SteeringSection,
     ViewSection,
@@ -86,6 +87,7 @@ class Patch(WholeFile):
     look: LookSection = LookSection()
     item: Annotated[tuple[ItemSection, ...], Field(max_length=200)] = ()
     background: Annotated[tuple[BackgroundSection, ...], Field(max_length=8)] = ()
+    scenery: Annotated[tuple[ScenerySection, ...], Field(max_length=8)] = ()
     picture: PictureSection = PictureSection()
     projector: ProjectorSection | None = None
     character: Characters = ()

@@ -155,7 +155,7 @@ KINDS: Final = [
     """),
     Kind("cues.given", _TriggeredCue, "index:int due:float earliest:float revert_event:event|none"),
     Kind("desk", LightDesk, """
-        parameters:parameters camera_rig:camera-rig spots:spots energy:float scenes:scenes _score_runner:prompter
+        parameters:parameters camera_rig:camera-rig spots:spots energy:float background_age:f8 scenes:scenes _score_runner:prompter
         cues:cues undo_history:edits beats:int master:master held:bool
     """),
     Kind("directions", StepRequests, """
@@ -261,7 +261,7 @@ KINDS: Final = [
     """),
     Kind("scenes", Scenes, """
         _parameters:parameters _rig:camera-rig _custom_passes:dict[str,constant-own-number] stored:dict[str,scene]
-        _views:dict[str,scene] _looks:dict[str,scene] _backgrounds:list[str] _scenes:dict[str,scene]
+        _views:dict[str,scene] _looks:dict[str,scene] _backgrounds:list[str] _background_places:list[str] _scenes:dict[str,scene]
     """),
     Kind("score", Score, "playhead:playhead _sections:dict[str,int] written:constant-written"),
     Kind("facing", Facing, "kind:str degrees:float dancer:int name:str"),

@@ -5,7 +5,7 @@ import itertools
 import pytest
 
 from live.base.errors import PersonError
-from live.render.media_background import Video, check_background, open_video
+from live.render.media.media_files import Video, check_media, open_video
 from tests.control.waiting import wait_for
 from tests.render.media import FRAMES, RATE, grey_of, write_image, write_video
 
@@ -59,7 +59,7 @@ class DamagedContainer:
 
 
 def test_damaged_video_keeps_last_picture_and_reports_problem(film, monkeypatch):
-    monkeypatch.setattr("live.render.media_background.open_video", lambda path: DamagedContainer(open_video(path)))
+    monkeypatch.setattr("live.render.media.media_files.open_video", lambda path: DamagedContainer(open_video(path)))
     video, got = Video(film), []
     assert wait_for(lambda: (got.append(video.picture_at(0.45)), video.problem == "damaged")[1], 5.0)
     last = [picture_number(picture) for picture in [*got, video.picture_at(0.45)] if picture is not None][-1]
@@ -79,10 +79,10 @@ def test_damaged_video_keeps_last_picture_and_reports_problem(film, monkeypatch)
 def test_unreadable_background_is_refused_with_reason(tmp_path, name, content, words):
     (tmp_path / name).write_bytes(content)
     with pytest.raises(PersonError, match=words):
-        check_background(tmp_path / name)
+        check_media(tmp_path / name)
 
 
 def test_oversized_image_is_refused_before_decoding(tmp_path, monkeypatch):
-    monkeypatch.setattr("live.render.media_background.MAX_PIXELS", 1000)
+    monkeypatch.setattr("live.render.media.media_files.MAX_PIXELS", 1000)
     with pytest.raises(PersonError, match="64 x 36 pixels"):
-        check_background(write_image(tmp_path / "big.png"))
+        check_media(write_image(tmp_path / "big.png"))
