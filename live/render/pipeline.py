@@ -29,6 +29,7 @@ from live.render.passes.colour_pass import FinalPass, GradePass, VignettePass
 from live.render.passes.custom_pass import CustomPass
 from live.render.passes.dancer_pass import DancerPass, GBufferPass, MultisampleTarget
 from live.render.passes.floor_pass import FloorPass, ReflectionPass
+from live.render.passes.focus_pass import FocusPass
 from live.render.passes.ink_pass import InkPass
 from live.render.passes.plan_pass import PlanPass
 from live.render.passes.scenery_pass import SceneryPass
@@ -40,6 +41,7 @@ from live.render.shader import Releasable, release_all
 from live.render.uniforms import WALL_DISTANCE
 
 PICTURE_PASSES: Final[Mapping[str, Callable[[PassSetup], PicturePass]]] = {
+    "focus": FocusPass,
     "trails": TrailsPass,
     "bloom": BloomPass,
     "ink": InkPass,
