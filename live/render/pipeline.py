@@ -25,6 +25,7 @@ from live.render.passes.antialias_pass import AntialiasPass
 from live.render.passes.background_pass import BackgroundPass, FrontPass
 from live.render.passes.beam_pass import BeamPass
 from live.render.passes.bloom_pass import BloomPass
+from live.render.passes.blur_pass import BlurPass
 from live.render.passes.colour_pass import FinalPass, GradePass, VignettePass
 from live.render.passes.custom_pass import CustomPass
 from live.render.passes.dancer_pass import DancerPass, GBufferPass, MultisampleTarget
@@ -42,6 +43,7 @@ from live.render.uniforms import WALL_DISTANCE
 
 PICTURE_PASSES: Final[Mapping[str, Callable[[PassSetup], PicturePass]]] = {
     "focus": FocusPass,
+    "blur": BlurPass,
     "trails": TrailsPass,
     "bloom": BloomPass,
     "ink": InkPass,
