@@ -104,6 +104,32 @@ class SceneryFile:
 
 
 @dataclass(frozen=True, slots=True)
+class Title:
+    """Letters of a moment: a title, or a word of the audience."""
+
+    text: str
+    """`|` begins a new line."""
+    place: str = "picture"
+    """Over the `picture`, or standing in the `stage`, where dancers hide it and are hidden by it."""
+    at: tuple[float, float, float] = (0.5, 0.5, 0.0)
+    """Its middle: shares of the picture's width and height from the upper left corner, or x, y, z [m]."""
+    size: float = 0.1
+    """Height of a capital letter: share of the picture's height, or [m]."""
+    tracking: float = 0.0
+    """Space added between letters, in ems."""
+    colour: Colour = (1.0, 1.0, 1.0)
+    """Linear RGB; above 1 it glows."""
+    entrance: str = "fade"
+    """`cut`, `fade`, `rise`, `wipe` or `type`."""
+    font: str = ""
+    """Absolute path of a font's file; empty: the usual font."""
+    progress: float = 1.0
+    """How far its entrance is, 0 to 1."""
+    level: float = 1.0
+    """Opacity, 0 to 1."""
+
+
+@dataclass(frozen=True, slots=True)
 class Scene:
     """Initial scene of a patch: stage size (width, depth) [m], camera, number of dancers.
 
@@ -210,6 +236,8 @@ class StageView:
     """Opacity of the caption, 0 to 1."""
     background_age: Float64 = field(default_factory=lambda: np.zeros((BACKGROUND_CAPACITY, 2)))
     """Seconds and beats since each background was last dark, shape (8, 2): a video that holds its end runs so long."""
+    titles: tuple[Title, ...] = ()
+    """Titles and words that are seen, in drawing order."""
     overlay: tuple[str, ...] = ()
     """Lines of the operator's overlay; empty = hidden."""
     guide: Float32 = field(default_factory=lambda: np.zeros((GUIDE_CAPACITY, 10), np.float32))

@@ -37,6 +37,7 @@ from live.render.passes.scenery_pass import SceneryPass
 from live.render.passes.set_pass import ItemPass
 from live.render.passes.stage_pass import BackdropPass, StagePass
 from live.render.passes.styled_pass import StylePasses
+from live.render.passes.title_pass import TitlePass
 from live.render.passes.trail_pass import TrailsPass
 from live.render.shader import Releasable, release_all
 from live.render.uniforms import WALL_DISTANCE
@@ -139,7 +140,7 @@ class PassChain:
 
 
 SCENE_PASSES: Final[tuple[Callable[[PassSetup], ScenePass], ...]] = (
-    ItemPass, SceneryPass, BackgroundPass, StylePasses, BeamPass, PlanPass, FrontPass,
+    ItemPass, SceneryPass, BackgroundPass, StylePasses, BeamPass, PlanPass, TitlePass, FrontPass,
 )  # fmt: skip
 """Scene passes, in drawing order."""
 _STAGE_PASSES: Final = (SceneryPass, BackgroundPass, PlanPass, FrontPass)
@@ -175,6 +176,8 @@ class Pipeline:
         else:
             self._smooth = {hdr: AntialiasPass(ctx, self._surface.depth, size, hdr=hdr) for hdr in (False, True)}
         self._scene_passes = [make(setup) for make in SCENE_PASSES if not (setup.transparent and make in _STAGE_PASSES)]
+        self.titles = next(one for one in self._scene_passes if isinstance(one, TitlePass))
+        """Titles, which may also lie over the finished picture."""
         self.floor.casters = [one.draw_shadows for one in self._scene_passes]
         self.set_camera(scene.camera)
 

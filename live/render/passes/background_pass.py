@@ -129,14 +129,14 @@ class BackgroundPass(ScenePass):
         ctx = self._ctx
         ctx.enable(moderngl.DEPTH_TEST | moderngl.BLEND)
         ctx.disable(moderngl.CULL_FACE)
-        ctx.depth_func = "<="
+        ctx.fbo.depth_mask, ctx.depth_func = False, "<="
         ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         moment.floor.use(2)
         set_uniform(self._program, "shown_texture", 1)
         set_uniform(self._program, "floor_map", 2)
         for source, amount in self._visible_sources(moment):
             self._draw(source, amount)
-        ctx.depth_func = "<"
+        ctx.fbo.depth_mask, ctx.depth_func = True, "<"
         ctx.disable(moderngl.BLEND)
 
     def _draw(self, source: _Source, amount: float) -> None:
