@@ -214,7 +214,7 @@ _ROWS: Final = (
     _colour("/dance/pass/grade/gain", (1.0, 1.0, 1.0), "Factor of the grade for bright tones.", low=0, high=4),
     _number("/dance/pass/grade/contrast", 0, 2, 1.0, "Contrast about mid grey."),
     _number("/dance/pass/grade/temperature", -1, 1, 0.0, "Colder below 0, warmer above."),
-    _number("/dance/pass/blur", 0, 1, 0.0, "Motion blur: the shutter's share of the time between two pictures; 0: none."),
+    _number("/dance/pass/blur", 0, 1, 0.0, "Motion blur: share of the time between pictures with an open shutter."),
     _number("/dance/pass/focus", 0, 1, 0.0, "Depth of field: how unsharp it is off the focus; 0: all is sharp."),
     _number(
         "/dance/pass/focus/distance", 0, 120, 0.0,

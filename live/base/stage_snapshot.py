@@ -122,7 +122,7 @@ class Title:
     entrance: str = "fade"
     """`cut`, `fade`, `rise`, `wipe` or `type`."""
     font: str = ""
-    """Absolute path of a font's file; empty: the usual font."""
+    """Name of a font among those of the scene; empty: the usual font."""
     progress: float = 1.0
     """How far its entrance is, 0 to 1."""
     level: float = 1.0
@@ -151,6 +151,8 @@ class Scene:
     """Set pieces from files; `/dance/scenery/1` is the amount of the first one."""
     items: tuple[SetItem, ...] = ()
     """Boxes, cylinders and steps that stand on the stage."""
+    fonts: tuple[tuple[str, str], ...] = ()
+    """Fonts of titles and words: names, and absolute paths of their files."""
     passes: tuple[str, ...] = PASSES
     """The passes in drawing order; passes left out are never drawn."""
     custom_passes: tuple[CustomShader, ...] = ()

@@ -6,6 +6,7 @@ Letters are made by a thread when a text first needs them, some milliseconds eac
 
 import threading
 from collections import deque
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
 
@@ -30,7 +31,7 @@ _NO_GLYPH: Final = "\uffff"
 
 Field = npt.NDArray[np.uint8]
 _Key = tuple[str, str]
-"""Font's file and letter."""
+"""Name of the font, and letter."""
 
 
 class LetterField:
@@ -39,10 +40,11 @@ class LetterField:
     `blocking`: `request` returns when all letters are made, as for an offline film.
     """
 
-    def __init__(self, *, blocking: bool = False) -> None:
+    def __init__(self, fonts: Mapping[str, str], *, blocking: bool = False) -> None:
+        """`fonts`: files of fonts by name; unknown names mean the usual font."""
         self.missing: list[str] = []
         """Messages about letters that a font lacks, and fonts that cannot be read; each once."""
-        self._blocking = blocking
+        self._files, self._blocking = fonts, blocking
         self._fonts: dict[str, ImageFont.FreeTypeFont | ImageFont.ImageFont] = {}
         self._cells: dict[_Key, int] = {}
         self._plain: dict[_Key, str] = {}
@@ -124,9 +126,7 @@ class LetterField:
         return max(width - tracking, 0.0) if line else 0.0
 
     @staticmethod
-    def _advance(
-        line: str, place: int, face: ImageFont.FreeTypeFont | ImageFont.ImageFont, tracking: float
-    ) -> float:
+    def _advance(line: str, place: int, face: ImageFont.FreeTypeFont | ImageFont.ImageFont, tracking: float) -> float:
         """Return how far a letter moves the pen, with the kerning to the next one [ems]."""
         pair = line[place : place + 2]
         own = face.getlength(pair) - face.getlength(pair[1]) if len(pair) == 2 else face.getlength(pair)
@@ -135,7 +135,7 @@ class LetterField:
     def _font(self, font: str) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
         if font not in self._fonts:
             try:
-                self._fonts[font] = read_font(font, EM)
+                self._fonts[font] = read_font(self._files.get(font, ""), EM)
             except (OSError, ValueError):
                 self._tell(f"the font {Path(font).name} cannot be read; the usual one is drawn")
                 self._fonts[font] = read_font("", EM)
@@ -167,7 +167,7 @@ class LetterField:
 
     def _bake(self, key: _Key) -> Field:
         try:
-            return bake_field(key[1], read_font(key[0], _FINER * EM))
+            return bake_field(key[1], read_font(self._files.get(key[0], ""), _FINER * EM))
         except (OSError, ValueError):
             return bake_field(key[1], read_font("", _FINER * EM))
 

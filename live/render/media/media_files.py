@@ -10,6 +10,7 @@ import threading
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -214,7 +215,7 @@ class PictureStream(ABC):
         """Whether the picture at this time is decoded, or will never be."""
         if self._seek:
             return False
-        return self._exhausted or bool(self._ready) and self._ready[-1][0] > seconds
+        return self._exhausted or (bool(self._ready) and self._ready[-1][0] > seconds)
 
     def _run(self) -> None:
         while not self._closing:
@@ -315,13 +316,11 @@ class Video(PictureStream):
                 continue
             for frame in frames:
                 time = float(frame.pts * frame.time_base) if frame.pts is not None else seconds
-                yield time, lambda frame=frame: self._pixels(frame)
+                yield time, partial(self._pixels, frame)
 
     def _pixels(self, frame: Any) -> Picture:
         layout = "rgb24" if self.components == 3 else "rgba"
-        return np.asarray(
-            frame.reformat(width=self.size[0], height=self.size[1], format=layout).to_ndarray(), np.uint8
-        )
+        return np.asarray(frame.reformat(width=self.size[0], height=self.size[1], format=layout).to_ndarray(), np.uint8)
 
     def _close_source(self) -> None:
         with contextlib.suppress(PersonError, OSError):
@@ -344,7 +343,7 @@ class ImageSequence(PictureStream):
         times = [(number - self._first_number) / self._rate for number, _ in self._files]
         begin = max(int(np.searchsorted(times, seconds, side="right")) - 1, 0)
         for time, (_, file) in zip(times[begin:], self._files[begin:], strict=True):
-            yield time, lambda file=file: self._pixels(file)
+            yield time, partial(self._pixels, file)
 
     def _pixels(self, file: Path) -> Picture:
         picture = read_image(file)

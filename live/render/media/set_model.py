@@ -152,7 +152,7 @@ def _prepared(model: Model) -> SetModel:
 
 
 def place_on_stage(model: SetModel, said: SceneryFile) -> tuple[Float32, Float32, Float32]:
-    """Return positions on the stage [m], normals and ambient openness of all vertices, shapes (V, 3), (V, 3), (V, 1)."""
+    """Return positions on the stage [m] and normals of all vertices, (V, 3), and their ambient openness, (V, 1)."""
     scale = said.scale if said.height is None else said.height / max(model.height, _MIN_SIZE)
     scale = min(scale, MAX_SIZE / float(np.ptp(model.position, axis=0).max()))
     cos, sin = math.cos(math.radians(said.turn_deg)), math.sin(math.radians(said.turn_deg))

@@ -52,7 +52,8 @@ class BackgroundPass(ScenePass):
     """Draws the planes behind the dancers and on the floor; costs nothing while none is visible. Videos follow the
     show's time or beat."""
 
-    PLACES = ("behind", "floor")
+    PLACES: tuple[str, ...] = ("behind", "floor")
+    """Places of the planes that it draws."""
 
     def __init__(self, making: PassSetup) -> None:
         """Raises PersonError for a file that cannot be decoded."""

@@ -1,8 +1,8 @@
 """Motion blur of dancers and camera: light is gathered along what moves while the shutter is open.
 
 The method is that of McGuire, Hennessy, Bukowski and Osman 2012, A reconstruction filter for plausible motion blur. The
-velocity of a dancer's pixel is that of the nearest bone, which is as good as skinning both poses and needs no mesh: hair,
-clothes and characters move with their bones.
+velocity of a dancer's pixel is that of the nearest bone, which needs no mesh: hair, clothes and characters move with
+their bones.
 """
 
 from typing import Final
@@ -101,9 +101,7 @@ class BlurPass:
         self._velocity.set("most", _LONGEST * self._size[1])
         self._last = clip
         velocity, tiles, around = self._textures
-        self._velocity.draw(
-            self._targets[0], depth=surfaces.depth, who=surfaces.identity, motion=self._texture
-        )
+        self._velocity.draw(self._targets[0], depth=surfaces.depth, who=surfaces.identity, motion=self._texture)
         for shader, side, into, read in zip(self._most, (_TILE, 0), (1, 2), (velocity, tiles), strict=True):
             shader.set("tile", side)
             shader.draw(self._targets[into], source=read)

@@ -1,4 +1,4 @@
-"""Render pass for set pieces from files: lit like dancers, hiding them and hidden by them, with shadows on the floor."""
+"""Render pass for set pieces from files: lit like dancers, hiding them and hidden by them, casting shadows."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

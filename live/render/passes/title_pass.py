@@ -17,6 +17,8 @@ ENTRANCES: Final = ("cut", "fade", "rise", "wipe", "type")
 _CORNERS: Final = np.array([(0, 0), (1, 0), (1, 1), (0, 0), (1, 1), (0, 1)], np.float32)
 _FLOATS: Final = 6
 _PICTURE: Final = "picture"
+_STRAIGHT: Final = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+"""Blending of straight alpha: colour, opacity."""
 _FLOOR_FREE: Final = 0.02
 """Letters in the stage higher than this above the floor are mirrored in it [m]."""
 
@@ -34,7 +36,7 @@ class TitlePass(ScenePass):
         self._texture = ctx.texture((side, side), 1, bytes(side * side), alignment=1)
         self._texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
         self._texture.repeat_x = self._texture.repeat_y = False
-        self._field = LetterField(blocking=making.blocking_video)
+        self._field = LetterField(dict(making.scene.fonts), blocking=making.blocking_video)
         self._laid_out: tuple[tuple[str, str, float], ...] = ()
         self._parts: list[tuple[int, int]] = []  # first vertex and number of vertices of each title
 
@@ -81,7 +83,7 @@ class TitlePass(ScenePass):
         target.use()
         ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         ctx.enable(moderngl.BLEND)
-        ctx.blend_func = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
+        ctx.blend_func = _STRAIGHT  # type: ignore[assignment]  # moderngl knows four, too
         set_uniform(self._program, "standing", 0)
         set_uniform(self._program, "mirrored", 0)
         for title, part in zip(view.titles, self._parts, strict=False):

@@ -22,6 +22,7 @@ from live.show.desk.cue_list import CueList
 from live.show.desk.parameter_table import ParameterTable
 from live.show.desk.parameters import Parameters
 from live.show.desk.scenes import SCENE_EVENTS, Scenes, start_row
+from live.show.desk.titles import TITLE_EVENTS, Titles
 from live.show.desk.undo_history import EditablePart, UndoHistory
 from live.show.patch.patch import Patch
 from live.show.score.score_runner import ScoreRunner
@@ -111,8 +112,8 @@ class Master:
 
 
 DESK_EVENTS: Final = (
-    *SCENE_EVENTS, events.Go, events.GiveCue, events.StandBy, events.StepBack, events.Panic, events.HoldShow,
-    events.Undo, events.Redo, events.FollowSpot, *MASTER_EVENTS,
+    *SCENE_EVENTS, *TITLE_EVENTS, events.Go, events.GiveCue, events.StandBy, events.StepBack, events.Panic,
+    events.HoldShow, events.Undo, events.Redo, events.FollowSpot, *MASTER_EVENTS,
 )  # fmt: skip
 """Events that `LightDesk.handle` handles."""
 _BACKGROUND_ROWS: Final = np.array(
@@ -153,6 +154,7 @@ class LightDesk:
         self.background_age = np.zeros((MAX_BACKGROUNDS, 2))
         """Seconds and beats since each background was last dark, shape (8, 2)."""
         self.scenes = Scenes(patch, self.parameters, self.camera_rig)
+        self.titles = Titles(patch)
         self._score_runner = score_runner
         self.cues = CueList(patch.cue, score_runner.playhead, beats=patch.clock.beats_per_measure)
         self.undo_history = UndoHistory(
@@ -172,6 +174,12 @@ class LightDesk:
         if type(event) in SCENE_EVENTS:  # frequent events first
             self.scenes.handle(event, beats_per_measure=float(now.timeline.beats_per_measure))
             return []
+        if type(event) in TITLE_EVENTS:
+            self.titles.handle(event, now)
+            return []
+        return self._handle(event, now)
+
+    def _handle(self, event: ControlEvent, now: Now) -> list[ControlEvent]:
         match event:
             case events.Go():
                 return [*self._release_hold(event, now), *self.cues.go(event, now.danced_beats)]
@@ -182,6 +190,7 @@ class LightDesk:
             case events.StepBack():
                 return self.cues.step_back()
             case events.Panic():
+                self.titles.clear(now.beat)
                 return self._panic(event)
             case events.HoldShow():
                 return self._hold(event) if event.on else self._release_hold(event, now)
@@ -274,6 +283,7 @@ class LightDesk:
             "scenes": self.scenes.names,
             "fading": self.parameters.fading,
             "master": self.master.facts(),
+            "titles": self.titles.facts(),
             **self.camera_rig.facts(),
             **self.spots.facts(),
             **self.undo_history.facts(),

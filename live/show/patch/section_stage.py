@@ -121,7 +121,9 @@ class BackgroundSection(Section):
         if (self.file is None) == (self.input is None):
             raise ValueError(f"{self.name!r} needs a file or an input, and one of them only")
         if self.place == "floor" and self.fit == "picture":
-            raise InvalidEntry('a picture on the floor cannot fill the picture: leave fit out, or place = "behind"', "fit")
+            raise InvalidEntry(
+                'a picture on the floor cannot fill the picture: leave fit out, or place = "behind"', "fit"
+            )
         if self.input is not None:
             try:
                 parse_input(self.input)

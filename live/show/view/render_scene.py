@@ -11,6 +11,7 @@ from live.base.set_geometry import SetItem
 from live.base.stage_snapshot import GROUP_COLOURS, Background, Camera, Scene, SceneryFile
 from live.motion.formats.file_error import MotionFileError
 from live.motion.skeleton import JOINT_COUNT
+from live.render.lettering.distance_field import EM, read_font
 from live.render.media.media_files import NUMBER_SIGN, check_media
 from live.render.media.set_model import read_set_model
 from live.show.dancers.character_casting import bodies_of
@@ -99,6 +100,28 @@ def _scenery_file(name: str, path: Path, number: int) -> str:
     return str(file)
 
 
+def make_fonts(patch: Patch, path: Path, *, whole: bool = True) -> tuple[tuple[str, str], ...]:
+    """Return names and files of the fonts of the patch at `path`; PersonError for one that cannot be read.
+
+    Unless `whole`, such a font is left out, and the usual one is drawn.
+    """
+    found: dict[str, str] = {}
+    places = [(("title", number, "font"), each.font) for number, each in enumerate(patch.title)]
+    for place, name in (*places, (("words", "font"), patch.words.font)):
+        if name is None or name in found:
+            continue
+        with contextlib.nullcontext() if whole else contextlib.suppress(PersonError), error_context("font", place):
+            file = find_resource(name, path)
+            if file is None:
+                raise PersonError(f"there is no {name!r}", f"put it next to {path.name}, or correct the name")
+            try:
+                read_font(str(file), EM)
+            except (OSError, ValueError):
+                raise PersonError(f"{name!r} is no font that can be read", "a .ttf or .otf file") from None
+            found[name] = str(file)
+    return tuple(found.items())
+
+
 def set_items(patch: Patch) -> tuple[SetItem, ...]:
     """Return the props of a patch."""
     return tuple(SetItem(**section.model_dump(exclude={"name"})) for section in patch.item)
@@ -135,6 +158,7 @@ def make_scene(
         group_styles=styles,
         backgrounds=() if path is None else make_backgrounds(patch, path, whole=whole),
         scenery=() if path is None else make_scenery(patch, path, whole=whole),
+        fonts=() if path is None else make_fonts(patch, path, whole=whole),
         items=set_items(patch),
         passes=patch.picture.passes,
         custom_passes=patch.picture.own_passes,
