@@ -15,13 +15,15 @@ def grey_of(number):
     return 20 + 10 * number
 
 
-def write_video(path, *, size=(64, 48)):
-    """A video of FRAMES pictures, each of one grey, at RATE per second."""
+def write_video(path, *, size=(64, 48), codec="libx264", noise=False):
+    """A video of FRAMES pictures, each of one grey, at RATE per second; `codec` "png": each picture alone."""
     with av.open(str(path), "w") as out:
-        stream = out.add_stream("libx264", rate=RATE, options={"crf": "1", "g": "5"})
-        stream.width, stream.height, stream.pix_fmt = *size, "yuv420p"
+        stream = out.add_stream(codec, rate=RATE, options={"crf": "1", "g": "5"} if codec == "libx264" else {})
+        stream.width, stream.height, stream.pix_fmt = *size, "yuv420p" if codec == "libx264" else "rgb24"
         for number in range(FRAMES):
             pixels = np.full((size[1], size[0], 3), grey_of(number), np.uint8)
+            if noise:  # larger files
+                pixels = pixels + np.random.default_rng(number).integers(0, 8, pixels.shape, np.uint8)
             out.mux(stream.encode(av.VideoFrame.from_ndarray(pixels, format="rgb24")))
         out.mux(stream.encode())
     return path
