@@ -6,7 +6,7 @@ triangles is refused with a remedy; where the processor draws, large pieces are 
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Final
@@ -53,10 +53,8 @@ class _SetReader(ModelReader):
             own = skins[place.integer("skin", below=len(skins))] if place.has("skin") else None
             for primitive in self._root.element("meshes", mesh).elements("primitives"):
                 part = self._part(primitive, node, own)
-                if part is None:
-                    continue
-                mirrored = own is None and np.linalg.det(self._matrix[node, :3, :3]) < 0.0
-                yield replace(part, triangle=part.triangle[:, ::-1]) if mirrored else part
+                if part is not None:
+                    yield part
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -58,6 +58,7 @@ class BackgroundPass(ScenePass):
     def __init__(self, making: PassSetup) -> None:
         """Raises PersonError for a file that cannot be decoded."""
         self._ctx, self._size = making.ctx, making.size
+        self._multisampled = making.quality.samples > 0
         self.stage_size = making.scene.stage_size
         """Width and depth of the stage [m]."""
         self._program = compile_program(making.ctx, "background_vertex.glsl", "background_fragment.glsl")
@@ -130,14 +131,15 @@ class BackgroundPass(ScenePass):
         ctx = self._ctx
         ctx.enable(moderngl.DEPTH_TEST | moderngl.BLEND)
         ctx.disable(moderngl.CULL_FACE)
-        ctx.fbo.depth_mask, ctx.depth_func = False, "<="
+        target = ctx.fbo
+        target.depth_mask, ctx.depth_func = False, "<="
         ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         moment.floor.use(2)
         set_uniform(self._program, "shown_texture", 1)
         set_uniform(self._program, "floor_map", 2)
         for source, amount in self._visible_sources(moment):
             self._draw(source, amount)
-        ctx.fbo.depth_mask, ctx.depth_func = True, "<"
+        target.depth_mask, ctx.depth_func = self._multisampled, "<"
         ctx.disable(moderngl.BLEND)
 
     def _draw(self, source: _Source, amount: float) -> None:

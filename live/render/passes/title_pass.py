@@ -29,6 +29,7 @@ class TitlePass(ScenePass):
     def __init__(self, making: PassSetup) -> None:
         ctx = self._ctx = making.ctx
         self._transparent = making.transparent
+        self._multisampled = making.quality.samples > 0
         self._program = compile_program(ctx, "title_vertex.glsl", "title_fragment.glsl")
         self._buffer = ctx.buffer(reserve=MAX_LETTERS * 6 * _FLOATS * 4, dynamic=True)
         self._array = ctx.vertex_array(self._program, [(self._buffer, "2f 2f 2f", "in_corner", "in_texel", "in_order")])
@@ -59,7 +60,8 @@ class TitlePass(ScenePass):
         ctx = self._ctx
         ctx.enable(moderngl.DEPTH_TEST | moderngl.BLEND)
         ctx.disable(moderngl.CULL_FACE)
-        ctx.fbo.depth_mask, ctx.depth_func = False, "<="  # cells of letters overlap
+        target = ctx.fbo
+        target.depth_mask, ctx.depth_func = False, "<="  # cells of letters overlap
         ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
         standing = [pair for pair in zip(moment.view.titles, self._parts, strict=False) if pair[0].place != _PICTURE]
         for title, part in sorted(standing, key=lambda pair: pair[0].at[2]):
@@ -71,7 +73,7 @@ class TitlePass(ScenePass):
             for mirrored in (0, 1) if title.at[1] > _FLOOR_FREE else (0,):
                 set_uniform(self._program, "mirrored", mirrored)
                 self._render(part)
-        ctx.fbo.depth_mask, ctx.depth_func = True, "<"
+        target.depth_mask, ctx.depth_func = self._multisampled, "<"
         ctx.disable(moderngl.BLEND)
 
     def draw_over(self, view: StageView, target: moderngl.Framebuffer, size: tuple[int, int]) -> None:

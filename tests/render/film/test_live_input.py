@@ -98,7 +98,7 @@ def test_camera_that_is_not_there_is_told_and_stops_nothing():
 
 @pytest.mark.parametrize("text", ["", "camera", "camera: ", "shm:", "shm:../etc", "file:///etc/passwd", "concat:a|b"])
 def test_wrong_inputs_are_refused_with_a_remedy(text):
-    with pytest.raises(PersonError, match="no live input.*camera:0"):
+    with pytest.raises(PersonError, match=r"no live input.*camera:0"):
         parse_input(text)
 
 
