@@ -68,6 +68,7 @@ class FocusPass:
         for texture in self._textures:
             texture.repeat_x = texture.repeat_y = False
             texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        self._textures[0].filter = (moderngl.NEAREST, moderngl.NEAREST)  # radii between two things belong to neither
         self._targets = [self._ctx.framebuffer([texture]) for texture in self._textures]
 
     def active(self, moment: Moment) -> bool:
@@ -90,6 +91,7 @@ class FocusPass:
         small = 1.0 / self._divisor
         self._spread.set("focus", focus)
         self._spread.set("widest", widest * small)
+        self._spread.set("apart", 0.5 * (self._divisor - 1))
         self._spread.set("most", _LARGEST * self._size[1] * small)
         self._spread.draw(self._targets[0], light=source, depth=surfaces.depth)
         for shader, side, into, read in zip(self._most, (_TILE, 0), (2, 3), (spread, tiles), strict=True):
@@ -99,7 +101,8 @@ class FocusPass:
         self._gather.draw(self._targets[1], spread=spread, tiles=around)
         self._final.set("focus", focus)
         self._final.set("widest", widest)
-        self._final.draw(target, light=source, gathered=gathered, depth=surfaces.depth)
+        self._final.set("most", _LARGEST * self._size[1] * small)
+        self._final.draw(target, light=source, gathered=gathered, spread=spread, depth=surfaces.depth)
 
     def _focus(self, moment: Moment) -> float:
         """Return the distance of the focus [m]: the set one, or the automatic one, which moves softly."""

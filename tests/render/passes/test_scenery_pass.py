@@ -74,7 +74,9 @@ def test_half_faded_set_piece_shows_half_of_its_pixels(draw, tmp_path):
     red = {amount: (seen := draw(said, amount=amount)[0])[..., 0] - seen[..., 1] for amount in (0.0, 0.5, 1.0)}
     whole = (red[1.0] > 40) & (red[0.0] < 10)
     assert whole.sum() > 1000
-    assert 0.3 < red[0.5][whole].mean() / red[1.0][whole].mean() < 0.65  # edges of pixels are smoothed, displayed values
+    assert (
+        0.3 < red[0.5][whole].mean() / red[1.0][whole].mean() < 0.65
+    )  # edges of pixels are smoothed, displayed values
 
 
 @pytest.mark.gl

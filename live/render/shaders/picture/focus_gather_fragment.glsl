@@ -24,7 +24,7 @@ void main() {
         vec4 there = textureLod(spread, at + pixel * radius * vec2(cos(angle), sin(angle)), 0.0);
         float size = abs(there.a);
         if (there.a > here.a) size = min(size, max(2.0 * own, 0.0));   // what is behind stays behind
-        float covers = smoothstep(radius - 0.75, radius + 0.75, size);
+        float covers = smoothstep(radius - 0.75, radius + 0.75, size) * smoothstep(0.2, 0.8, size);
         sum += mix(sum / total, there.rgb, covers);
         front += covers * step(there.a, -0.4);
         total += 1.0;

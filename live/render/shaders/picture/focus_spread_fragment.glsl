@@ -7,11 +7,24 @@ uniform sampler2D light;
 uniform float focus;      // distance of what is sharp [m]
 uniform float widest;     // radius in pixels of this picture of what is infinitely far
 uniform float most;       // largest radius
+uniform float apart;      // of the samples from the middle [pixels of the picture]
 out vec4 spread;          // light, radius: below 0 before the focus
 
+float radius_at(vec2 place) {
+    float away = distance_at(place);
+    return clamp(widest * (away - focus) / away, -most, most);
+}
+
 void main() {
-    float away = distance_at(at);
-    vec3 sum = texture(light, at + 0.5 * vec2(-picture.z, -picture.w)).rgb + texture(light, at + 0.5 * vec2(picture.z, -picture.w)).rgb
-             + texture(light, at + 0.5 * vec2(-picture.z, picture.w)).rgb + texture(light, at + 0.5 * picture.zw).rgb;
-    spread = vec4(expanded(sum * 0.25), clamp(widest * (away - focus) / away, -most, most));
+    // light of what lies elsewhere in depth is left out: it would surround what is sharp with its own colour
+    float own = radius_at(at);
+    vec3 sum = texture(light, at).rgb * 1e-3;
+    float weights = 1e-3;
+    for (int i = 0; i < 4; ++i) {
+        vec2 place = at + apart * picture.zw * vec2(float(i & 1) * 2.0 - 1.0, float(i >> 1) * 2.0 - 1.0);
+        float weight = clamp(1.0 - abs(radius_at(place) - own), 0.0, 1.0);
+        sum += texture(light, place).rgb * weight;
+        weights += weight;
+    }
+    spread = vec4(expanded(sum / weights), own);
 }
