@@ -137,7 +137,7 @@ class LetterField:
             try:
                 self._fonts[font] = read_font(self._files.get(font, ""), EM)
             except (OSError, ValueError):
-                self._tell(f"the font {Path(font).name} cannot be read; the usual one is drawn")
+                self._tell(f"the font {Path(self._files[font]).name} cannot be read; the usual one is drawn")
                 self._fonts[font] = read_font("", EM)
         return self._fonts[font]
 
