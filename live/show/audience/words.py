@@ -38,6 +38,8 @@ _LETTER_WIDTH: Final = 0.95
 _LINE: Final = 1.5
 """Height that a word takes, in heights of a capital letter."""
 _TRIES: Final = 400
+_RAIN_TRIES: Final = 24
+"""Places that are tried for a word of the cloud, and of the rain."""
 _SPIRAL: Final = 2.39996323
 """The golden angle [rad]."""
 _MARKS: Final = "-'’ "
@@ -126,11 +128,19 @@ class Words:
         width = said.width or 1.1 * self._patch.stage.width
         half = 0.5 * size * _LETTER_WIDTH * len(word)
         if said.form == "rain":
-            reach = max(0.5 * width - half, 0.0)
-            x = reach * (2.0 * float(chance.random()) - 1.0)
-            place, start = (x, said.bottom + 0.5 * size, z), (x, said.top + size, z)
+            reach, height = max(0.5 * width - half, 0.0), said.top + size
+            places = [(reach * (2.0 * float(share) - 1.0), height) for share in chance.random(_RAIN_TRIES)]
+            x, _ = self._freest(places, half, 0.5 * size * _LINE, beat)
+            place, start = (x, said.bottom + 0.5 * size, z), (x, height, z)
         else:
-            x, y = self._free_place(half, 0.5 * size * _LINE, 0.5 * width)
+            middle, rise = 0.5 * (said.bottom + said.top), 0.5 * (said.top - said.bottom) - 0.5 * size * _LINE
+            reach = max(0.5 * width - half, 0.0)
+            places = [
+                (reach * math.sqrt(number / _TRIES) * math.cos(_SPIRAL * number),
+                 middle + max(rise, 0.05) * math.sqrt(number / _TRIES) * math.sin(_SPIRAL * number))
+                for number in range(_TRIES)
+            ]  # fmt: skip
+            x, y = self._freest(places, half, 0.5 * size * _LINE, None)
             place = (x, y, z)
             angle = math.tau * float(chance.random())
             start = (x + 3.0 * math.cos(angle), max(y + 2.0 * math.sin(angle), 0.3), z)
@@ -141,20 +151,18 @@ class Words:
         for one in there[: max(len(there) - said.most, 0)]:
             self.shown[self.shown.index(one)] = replace(one, end=beat)
 
-    def _free_place(self, half_width: float, half_height: float, reach: float) -> tuple[float, float]:
-        """Return the place nearest to the middle of the cloud where a word covers no other one (x, y) [m]."""
-        said = self._patch.words
-        middle, rise = 0.5 * (said.bottom + said.top), max(0.5 * (said.top - said.bottom) - half_height, 0.05)
-        boxes = [
-            (one.title.at[0], one.title.at[1],
-             0.5 * one.title.size * _LETTER_WIDTH * len(one.title.text), 0.5 * one.title.size * _LINE)
-            for one in self.shown
-        ]  # fmt: skip
-        best, least = (0.0, middle), math.inf
-        for number in range(_TRIES):
-            share, angle = math.sqrt(number / _TRIES), _SPIRAL * number
-            x = max(reach - half_width, 0.0) * share * math.cos(angle)
-            y = middle + rise * share * math.sin(angle)
+    def _freest(
+        self, places: list[tuple[float, float]], half_width: float, half_height: float, beat: float | None
+    ) -> tuple[float, float]:
+        """Return the first place (x, y) [m] where a word covers no other one, else the one where it covers least; others
+        are at their places, or where they are at a beat."""
+        boxes = []
+        for one in self.shown:
+            x, y, _ = one.title.at if beat is None else self._seen(one, beat).at
+            size = one.title.size
+            boxes.append((x, y, 0.5 * size * _LETTER_WIDTH * len(one.title.text), 0.5 * size * _LINE))
+        best, least = places[0], math.inf
+        for x, y in places:
             covered = sum(
                 max(half_width + w - abs(x - at_x), 0.0) * max(half_height + h - abs(y - at_y), 0.0)
                 for at_x, at_y, w, h in boxes
