@@ -11,6 +11,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from live.base.arrays import Float64
 from live.base.errors import PersonError
 from live.base.stage_snapshot import Title
 from live.control.events import events
@@ -37,11 +38,12 @@ _LETTER_WIDTH: Final = 0.95
 """Usual width of a letter, in heights of a capital letter."""
 _LINE: Final = 1.5
 """Height that a word takes, in heights of a capital letter."""
-_TRIES: Final = 400
+_TRIES: Final = 1200
 _RAIN_TRIES: Final = 24
 """Places that are tried for a word of the cloud, and of the rain."""
-_SPIRAL: Final = 2.39996323
-"""The golden angle [rad]."""
+_ANGLES: Final = 2.39996323 * np.arange(_TRIES)
+_DISC: Final = np.sqrt(np.arange(_TRIES) / _TRIES)[:, None] * np.stack([np.cos(_ANGLES), np.sin(_ANGLES)], axis=1)
+"""Places evenly spread over a disc of radius 1, from its middle on (golden angle, Vogel 1979), shape (1200, 2)."""
 _MARKS: Final = "-'’ "
 """What a word may have besides letters."""
 _SEED: Final = 0x3012D
@@ -129,17 +131,12 @@ class Words:
         half = 0.5 * size * _LETTER_WIDTH * len(word)
         if said.form == "rain":
             reach, height = max(0.5 * width - half, 0.0), said.top + size
-            places = [(reach * (2.0 * float(share) - 1.0), height) for share in chance.random(_RAIN_TRIES)]
+            places = np.stack([reach * (2.0 * chance.random(_RAIN_TRIES) - 1.0), np.full(_RAIN_TRIES, height)], axis=1)
             x, _ = self._freest(places, half, 0.5 * size * _LINE, beat)
             place, start = (x, said.bottom + 0.5 * size, z), (x, height, z)
         else:
             middle, rise = 0.5 * (said.bottom + said.top), 0.5 * (said.top - said.bottom) - 0.5 * size * _LINE
-            reach = max(0.5 * width - half, 0.0)
-            places = [
-                (reach * math.sqrt(number / _TRIES) * math.cos(_SPIRAL * number),
-                 middle + max(rise, 0.05) * math.sqrt(number / _TRIES) * math.sin(_SPIRAL * number))
-                for number in range(_TRIES)
-            ]  # fmt: skip
+            places = np.array((0.0, middle)) + _DISC * (max(0.5 * width - half, 0.0), max(rise, 0.05))
             x, y = self._freest(places, half, 0.5 * size * _LINE, None)
             place = (x, y, z)
             angle = math.tau * float(chance.random())
@@ -152,26 +149,21 @@ class Words:
             self.shown[self.shown.index(one)] = replace(one, end=beat)
 
     def _freest(
-        self, places: list[tuple[float, float]], half_width: float, half_height: float, beat: float | None
+        self, places: Float64, half_width: float, half_height: float, beat: float | None
     ) -> tuple[float, float]:
-        """Return the first place (x, y) [m] where a word covers no other one, else the one where it covers least; others
-        are at their places, or where they are at a beat."""
-        boxes = []
-        for one in self.shown:
+        """Return the first of the places (N, 2) [m] where a word covers no other one, else one where it covers least.
+
+        Others are at their places, or where they are at a beat.
+        """
+        boxes = np.zeros((len(self.shown), 4))
+        for row, one in zip(boxes, self.shown, strict=True):
             x, y, _ = one.title.at if beat is None else self._seen(one, beat).at
             size = one.title.size
-            boxes.append((x, y, 0.5 * size * _LETTER_WIDTH * len(one.title.text), 0.5 * size * _LINE))
-        best, least = places[0], math.inf
-        for x, y in places:
-            covered = sum(
-                max(half_width + w - abs(x - at_x), 0.0) * max(half_height + h - abs(y - at_y), 0.0)
-                for at_x, at_y, w, h in boxes
-            )
-            if covered <= 0.0:
-                return x, y
-            if covered < least:
-                best, least = (x, y), covered
-        return best
+            row[:] = x, y, 0.5 * size * _LETTER_WIDTH * len(one.title.text), 0.5 * size * _LINE
+        apart = np.abs(places[:, None] - boxes[:, :2])
+        over = np.maximum((half_width, half_height) + boxes[:, 2:] - apart, 0.0)
+        x, y = places[int(over.prod(axis=2).sum(axis=1).argmin())].tolist()
+        return x, y
 
     def _end(self, one: ShownWord) -> float:
         """Return the beat on which a word begins to fade, infinity if it stays."""
