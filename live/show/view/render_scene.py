@@ -4,7 +4,7 @@ import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from live.base.body_catalogue import BODIES, DEFAULT_BODY, CharacterFile
+from live.base.body.catalogue import BODIES, DEFAULT_BODY, CharacterFile
 from live.base.errors import PersonError, error_context
 from live.base.projector_perspective import camera_from_corners
 from live.base.set_geometry import SetItem
@@ -15,7 +15,7 @@ from live.render.lettering.distance_field import EM, read_font
 from live.render.media.media_files import NUMBER_SIGN, check_media
 from live.render.media.set_model import read_set_model
 from live.show.dancers.character_casting import bodies_of
-from live.show.desk.look_settings import draw_settings
+from live.show.desk.look_settings import group_settings
 from live.show.desk.parameter_table import parse_value
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import find_resource
@@ -144,10 +144,8 @@ def make_scene(
         group.colour if group.colour is not None else GROUP_COLOURS[i % len(GROUP_COLOURS)]
         for i, group in enumerate(patch.group)
     )
-    styles = tuple(
-        tuple((address, parse_value(address, value)) for address, value in draw_settings(group.draw).items())
-        for group in patch.group
-    )
+    drawn = [group_settings(group.name, group.draw)[0] for group in patch.group]
+    styles = tuple(tuple((address, parse_value(address, value)) for address, value in one.items()) for one in drawn)
     known = {*BODIES, *(each.name for each in characters)}
     return Scene(
         stage_size=(patch.stage.width, patch.stage.depth),
