@@ -289,9 +289,12 @@ def _warm_up_row(scene: Scene, *, passes: bool) -> Float64:
     """Return a parameter row that draws the first group in all styles at once, with all `passes` if set."""
     row = picture_row(scene)
     if passes:
-        for name in ("trails", "ink", "vignette", "bloom"):
+        for name in ("trails", "ink", "vignette", "bloom", "focus", "blur"):
             row[BY_ADDRESS[f"/dance/pass/{name}"].first] = 0.5
         row[BY_ADDRESS["/dance/pass/grade/contrast"].first] = 1.1
+    for kind, files in (("background", scene.backgrounds), ("scenery", scene.scenery)):
+        for number in range(1, len(files) + 1):
+            row[BY_ADDRESS[f"/dance/{kind}/{number}"].first] = 0.5
     for name in STYLE_NAMES:
         row[group_parameter(STYLE_ADDRESS_PREFIX + name, 0).row_slice] = 0.5
     return row

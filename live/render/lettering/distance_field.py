@@ -134,6 +134,8 @@ class LetterField:
 
     def _font(self, font: str) -> ImageFont.FreeTypeFont | ImageFont.ImageFont:
         if font not in self._fonts:
+            if font and font not in self._files:
+                self._tell(f"the font {font} is read when the show starts again; the usual one is drawn")
             try:
                 self._fonts[font] = read_font(self._files.get(font, ""), EM)
             except (OSError, ValueError):
