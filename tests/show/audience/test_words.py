@@ -10,6 +10,7 @@ from live.clock.ticks import TICK
 from live.control.events import events
 from live.control.registry.registry import REGISTRY
 from live.show.audience.words import FADE_BEATS, GATHER_BEATS, MAX_WAITING, check_word
+from live.show.view.status import Status
 from tests.show.made_show import made_show
 
 BLOCKED = '[words]\nblocked = ["Scheiße", "bad word"]\n'
@@ -72,6 +73,9 @@ def test_offered_words_wait_until_they_are_approved():
     assert session.words.facts() == {"waiting": ["hope", "fire"], "shown": [], "refused": 1}
     session.run(4.0)
     assert session.texts() == []
+    status = Status(session.show, rejected=dict, memory=lambda: 0.0)
+    assert status.snapshot(session.show.time)["words"]["waiting"] == ["hope", "fire"]
+    assert "words wait: hope, fire" in status.overlay(session.show.time)
     assert session.call("/dance/word/approve", "Hope")
     assert session.call("/dance/word/reject", "fire")
     assert not session.call("/dance/word/approve", "fire")
