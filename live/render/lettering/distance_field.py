@@ -5,6 +5,7 @@ Letters are made by a thread when a text first needs them, some milliseconds eac
 """
 
 import threading
+import unicodedata
 from collections import deque
 from collections.abc import Mapping
 from pathlib import Path
@@ -48,6 +49,7 @@ class LetterField:
         self._fonts: dict[str, ImageFont.FreeTypeFont | ImageFont.ImageFont] = {}
         self._cells: dict[_Key, int] = {}
         self._plain: dict[_Key, str] = {}
+        self._base: dict[_Key, str] = {}  # the letter whose width a composed one has
         self._jobs: deque[_Key] = deque()
         self._done: deque[tuple[int, Field]] = deque()
         self._condition = threading.Condition()
@@ -96,8 +98,9 @@ class LetterField:
         cap = self.cap_height(font)
         rows: list[tuple[float, ...]] = []
         lines = ["".join(self._drawable(letter, font) for letter in line.strip()) for line in text.split("|")]
+        bases = ["".join(self._base.get((font, letter), letter) for letter in line) for line in lines]
         pitch = 1.6 * cap
-        widths = [self._line_width(line, face, tracking) for line in lines]
+        widths = [self._line_width(line, face, tracking) for line in bases]
         widest, count = max(widths, default=0.0), sum(len(line.replace(" ", "")) for line in lines)
         ascent = face.getmetrics()[0] / EM if isinstance(face, ImageFont.FreeTypeFont) else 0.8
         for number, (line, width) in enumerate(zip(lines, widths, strict=True)):
@@ -106,13 +109,13 @@ class LetterField:
             for place, letter in enumerate(line):
                 if letter != " ":
                     cell = self._cells.get((font, letter))
-                    advance = face.getlength(letter) / EM
+                    advance = face.getlength(bases[number][place]) / EM
                     if cell is not None:
                         left, top = x - SPREAD / EM, baseline + ascent + SPREAD / EM
                         share = (x + 0.5 * advance + 0.5 * widest) / max(widest, 1e-6)
                         u, v = cell % COLUMNS * CELL, cell // COLUMNS * CELL
                         rows.append((left, top - CELL / EM, u, v, len(rows) / max(count - 1, 1), share))
-                x += self._advance(line, place, face, tracking)
+                x += self._advance(bases[number], place, face, tracking)
         letters = np.array(rows, np.float32).reshape(-1, 6)
         return letters, 0.5 * widest, 0.5 * (pitch * (len(lines) - 1) + cap)
 
@@ -148,6 +151,10 @@ class LetterField:
         key = font, letter
         if key not in self._plain:
             face = self._font(font)
+            parts = composition(letter)
+            if not _has(face, letter) and parts is not None and _has(face, parts[0] + parts[1][0]):
+                self._plain[key], self._base[key] = letter, parts[0]
+                return letter
             plain = next((each for each in (letter, plain_letter(letter)) if each and _has(face, each)), "")
             if not plain and letter.isprintable():
                 self._tell(f"the font lacks {letter!r} (U+{ord(letter):04X}); it is not shown")
@@ -181,8 +188,60 @@ def read_font(file: str, size: int) -> ImageFont.FreeTypeFont | ImageFont.ImageF
     return ImageFont.truetype(file, size, layout_engine=ImageFont.Layout.BASIC)
 
 
-def _has(face: ImageFont.FreeTypeFont | ImageFont.ImageFont, text: str) -> bool:
-    """Whether the font has all letters of a text and they fit into their cells."""
+_ACCENTS: Final = {
+    "\u0300": ("`", 1.0), "\u0301": ("´", 1.0), "\u0302": ("^", 0.62), "\u0303": ("~", 0.62), "\u0308": ("..", 0.9),
+    "\u030a": ("°", 0.8), "\u030c": ("^", -0.62), "\u0327": (",", 0.9),
+}  # fmt: skip
+"""Combining marks, and the signs that are drawn for them where a font has no accented letters, with their sizes; below
+0: upside down."""
+_BELOW: Final = "\u0327"
+_DOTTED: Final = "ij"
+_ACCENT_GAP: Final = 0.05
+"""Space between a letter and its accent [ems]."""
+
+
+def composition(letter: str) -> tuple[str, str, float, bool] | None:
+    """Return the letter without its accent, the accent's sign, its size and whether it lies below; None if the letter
+    has no accent or several, or one that cannot be drawn."""
+    parts = unicodedata.normalize("NFD", letter)
+    if len(parts) != 2 or parts[1] not in _ACCENTS:
+        return None
+    sign, size = _ACCENTS[parts[1]]
+    return parts[0], sign, size, parts[1] == _BELOW
+
+
+def _drawn(text: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont) -> Image.Image:
+    """Return a letter drawn into a cell, at `_FINER` times the field's resolution."""
+    image = Image.new("L", (CELL * _FINER, CELL * _FINER))
+    ImageDraw.Draw(image).text((SPREAD * _FINER, SPREAD * _FINER), text, fill=255, font=font)
+    return image
+
+
+def _composed(
+    base: str, sign: str, size: float, below: bool, font: ImageFont.FreeTypeFont | ImageFont.ImageFont
+) -> Image.Image:
+    """Return a letter with an accent, drawn as two signs into a cell."""
+    image, em = _drawn(base, font), EM * _FINER
+    if base in _DOTTED and not below:  # the accent stands in the place of the dot
+        top = _drawn("x", font).getbbox()
+        image.paste(0, (0, 0, image.width, top[1] - 1 if top else 0))
+    accent = _drawn(sign, font)
+    ink, letter = accent.getbbox(), image.getbbox()
+    if ink is None or letter is None:
+        return image
+    accent = accent.crop(ink)
+    if size < 0.0:
+        accent = accent.transpose(Image.Transpose.FLIP_TOP_BOTTOM)
+    accent = accent.resize((max(round(accent.width * abs(size)), 1), max(round(accent.height * abs(size)), 1)))
+    gap = round(_ACCENT_GAP * em)
+    x = (letter[0] + letter[2] - accent.width) // 2
+    y = letter[3] - gap // 2 if below else max(letter[1] - gap - accent.height, 0)
+    image.paste(255, (x, y), accent)
+    return image
+
+
+def _has(face: ImageFont.FreeTypeFont | ImageFont.ImageFont, text: str, finer: int = 1) -> bool:
+    """Whether the font, `finer` times an em in size, has all letters of a text and they fit into their cells."""
     missing = face.getmask(_NO_GLYPH)
     for letter in text:
         if letter == " ":
@@ -191,7 +250,8 @@ def _has(face: ImageFont.FreeTypeFont | ImageFont.ImageFont, text: str) -> bool:
         if not letter.isprintable() or (mask.size == missing.size and bytes(mask) == bytes(missing)):
             return False
         box = face.getbbox(letter)
-        if box[2] > CELL - 2 * SPREAD or box[3] > CELL - 2 * SPREAD or box[0] < -SPREAD:
+        room = (CELL - 2 * SPREAD) * finer
+        if box[2] > room or box[3] > room or box[0] < -SPREAD * finer:
             return False
     return True
 
@@ -201,9 +261,9 @@ def bake_field(letter: str, font: ImageFont.FreeTypeFont | ImageFont.ImageFont) 
     range is `SPREAD` texels. `font` has the size of `_FINER` ems."""
     from scipy.ndimage import distance_transform_edt
 
-    side, edge = CELL * _FINER, SPREAD * _FINER
-    image = Image.new("L", (side, side))
-    ImageDraw.Draw(image).text((edge, edge), letter, fill=255, font=font)
+    edge = SPREAD * _FINER
+    parts = None if _has(font, letter, _FINER) else composition(letter)
+    image = _drawn(letter, font) if parts is None else _composed(*parts, font)
     box = image.getbbox()
     field = np.zeros((CELL, CELL), np.uint8)
     if box is None:

@@ -19,6 +19,8 @@ _FLOATS: Final = 6
 _PICTURE: Final = "picture"
 _STRAIGHT: Final = moderngl.SRC_ALPHA, moderngl.ONE_MINUS_SRC_ALPHA, moderngl.ONE, moderngl.ONE_MINUS_SRC_ALPHA
 """Blending of straight alpha: colour, opacity."""
+_WIDEST: Final = 0.94
+"""Titles over the picture are at most as wide as this share of it: longer ones are smaller."""
 _FLOOR_FREE: Final = 0.02
 """Letters in the stage higher than this above the floor are mirrored in it [m]."""
 
@@ -39,7 +41,7 @@ class TitlePass(ScenePass):
         self._texture.repeat_x = self._texture.repeat_y = False
         self._field = LetterField(dict(making.scene.fonts), blocking=making.blocking_video)
         self._laid_out: tuple[tuple[str, str, float], ...] = ()
-        self._parts: list[tuple[int, int]] = []  # first vertex and number of vertices of each title
+        self._parts: list[tuple[int, int, float]] = []  # of each title: first vertex, vertices, half width [ems]
 
     @property
     def problems(self) -> list[str]:
@@ -93,6 +95,7 @@ class TitlePass(ScenePass):
                 continue
             self._set(title)
             em = 2.0 * title.size / self._field.cap_height(title.font)
+            em = min(em, _WIDEST * size[0] / size[1] / max(part[2], 1e-6))
             set_uniform(self._program, "origin", (2.0 * title.at[0] - 1.0, 1.0 - 2.0 * title.at[1], 0.0))
             set_uniform(self._program, "em", (em * size[1] / size[0], em))
             self._render(part)
@@ -108,7 +111,7 @@ class TitlePass(ScenePass):
         set_uniform(linked, "level", min(max(title.level, 0.0), 1.0))
         set_uniform(linked, "colour", title.colour)
 
-    def _render(self, part: tuple[int, int]) -> None:
+    def _render(self, part: tuple[int, int, float]) -> None:
         if part[1]:
             self._array.render(moderngl.TRIANGLES, vertices=part[1], first=part[0])
 
@@ -129,14 +132,14 @@ class TitlePass(ScenePass):
         self._parts, first = [], 0
         blocks: list[Float32] = []
         for text, font, tracking in wanted:
-            letters, _, _ = self._field.lay_out(text, font, tracking)
+            letters, half_width, _ = self._field.lay_out(text, font, tracking)
             letters = letters[: MAX_LETTERS - first // 6]
             vertices = np.zeros((len(letters), 6, _FLOATS), np.float32)
             vertices[:, :, :2] = letters[:, None, :2] + _CORNERS * (CELL / EM)
             vertices[:, :, 2:4] = letters[:, None, 2:4] + np.array((0, CELL)) + _CORNERS * np.array((CELL, -CELL))
             vertices[:, :, 4:] = letters[:, None, 4:]
             blocks.append(vertices.reshape(-1, _FLOATS))
-            self._parts.append((first, 6 * len(letters)))
+            self._parts.append((first, 6 * len(letters), half_width))
             first += 6 * len(letters)
         if first:
             self._buffer.write(np.concatenate(blocks))

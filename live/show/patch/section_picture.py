@@ -98,7 +98,7 @@ class TitleSection(Section):
     hold: Annotated[float, Field(ge=0, le=1024, allow_inf_nan=False)] = 0.0
     """It fades out after so many measures; 0: when it is hidden or another title of this name is shown."""
     font: FontFile | None = None
-    """A .ttf or .otf file in the patch's folder or below it; left out: the usual font, which lacks accents."""
+    """A .ttf or .otf file in the patch's folder or below it; left out: the usual font."""
 
 
 class WordsSection(Section):
@@ -127,7 +127,7 @@ class WordsSection(Section):
     colour: Colour = (0.55, 0.8, 1.0)
     """Their colour."""
     font: FontFile | None = None
-    """A .ttf or .otf file in the patch's folder or below it; left out: the usual font, which lacks accents."""
+    """A .ttf or .otf file in the patch's folder or below it; left out: the usual font."""
 
     @model_validator(mode="after")
     def _cloud_has_room(self) -> "WordsSection":

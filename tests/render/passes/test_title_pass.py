@@ -115,9 +115,31 @@ def test_letters_that_the_font_lacks_are_nothing_and_told_once(draw):
     plain, none = draw(Title("AB", size=0.2)), draw(Title("A\u0416B\u0416", size=0.2), Title("\u0416", size=0.1))
     assert np.array_equal(plain[0], none[0])
     assert len([words for words in none[1] if "U+0416" in words]) == 1
-    accents, replaced = draw(Title("Ça ß –", size=0.1)), draw(Title("Ca ss -", size=0.1))
-    assert accents[1] == []
-    assert np.array_equal(accents[0], replaced[0])
+    other, replaced = draw(Title("ß –", size=0.1)), draw(Title("ss -", size=0.1))
+    assert other[1] == []
+    assert np.array_equal(other[0], replaced[0])
+
+
+@pytest.mark.gl
+@pytest.mark.parametrize(("accented", "plain", "above"), [("É", "E", True), ("ñ", "n", True), ("Ç", "C", False)])
+def test_accents_that_the_font_lacks_are_composed(draw, accented, plain, above):
+    (with_accent, problems), (without, _) = (
+        draw(Title(letter, size=0.3, colour=WHITE, entrance="cut")) for letter in (accented, plain)
+    )
+    assert problems == []
+    ink = np.nonzero(np.abs(without - draw()[0]).sum(axis=2) > 200)[0]
+    more = np.nonzero(with_accent.sum(axis=2) - without.sum(axis=2) > 200)[0]
+    assert len(more) > 15
+    assert (more < ink.min() + 2).mean() > 0.9 if above else (more > ink.max() - 4).mean() > 0.9
+
+
+@pytest.mark.gl
+def test_title_too_long_for_the_picture_is_smaller(draw):
+    seen, _ = draw(Title("H" * 40, size=0.3, colour=WHITE, entrance="cut"))
+    columns = np.nonzero(np.abs(seen - draw()[0]).sum(axis=2) > 200)[1]
+    assert columns.min() > 0.02 * SIZE[0]
+    assert columns.max() < 0.98 * SIZE[0]
+    assert np.ptp(columns) > 0.85 * SIZE[0]
 
 
 @pytest.mark.gl
