@@ -10,6 +10,7 @@ from live.motion.step_clip import StepClip
 from live.motion.texture.live_bank import TextureBank
 from live.show.audience.audience import Audience
 from live.show.audience.voting import VoteNames
+from live.show.audience.words import Words
 from live.show.capture.capture_manager import CaptureManager
 from live.show.circuit_breakers import CircuitBreakers
 from live.show.dancers.dancers import Dancers
@@ -107,7 +108,8 @@ def assemble(
         "ripples": variation, "set": commands, "mocap": mocap, "launches": launcher,
     }  # fmt: skip
     desk = LightDesk(patch, score_runner, motion, variation, editable)
-    audience = Audience(patch.audience, motion.elements, VoteNames(patch, dancers, desk.scenes), seed=seed)
+    audience = Audience(patch.audience, motion.elements, VoteNames(patch, dancers, desk.scenes),
+        Words(patch, seed=seed), seed=seed)  # fmt: skip
     directions = StepRequests(motion, dancers, variation, scheduler, interrupts)
     light = LightStage(breakers)
     appearances = Appearances(seed, variation.division, desk.parameters)

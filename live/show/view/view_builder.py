@@ -115,6 +115,8 @@ class ViewBuilder:
         view.measure, view.beats_per_measure = span.number, timeline.beats_per_measure
         view.phase = fraction * timeline.beats_per_measure
         self._audience.show(view)
+        view.titles = (*self._audience.words.seen_at(beat), *self._desk.titles.seen_at(beat))
+        view.background_age[:] = self._desk.background_age
         view.energy = self._desk.energy
         counted = self._desk.cues.count_in(span.danced_beats(beat, self._desk.beats))
         view.count_in = 0.0 if counted is None else max(counted[0], 0.0)
