@@ -13,6 +13,7 @@ from live.show.audience.voting import VoteNames
 from live.show.capture.capture_manager import CaptureManager
 from live.show.circuit_breakers import CircuitBreakers
 from live.show.dancers.dancers import Dancers
+from live.show.dancers.expression import Expression
 from live.show.dancers.live_texture import LiveTexture
 from live.show.dancers.step_requests import StepRequests
 from live.show.dancers.variation import Variation
@@ -96,6 +97,7 @@ def assemble(
     node = initial_nodes(graph, scheduler, motion.partners.mirrored, clock.span.number, measure_s)
     dancers.start(node, motion.state.position.astype(np.float64), motion.starting_heading)
     scheduler.targets.headings.reset(motion.starting_heading)
+    expression = Expression(dancers, motion, seed=seed)
     mocap = CaptureManager(patch, motion, dancers, scheduler)
     launcher = Launcher(
         patch, Pads(patch, dancers, motion.evolutions), refusals, seed=seed, casting=casting,
@@ -109,7 +111,7 @@ def assemble(
     audience = Audience(patch.audience, motion.elements, VoteNames(patch, dancers, desk.scenes), seed=seed)
     directions = StepRequests(motion, dancers, variation, scheduler, interrupts)
     light = LightStage(breakers)
-    view_builder = ViewBuilder(dancers, motion, variation.division, desk, audience, light, clock.follower)
+    view_builder = ViewBuilder(dancers, motion, variation.division, desk, audience, light, clock.follower, expression)
     hot_swap = HotSwap(
         patch, graph, dancers, scheduler, motion, refusals, assemble=assemble, seed=seed,
         answers=answers or ExampleBank(()), reserve=reserve,
@@ -123,7 +125,7 @@ def assemble(
     router = EventRouter(
         (
             clock, motion.elements, commands, desk, view_builder, mocap, directions, score, audience, light, hot_swap,
-            tripped, launcher,
+            tripped, launcher, expression,
         ),
         clock, motion, desk.undo_history, refusals,
     )  # fmt: skip
@@ -149,7 +151,7 @@ def assemble(
         crowd=CrowdStage(breakers, motion, scheduler, dancers),
         dancers=DancersStage(
             breakers, dancers=dancers, scheduler=scheduler, mocap=mocap, motion=motion, reactions=reactions,
-            score_runner=score_runner,
+            score_runner=score_runner, expression=expression,
         ),
         light=light,
         view_builder=view_builder,

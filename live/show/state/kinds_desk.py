@@ -97,7 +97,7 @@ KINDS: Final = [
         tripped:tripped-stages
     """),
     Kind("event-router", EventRouter, """
-        _parts:row[audience|desk|directions|elements|group-controls|hot-swap|launcher|light|mocap|score-requests|seen|show-clock|tripped-stages]
+        _parts:row[audience|desk|directions|elements|group-controls|hot-swap|launcher|light|mocap|score-requests|seen|expression|show-clock|tripped-stages]
         _clock:show-clock _motion:group-motion _undo_history:edits _refusals:refusals
     """, factories={"_handlers": dict, "observers": list}, after_read=EventRouter.build_table),
     Kind("show-clock", ShowClock, """
@@ -139,7 +139,7 @@ KINDS: Final = [
     """),
     Kind("dancers-stage", DancersStage, """
         _breakers:breakers _dancers:dancers _mocap:mocap _motion:group-motion _correction:carrying
-        _reactions:reactions _score_runner:prompter
+        _reactions:reactions _score_runner:prompter _expression:expression
     """),
     Kind("score-requests", ScoreRequests, """
         _score_runner:prompter _reactions:reactions _motion:group-motion _scheduler:scheduler
@@ -267,7 +267,7 @@ KINDS: Final = [
     Kind("facing", Facing, "kind:str degrees:float dancer:int name:str"),
     Kind("seen", ViewBuilder, """
         _dancers:dancers _motion:group-motion _division:division _desk:desk _audience:audience _light:light
-        _follower:timeline-follower _frozen_view:stage-view|none
+        _follower:timeline-follower _frozen_view:stage-view|none _expression:expression
     """, factories={"_easing": ArmEasing}),
     Kind("spots", Spots, "_parameters:parameters _followers:row[chase] _levels:list[int]"),
     Kind("subgroup", Subgroup, """
