@@ -122,9 +122,10 @@ HAND_SHAPE: Final = _row(
     "movements.",
 )  # fmt: skip
 FOOT_POINT: Final = _row(
-    "foot_point", "number", 0, 1, 0.7, address="/dance/feet/point", words="0: as recorded, 1: as in ballet",
-    text="How far feet in the air are pointed, beyond what was recorded.",
-    patch_text="How far feet in the air are pointed, beyond what was recorded: 0 not at all, 1 as in ballet.",
+    "foot_point", "number", -1, 1, 0.35, address="/dance/feet/point", words="-1: flexed, 0: as danced, 1: pointed",
+    text="How far feet in the air are pointed or flexed beyond what the step does.",
+    patch_text="How far feet in the air are pointed beyond what the step does: 1 as in ballet, 0 not at all; below 0 "
+    "they are flexed.",
 )  # fmt: skip
 SMILE: Final = _row(
     "smile", "number", -1, 1, 0.1, address="/dance/face/smile", words="-1: sad, 1: beaming",

@@ -15,7 +15,7 @@ from live.base.arrays import Float32, Float64, Int32
 from live.base.body.expression import FACE_SIZE
 from live.base.body.hand_shapes import NO_SHAPE, RELAXED, SHAPE_NAMES, SHAPES, SOFTNESS, shape_index
 from live.base.errors import PersonError
-from live.base.motion_parameters import FACE_EFFORT, HAND_SHAPE, HEAD, PUBLIC_GAZE, SMILE
+from live.base.motion_parameters import FACE_EFFORT, FOOT_POINT, HAND_SHAPE, HEAD, PUBLIC_GAZE, SMILE
 from live.base.row_ranges import run_rows
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
@@ -44,6 +44,7 @@ from live.motion.expression.face_kernels import (
     advance_breath,
     advance_feelings,
 )
+from live.motion.expression.foot_kernels import point_feet
 from live.motion.expression.gaze_kernels import DANCER, LOOK_SECONDS, RIGHT_HAND, choose_targets, find_seekers
 from live.motion.expression.hand_kernels import HAND_COLUMNS, SOFT, VALUE, advance_hands
 from live.motion.pose.hand_hold import NOBODY
@@ -215,15 +216,18 @@ class Expression:
     # -- frames --------------------------------------------------------------------------------------------------
 
     def show(self, view: StageView, time: float, now: Now, seen: tuple[Float64, float] = EVERYWHERE) -> None:
-        """Fill faces and hands of a view whose poses are filled, for `time` [s]; `seen`: the eye (3,) and the distance
-        [m] beyond which faces are too small to be seen."""
+        """Fill faces and hands of a view whose poses are filled, for `time` [s], and point the feet of these poses.
+
+        `seen`: the eye (3,) and the distance [m] beyond which faces are too small to be seen.
+        """
         dancers, age = self._dancers, min(max(time - now.time, 0.0), 2.0 * TICK)
         arms = dancers.held_arms(time)
         held = NOBODY_HELD if arms is None else arms.share
         eye, far = seen
-        there = view.present
+        there, point = view.present, dancers.variation[FOOT_POINT]
 
         def part(begin: int, end: int) -> None:
+            point_feet(view.joint_position, view.joint_rotation, there, point, begin, end)
             draw_expressions(
                 view.face, view.hand, view.joint_position, view.joint_rotation, there, self.number, self.choice,
                 self._slow, self.hands, SHAPES, held, eye, far, self._seed, age, time, begin, end,
