@@ -12,12 +12,13 @@ from typing import Annotated, Any, Final, Literal, Union, get_args, get_origin, 
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
+from live.base.body.hand_shapes import AUTO, SHAPE_NAMES
 from live.base.errors import PersonError
 from live.base.motion_parameters import MOOD_NAMES
 from live.base.toml import KeyPath, error_line, line_of, parse_toml, toml_line_numbers, toml_remedy
 from live.library.disk_cache import read_regular_file
 from live.library.motion_formats import is_readable_name
-from live.motion.sketch.sketch_attributes import SHAPE_HELP, hand_shapes
+from live.motion.sketch.sketch_attributes import hand_shapes
 from live.motion.sketch.sketch_notation import PAIRS, PARTS
 from live.motion.step_clip import DIRECTIONS
 
@@ -195,7 +196,7 @@ def value_text(value: object) -> str:
 def expected_text(field: str, *, inside: bool = False) -> str:
     """Return a description of the values allowed for a field; `inside`: for one element of its list."""
     if field == "hand_shape":
-        return SHAPE_HELP.removeprefix("write ")
+        return f'"ballet", or changes as [{{ beat = 1, left = "fist" }}], of {", ".join((AUTO, *SHAPE_NAMES))},'
     if field == "mood":
         return f"moods as in {{ energy = -1.0 }}, {', '.join(MOOD_NAMES)}, each from -1 to 1"
     return _type_text(_TYPE_HINTS.get(field), inside)

@@ -65,12 +65,15 @@ ARM_LENGTH = 0.51
 REACHING = 0.86
 """Share of the arm's length from which on soft fingers straighten ..."""
 STRAIGHTENING = 0.55
-"""... by so much of their curl."""
+"""... by so much of their curl, ..."""
+HANGING, RAISED = -0.9 * ARM_LENGTH, -0.5 * ARM_LENGTH
+"""... unless the arm hangs: by the height of the hand over the shoulder [m]."""
 FLOOR_FROM, FLOOR_AT = 0.19, 0.11
 """Hands whose wrists come so near to the floor [m] begin to lie flat, and are flat."""
 _SCALE: Any = DRIFT / 32768.0
 _PER_COSINE: Any = 1.0 / (SEEN_COSINE - GONE_COSINE)
 _NEAR: Any = (REACHING * ARM_LENGTH) ** 2
+_PER_RAISED: Any = 1.0 / (RAISED - HANGING)
 _PER_REACH: Any = 1.0 / (ARM_LENGTH**2 - (REACHING * ARM_LENGTH) ** 2)
 
 
@@ -213,6 +216,7 @@ def _curl_fingers(
             y = position[i, wrist, 1] - position[i, shoulder, 1]
             z = position[i, wrist, 2] - position[i, shoulder, 2]
             straight = STRAIGHTENING * _smooth((x * x + y * y + z * z - _NEAR) * _PER_REACH)
+            straight *= _smooth((y - HANGING) * _PER_RAISED)
             # a tick later at most: the speeds of the columns are enough
             soft = hands[VALUE, i, side, SOFT] + hands[SPEED, i, side, SOFT] * age
             curled = np.float32(1.0 - straight * soft)

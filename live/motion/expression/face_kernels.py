@@ -59,7 +59,7 @@ BLINK_S = 0.24
 """Length of a blink [s]."""
 LEAST_BLINK_GAP, MEAN_BLINK_GAP, MOST_BLINK_GAP = 1.3, 3.0, 9.0
 """A spontaneous blink comes so long [s] after the last one at the earliest, on average so much later, and at last."""
-TURN_BLINKS, PHRASE_BLINKS = 0.35, 0.3
+TURN_BLINKS, PHRASE_BLINKS = 0.3, 0.3
 """Shares of the dancers who blink when their heads begin to turn fast, and when a phrase ends."""
 
 
@@ -159,9 +159,9 @@ def advance_blinks(
         # nobody blinks at the same moment as others
         begins = abs(number[i, LEAD]) > TURNING and abs(lead_before[i]) <= TURNING
         if begins and chance(seed, i, draws + 1) < TURN_BLINKS:
-            later = min(later, 0.15 * chance(seed, i, draws + 2))
+            later = min(later, 0.4 * chance(seed, i, draws + 2))
         if phrase_ends and chance(seed, i, draws + 3) < PHRASE_BLINKS:
-            later = min(later, 0.8 * chance(seed, i, draws + 4))
+            later = min(later, 1.5 * chance(seed, i, draws + 4))
         if later <= 0.0 and number[i, BLINK_AGE] > 0.6:
             number[i, BLINK_AGE] = 0.0
             later = min(LEAST_BLINK_GAP - MEAN_BLINK_GAP * math.log(1.0 - chance(seed, i, draws + 5)), MOST_BLINK_GAP)

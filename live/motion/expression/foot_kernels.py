@@ -101,8 +101,6 @@ def point_feet(position: Float32, rotation: Float32, there: Bool, point: Float64
             flat = -min(math.asin(min(max(2.0 * (aw * ax - ay * az), 0.0), 1.0)), MOST_BEND)
             wanted, aloft = TOES_POINTED if air > 0.0 else TOES_FLEXED, abs(air)
             more = aloft * (wanted - bent) + (1.0 - aloft) * floor * (flat - bent)
-            rotation[i, ankle, 0], rotation[i, ankle, 1] = aw, ax
-            rotation[i, ankle, 2], rotation[i, ankle, 3] = ay, az
             # new toes = new foot, old bend, more bend; the first two are the old toes turned with the foot
             gw, gx = aw * w + ax * x + ay * y + az * z, -aw * x + ax * w - ay * z + az * y
             gy, gz = -aw * y + ax * z + ay * w - az * x, -aw * z - ax * y + ay * x + az * w
@@ -111,7 +109,11 @@ def point_feet(position: Float32, rotation: Float32, there: Bool, point: Float64
             c, s = math.cos(0.5 * more), math.sin(0.5 * more)
             rotation[i, toes, 0], rotation[i, toes, 1] = c * nw - s * nx, c * nx + s * nw
             rotation[i, toes, 2], rotation[i, toes, 3] = c * ny + s * nz, c * nz - s * ny
+            if turn == 0.0:
+                continue
             # the toe joint goes with the foot
+            rotation[i, ankle, 0], rotation[i, ankle, 1] = aw, ax
+            rotation[i, ankle, 2], rotation[i, ankle, 3] = ay, az
             oy, oz = TOES_DOWN, TOES_AHEAD
             px, py, pz = 2.0 * (ay * oz - az * oy), -2.0 * ax * oz, 2.0 * ax * oy
             position[i, toes, 0] = position[i, ankle, 0] + aw * px + ay * pz - az * py

@@ -50,7 +50,7 @@ NEAR_VIEW = math.radians(50.0)
 LOST_VIEW = math.radians(65.0)
 """... beyond this it is lost."""
 LARGE_SHIFT = math.radians(40.0)
-"""A gaze shift so large comes with a blink more often than not."""
+"""A gaze shift so large may come with a blink."""
 LEAST_FIXATION, MOST_FIXATION = 0.2, 5.0
 """A new saccade begins so long [s] after the last one at the earliest; nobody looks at one place longer than that."""
 ASIDE, UPWARD = 0.6, 0.2
@@ -59,7 +59,7 @@ SACCADE_START_S, SACCADE_S_PER_DEGREE = 0.025, 0.0024
 """Length of a saccade: Lee, Badler & Badler (2002), after Leigh & Zee."""
 AUDIENCE_DEPTH = 4.0
 """The public that is looked at begins so far [m] before the stage."""
-SHIFT_BLINKS = 0.5
+SHIFT_BLINKS = 0.35
 """Share of the large gaze shifts that come with a blink."""
 LOOK_SECONDS = np.array([[0.4, 0.8], [0.5, 0.6], [0.8, 1.6], [0.9, 1.2], [0.5, 0.5], [0.5, 0.6]])
 """Shortest look at each entry of the weights [s], and how much longer it is on average."""
@@ -147,7 +147,8 @@ def _weigh_targets(
     if pace > 0.4:
         view[PLACE] = _view(velocity[i, 0], velocity[i, 1], ahead)
         weight[PLACE] = 1.2 * min(pace, 2.0) if abs(view[PLACE]) < NEAR_VIEW else 0.0
-    weight[HAND] = 1.0 - number[i, EFFORT] if kind < LEFT_HAND else 0.0
+    # only slow hands, as in a port de bras
+    weight[HAND] = max(1.2 - 3.0 * number[i, EFFORT], 0.0) if kind < LEFT_HAND else 0.0
 
 
 @kernel(
@@ -204,5 +205,5 @@ def choose_targets(
         number[i, SACCADE_AGE], number[i, FIXATION] = 0.0, min(stays, MOST_FIXATION)
         number[i, SACCADE_S] = SACCADE_START_S + SACCADE_S_PER_DEGREE * math.degrees(min(shift, 2.0 * ASIDE))
         if shift > LARGE_SHIFT and chance(seed, i, draws + 14) < SHIFT_BLINKS:
-            number[i, NEXT_BLINK] = min(number[i, NEXT_BLINK], 0.04 * chance(seed, i, draws + 15))
+            number[i, NEXT_BLINK] = min(number[i, NEXT_BLINK], 0.1 * chance(seed, i, draws + 15))
         choice[i, DRAWS] = (draws + DRAWS_A_TIME) & MOST_DRAWS
