@@ -128,7 +128,7 @@ FOOT_POINT: Final = _row(
     "they are flexed.",
 )  # fmt: skip
 SMILE: Final = _row(
-    "smile", "number", -1, 1, 0.1, address="/dance/face/smile", words="-1: sad, 1: beaming",
+    "smile", "number", -1, 1, 0.25, address="/dance/face/smile", words="-1: sad, 1: beaming",
     text="How much dancers smile; mood and music add to it.",
     patch_text="How much dancers smile, from -1 to 1; mood and music add to it.",
 )  # fmt: skip

@@ -168,7 +168,7 @@ def assemble(
         seed=seed, breakers=breakers, refusals=refusals, clock=clock, casting=casting, reactions=reactions,
         score_runner=score_runner, motion=motion, variation=variation, dancers=dancers, scheduler=scheduler,
         interrupts=interrupts, directions=directions, mocap=mocap, desk=desk, audience=audience, light=light,
-        hot_swap=hot_swap, view_builder=view_builder, launcher=launcher, frame=frame,
+        hot_swap=hot_swap, view_builder=view_builder, expression=expression, launcher=launcher, frame=frame,
     )  # fmt: skip
 
 

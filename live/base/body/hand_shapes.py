@@ -17,7 +17,7 @@ AUTO: Final = "auto"
 _SHAPES: Final[dict[str, tuple[float, float, float, float, float, float]]] = {
     # thumb, index, middle, ring, little finger, spread
     "relaxed": (0.22, 0.20, 0.27, 0.33, 0.38, -0.10),
-    "ballet": (0.40, 0.08, 0.34, 0.26, 0.10, 0.10),
+    "ballet": (0.45, 0.06, 0.34, 0.24, 0.10, -0.15),
     "soft": (0.18, 0.10, 0.17, 0.21, 0.24, 0.05),
     "flat": (0.12, 0.02, 0.02, 0.02, 0.03, -0.75),
     "jazz": (0.0, 0.0, 0.0, 0.0, 0.0, 1.0),

@@ -23,7 +23,7 @@ EASE_RATE = 15.0
 """Rate of the critically damped approach to a shape [1/s]: half of it in 0.11 s, nearly all in 0.3 s."""
 OWN_CURL = 0.05
 """Soft fingers of one dancer are curled more or less than those of others by so much at most."""
-ENERGY_OPENS = 0.6
+ENERGY_OPENS = 0.45
 """Share by which hands without a shape open in the hardest dance."""
 
 

@@ -37,7 +37,7 @@ FULL_DETAIL, NO_DETAIL = 0.06, 0.045
 """Heights of a dancer, as shares of the picture's, from which on arms keep off others fully, and below which they do
 not: there an arm in another's body is three pixels of 1080."""
 FACE_DETAIL = 0.08
-"""Dancers whose height is a smaller share of the picture's have no expression: there a head has 13 pixels of 1080."""
+"""Dancers whose height is a smaller share of the picture's have no expression: there a head has 11 pixels of 1080."""
 WIDEST = 4.0
 """No picture is wider than so many times its height; ..."""
 BESIDE = 3.0

@@ -71,7 +71,7 @@ def graph():
 
 
 def expression_of(show):
-    return show.frame.dancers._expression
+    return show.expression
 
 
 def run(show, seconds, do=None):
