@@ -13,6 +13,7 @@ import numpy as np
 from bench._show import crowd
 from live.cli.bench import Row
 from live.clock.ticks import TICK
+from live.show.dancers import expression
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from live.show.show import Show
@@ -40,20 +41,22 @@ def run(full: bool, shared: Path | None) -> list[Row]:
 
 def _spent(show: Show, ticks: int) -> dict[str, float]:
     """Nanoseconds of the parts of a frame and a tick, the lower quartile of each."""
-    from live.show.dancers import expression
-
-    view, state, taken = show.view(), show.expression, {}
+    view, state = show.view(), show.expression
     view.detailed = True
-    before = expression.draw_expressions
+    taken: dict[str, list[int]] = {}
+    parts: tuple[tuple[Any, str], ...] = (
+        (expression, "draw_expressions"), (show.dancers, "pose"), (state, "show"), (state, "tick"),
+    )  # fmt: skip
+    before = [(part, name, getattr(part, name)) for part, name in parts]
     try:
-        expression.draw_expressions = _timed(before, taken.setdefault("draw_expressions", []))  # type: ignore[misc]
-        for part, name in ((show.dancers, "pose"), (state, "show"), (state, "tick")):
-            setattr(part, name, _timed(getattr(part, name), taken.setdefault(name, [])))
+        for part, name, work in before:
+            setattr(part, name, _timed(work, taken.setdefault(name, [])))
         for tick in range(1, ticks + 1):
             show.tick(tick * TICK)
             show.fill(view, tick * TICK)
     finally:
-        expression.draw_expressions = before  # type: ignore[misc]
+        for part, name, work in before:
+            setattr(part, name, work)
     return {name: float(np.percentile(times[64:], 25)) for name, times in taken.items()}
 
 

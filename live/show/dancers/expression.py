@@ -224,7 +224,7 @@ class Expression:
         arms = dancers.held_arms(time)
         held = NOBODY_HELD if arms is None else arms.share
         eye, far = seen
-        there, point = view.present, dancers.variation[FOOT_POINT]
+        there, point = view.present, self._foot_point()
 
         def part(begin: int, end: int) -> None:
             point_feet(view.joint_position, view.joint_rotation, there, point, begin, end)
@@ -234,6 +234,15 @@ class Expression:
             )  # fmt: skip
 
         run_rows(part, len(self.number), least=4 * RANGE)
+
+    def _foot_point(self) -> Float64:
+        """Return how far feet are pointed, (A,): those of captured performers are as they are."""
+        point = self._dancers.variation[FOOT_POINT]
+        if self._dancers.captured:
+            point = point.copy()
+            for captured in self._dancers.captured.values():
+                point[captured.rows] *= 1.0 - captured.fade
+        return point
 
     def hashed(self) -> tuple[npt.NDArray[np.generic], ...]:
         """Return the arrays that belong to the state hash."""

@@ -28,17 +28,19 @@ from live.graph.motion_graph import build_graph
 from live.graph.step_library import build_library
 from live.library.step_folder import load_folder
 from live.motion import quaternion
-from live.motion.expression.dance_kernels import HEAD_JOINT
+from live.motion.expression.dance_kernels import ENERGY, HEAD_JOINT, HEAD_YAW, LEAD_S, TURN
 from live.motion.expression.drawing_kernels import DOWN_LIMIT, UP_LIMIT, YAW_LIMIT
 from live.motion.expression.face_kernels import BREATH_PHASE, BREATH_RATE, EXERTION, KIND, LEAD, SACCADE_AGE, TARGET
 from live.motion.expression.gaze_kernels import AHEAD, PUBLIC
 from live.motion.mirror import mirror_step
 from live.motion.pose.hand_hold import NOBODY
+from live.motion.skeleton import SKELETON
 from live.show.assembly import assemble
 from live.show.patch.patch_reader import parse_patch
 from live.show.state.snapshot import Snapshotter, restore
 from tests.fixtures.made_steps import made_clip
 from tests.places import ROOT
+from tests.show.capture.test_mocap import frame as performer_frame
 from tests.show.made_show import made_show
 from tests.show.state.test_snapshot import MADE
 
@@ -314,6 +316,30 @@ def test_hands_close_round_the_partners_hand():
     # the partner is looked at, and no dancer looks at nobody
     choice = expression_of(show).choice
     assert (choice[:, 1] >= NOBODY).all()
+
+
+def test_captured_performer_turns_and_works_as_recorded():
+    """Heading of the head and energy are those of the performer, not of the unseen steps."""
+    show = made_show('[[mocap]]\nname = "live"\ndancer = "1"\n[motion]\nfoot_point = 1.0\n')
+    view, headings = show.view(), []
+    view.detailed = True
+    for tick in range(1, 400):
+        show.apply(performer_frame(tick * TICK - 0.004))
+        show.tick(tick * TICK)
+        show.fill(view, tick * TICK)
+        if tick > 200:
+            w, x, y, z = view.joint_rotation[0, HEAD_JOINT].astype(np.float64)
+            drawn = np.arctan2(2 * (x * z + w * y), 1 - 2 * (x * x + y * y))
+            measured = show.expression._measured[0]
+            off = np.angle(np.exp(1j * (measured[HEAD_YAW] - drawn)))
+            headings.append((off, measured[TURN], measured[ENERGY]))
+    off, turn, energy = np.array(headings).T
+    assert np.abs(off).max() < 0.06
+    assert turn == pytest.approx(0.4 * LEAD_S, abs=0.03)  # it turns by 0.4 rad in a second
+    assert 0.01 < energy.mean() < 5.0
+    feet = [SKELETON.index(side + joint) for side in ("left", "right") for joint in ("Foot", "Toes")]
+    poses = show.dancers.pose(show.span.fraction(show.clock.beat), 399 * TICK)
+    assert np.array_equal(view.joint_rotation[0, feet], poses[1][0, feet])  # and the feet, too
 
 
 # -- state -----------------------------------------------------------------------------------------------------------
