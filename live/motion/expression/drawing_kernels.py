@@ -68,7 +68,7 @@ STRAIGHTENING = 0.55
 """... by so much of their curl, ..."""
 HANGING, RAISED = -0.9 * ARM_LENGTH, -0.5 * ARM_LENGTH
 """... unless the arm hangs: by the height of the hand over the shoulder [m]."""
-FLOOR_FROM, FLOOR_AT = 0.19, 0.11
+FLOOR_FROM, FLOOR_AT = 0.24, 0.11
 """Hands whose wrists come so near to the floor [m] begin to lie flat, and are flat."""
 _SCALE: Any = DRIFT / 32768.0
 _PER_COSINE: Any = 1.0 / (SEEN_COSINE - GONE_COSINE)
