@@ -10,7 +10,10 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from live.base.body import expression
+from live.base.body.expression import BREATH, MOUTH_OPEN
+from live.base.body.expression import BROW as BROW_COLUMN
+from live.base.body.expression import EFFORT as EFFORT_COLUMN
+from live.base.body.expression import SMILE as SMILE_COLUMN
 from live.base.jit import inline_kernel, kernel
 from live.base.scalar_kernels import ease
 from live.motion.expression.dance_kernels import ENERGY, TURN
@@ -136,13 +139,13 @@ def advance_breath(
         else:
             breath = -math.cos(math.pi * (phase - OUT_SHARE) / (1.0 - OUT_SHARE))
         effort, tired = min(strain[i] * number[i, EFFORT], 1.0), min(strain[i] * exertion, 1.0)
-        slow[i, expression.BREATH] = (0.4 + 0.6 * exertion) * breath
-        slow[i, expression.EFFORT] = effort
+        slow[i, BREATH] = (0.4 + 0.6 * exertion) * breath
+        slow[i, EFFORT_COLUMN] = effort
         panting = ease((tired - 0.25) / 0.6) * (0.16 + 0.24 * max(-breath, 0.0) + 0.2 * abs(breath))
-        slow[i, expression.MOUTH_OPEN] = min(panting + 0.18 * effort * effort, 1.0)
-        slow[i, expression.SMILE] = number[i, SMILE] * (1.0 - 0.35 * effort * effort)
+        slow[i, MOUTH_OPEN] = min(panting + 0.18 * effort * effort, 1.0)
+        slow[i, SMILE_COLUMN] = number[i, SMILE] * (1.0 - 0.35 * effort * effort)
         raised = number[i, BROW] * (0.5 + 0.5 * strain[i]) + 0.12 * max(breath, 0.0)
-        slow[i, expression.BROW] = min(max(raised, -1.0), 1.0)
+        slow[i, BROW_COLUMN] = min(max(raised, -1.0), 1.0)
 
 
 @kernel("void(f4[:,::1], i4[:,::1], f4[::1], b1, i8, f8, i8, i8)")

@@ -190,9 +190,12 @@ class Expression:
     def _measure_shown(self, rows: npt.NDArray[np.int64], fraction: float, time: float) -> None:
         """Measure heads and energy of dancers `rows` (n,) who do not dance their own steps, from their poses."""
         position, rotation = self._dancers.drawn_poses(rows.astype(np.int32), fraction, time)
-        w, x, y, z = rotation[:, HEAD_JOINT].T.astype(np.float64)
+        points, turned = position[:, _POINTS], rotation[:, HEAD_JOINT].astype(np.float64)
+        sound = np.isfinite(points).all(axis=(1, 2)) & np.isfinite(turned).all(axis=1)  # a lost pose changes nothing
+        rows, points = rows[sound], points[sound]
+        w, x, y, z = turned[sound].T
         yaw = np.arctan2(2.0 * (x * z + w * y), 1.0 - 2.0 * (x * x + y * y))
-        passed, points = time - self._shown_at[rows], position[:, _POINTS]
+        passed = time - self._shown_at[rows]
         known = (passed > 0.0) & (passed < 0.3)
         span = np.where(known, passed, 1.0)
         turned = np.remainder(yaw - self._measured[rows, HEAD_YAW] + math.pi, 2.0 * math.pi) - math.pi
