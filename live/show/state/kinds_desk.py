@@ -93,7 +93,7 @@ KINDS: Final = [
         seed:int breakers:breakers refusals:refusals clock:show-clock casting:casting reactions:reactions
         score_runner:prompter motion:group-motion variation:variation dancers:dancers scheduler:scheduler
         interrupts:interrupts directions:directions mocap:mocap desk:desk audience:audience light:light
-        hot_swap:hot-swap view_builder:seen launcher:launcher frame:frame
+        hot_swap:hot-swap view_builder:seen expression:expression launcher:launcher frame:frame
     """),
     Kind("frame", Frame, """
         breakers:breakers router:event-router clock:show-clock measure_lines:measure-lines plan:plan-stage
@@ -101,7 +101,7 @@ KINDS: Final = [
         tripped:tripped-stages
     """),
     Kind("event-router", EventRouter, """
-        _parts:row[audience|desk|directions|elements|group-controls|hot-swap|launcher|light|mocap|score-requests|seen|show-clock|tripped-stages]
+        _parts:row[audience|desk|directions|elements|group-controls|hot-swap|launcher|light|mocap|score-requests|seen|expression|show-clock|tripped-stages]
         _clock:show-clock _motion:group-motion _undo_history:edits _refusals:refusals
     """, factories={"_handlers": dict, "observers": list}, after_read=EventRouter.build_table),
     Kind("show-clock", ShowClock, """
@@ -143,7 +143,7 @@ KINDS: Final = [
     """),
     Kind("dancers-stage", DancersStage, """
         _breakers:breakers _dancers:dancers _mocap:mocap _motion:group-motion _correction:carrying
-        _reactions:reactions _score_runner:prompter
+        _reactions:reactions _score_runner:prompter _expression:expression
     """),
     Kind("score-requests", ScoreRequests, """
         _score_runner:prompter _reactions:reactions _motion:group-motion _scheduler:scheduler
@@ -274,7 +274,7 @@ KINDS: Final = [
          factories={"_drawn": no_value}),
     Kind("seen", ViewBuilder, """
         _dancers:dancers _motion:group-motion _division:division _desk:desk _audience:audience _light:light
-        _follower:timeline-follower _frozen_view:stage-view|none _appearances:appearances
+        _follower:timeline-follower _frozen_view:stage-view|none _appearances:appearances _expression:expression
     """, factories={"_easing": ArmEasing}),
     Kind("spots", Spots, "_parameters:parameters _followers:row[chase] _levels:list[int]"),
     Kind("subgroup", Subgroup, """
