@@ -105,7 +105,7 @@ def assemble(
         "formations": motion.evolutions, "sequences": scheduler, "facings": scheduler.targets.headings,
         "ripples": variation, "set": commands, "mocap": mocap, "launches": launcher,
     }  # fmt: skip
-    desk = LightDesk(patch, score_runner, motion, variation, editable)
+    desk = LightDesk(patch, score_runner, motion, variation, editable, dancers, seed=seed)
     audience = Audience(patch.audience, motion.elements, VoteNames(patch, dancers, desk.scenes), seed=seed)
     directions = StepRequests(motion, dancers, variation, scheduler, interrupts)
     light = LightStage(breakers)

@@ -67,6 +67,8 @@ def parse_value(address: str, value: object) -> tuple[float, ...]:
     row = ROWS.get(address)
     if row is None:
         raise PersonError(f"{address!r} has no value that can be set", f"there are: {', '.join(ROWS)}")
+    if isinstance(value, str) and value.casefold() in row.choices:
+        value = row.choices[value.casefold()]
     parts: list[Any] = list(value) if isinstance(value, list | tuple) else [value]
     arguments = value_arguments(row)
     checked = [argument.check(part) for argument, part in zip(arguments, parts, strict=False)]

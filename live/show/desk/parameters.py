@@ -152,6 +152,7 @@ class Parameters:
         """Fade numbers of the row, by place, to new values within `beats`."""
         self._read_variation()
         self.touched = True
+        goals = self._directed(goals)
         at_once: list[int] = []
         for place, goal in goals.items():
             light = (
@@ -170,6 +171,25 @@ class Parameters:
         told = [place for place in at_once if place >= picture_parameters.ROW_SIZE]
         if told:
             self._write_variation(np.array(told, np.intp))
+
+    def _directed(self, goals: Mapping[int, float]) -> Mapping[int, float]:
+        """Return goals after the rule of the camera director: who sets the camera takes it over, and a director who is
+        switched on together with a camera finds its own way."""
+        directed, director = picture_parameters.DIRECTED, picture_parameters.DIRECTOR
+        if not any(place in directed for place in goals):
+            return goals
+        if goals.get(director, 0.0) >= 0.5:
+            return {place: goal for place, goal in goals.items() if place not in directed}
+        return {**goals, director: 0.0}
+
+    def direct_camera(self, numbers: Float64) -> None:
+        """Set the camera as its director has it: the numbers of `picture_parameters.DIRECTED`, shape (D,). Their fades
+        end."""
+        led = slice(picture_parameters.DIRECTED.start, picture_parameters.DIRECTED.stop)
+        self.value[led] = numbers
+        if self._running and self._fading[led].any():
+            self._fading[led] = False
+            self._running = int(np.count_nonzero(self._fading))
 
     def reset(self, *, beats: float) -> None:
         """Fade all values to those of the patch."""
@@ -216,6 +236,8 @@ class Parameters:
         divided = self._division.is_divided
         if type(event) is SetParameter and event.address in ROWS:
             places = [place for slot in self.table.find(event.address) for place in slot.numbers]
+            if places[0] in picture_parameters.DIRECTED:
+                places.append(picture_parameters.DIRECTOR)
             if divided or max(places) < picture_parameters.ROW_SIZE:
                 return self.goals_at(places) | self._own_goals(self._indices(event.address))
         goals = self.goals()

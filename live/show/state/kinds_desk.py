@@ -8,7 +8,12 @@ from live.show.audience.audience import TouchCluster as AudiencePlace
 from live.show.audience.voting import Turn, Vote, VoteNames
 from live.show.circuit_breakers import CircuitBreakers, Stage
 from live.show.dancers.step_requests import StepRequests
+from live.show.desk.camera_directions import Stand, ViewComparison
+from live.show.desk.camera_director import CameraDirector
+from live.show.desk.camera_framing import Frame as CameraFrame
+from live.show.desk.camera_framing import Framing
 from live.show.desk.camera_rig import CameraRig, DampedFollower, Spots
+from live.show.desk.camera_subjects import Subjects
 from live.show.desk.cue_list import CueList, _TriggeredCue
 from live.show.desk.launcher import Launched, Launcher
 from live.show.desk.light_desk import LightDesk, Master
@@ -82,6 +87,19 @@ KINDS: Final = [
     """),
     Kind("audience.place", AudiencePlace, "x:float z:float weight:float repels:bool"),
     Kind("camera-rig", CameraRig, "_parameters:parameters _beats:int start_selection:str follower:chase"),
+    Kind("camera-director", CameraDirector, """
+        _parameters:parameters _subjects:camera-subjects _score_runner:prompter _framing:camera-framing _seed:int
+        _beats:int locked:bool running:bool _age:int _kind:int _chosen:b1 _frame:camera-frame
+        _comparison:view-comparison|none _pose:f8 _speed:f8 _aim:f8 _from:f8 _moved:float _length:float _lens:f8 _eye:f8
+        _target:f8 _way:f8 _has_cut:bool _drift:float _push:float _shot_s:float _due:int cuts:int
+    """),
+    Kind("camera-frame", CameraFrame, """
+        target:f8 distance:float bearing:float elevation:float field_of_view:float
+    """),
+    Kind("camera-framing", Framing, "_aspect:float _half:f8"),
+    Kind("camera-subjects", Subjects, "_motion:group-motion _dancers:dancers _spots:spots"),
+    Kind("view-comparison", ViewComparison, "_framing:camera-framing stand:camera-stand score:f8* done:int"),
+    Kind("camera-stand", Stand, "place:f8* heading:f8* there:b1* chosen:b1*"),
     Kind("chase", DampedFollower, """
         _motion:group-motion selection:str _selected:b1|none _centre:f8 _speed:f8 running:bool
     """),
@@ -155,8 +173,8 @@ KINDS: Final = [
     """),
     Kind("cues.given", _TriggeredCue, "index:int due:float earliest:float revert_event:event|none"),
     Kind("desk", LightDesk, """
-        parameters:parameters camera_rig:camera-rig spots:spots energy:float scenes:scenes _score_runner:prompter
-        cues:cues undo_history:edits beats:int master:master held:bool
+        parameters:parameters camera_rig:camera-rig spots:spots director:camera-director energy:float scenes:scenes
+        _score_runner:prompter cues:cues undo_history:edits beats:int master:master held:bool
     """),
     Kind("directions", StepRequests, """
         _motion:group-motion _casting:casting _dancers:dancers _variation:variation _scheduler:scheduler
