@@ -53,6 +53,8 @@ LOWEST_EYE: Final = 0.3
 """Least height of the eye above the floor [m]."""
 NEAR_BEST: Final = 0.06
 """Directions that are so little worse than the best one are as good."""
+GOOD_ENOUGH: Final = 0.2
+"""The same for a cut that finds no such direction 30 degrees away."""
 LEAST_TURN: Final = math.radians(30.0)
 """Least change of direction in a cut (the 30 degree rule)."""
 SIZE_RATIO: Final = 1.6
@@ -227,6 +229,8 @@ class CameraDirector:
         drift = float(chance.uniform(0.5, 1.0)) * math.radians(mood.drift_deg) / self._beats
         frame = self._pick(kind, order, cut=cut)
         if frame is None and cut:
+            frame = self._pick(kind, self._directions(kind, mood, GOOD_ENOUGH), cut=True)
+        if frame is None and cut:
             cut, frame = False, self._pick(kind, order, cut=False)
         if frame is None:
             return
@@ -257,8 +261,9 @@ class CameraDirector:
         at = int(np.searchsorted(np.cumsum(weights), draw * total, side="right"))
         return mood.weights[min(at, len(weights) - 1)][0]
 
-    def _directions(self, kind: ShotKind, mood: CameraMood) -> list[int]:
-        """Return the directions from which a shot is read best, the best one first; at least one."""
+    def _directions(self, kind: ShotKind, mood: CameraMood, tolerance: float = NEAR_BEST) -> list[int]:
+        """Return the directions from which a shot is read best, or worse by at most `tolerance`: the best one first, at
+        least one."""
         assert self._comparison is not None
         score = self._comparison.score[SUBJECTS.index(kind.subject)].copy()
         bearing, elevation = np.degrees(DIRECTIONS).T
@@ -268,7 +273,7 @@ class CameraDirector:
         best = float(score.max())
         if best <= NOT_COMPARED:
             return [0]
-        good = np.flatnonzero(score >= best - NEAR_BEST)
+        good = np.flatnonzero(score >= best - tolerance)
         return [int(at) for at in good[np.argsort(-score[good], kind="stable")]]
 
     def _pick(self, kind: ShotKind, order: list[int], *, cut: bool) -> Frame | None:
