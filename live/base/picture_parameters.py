@@ -183,6 +183,11 @@ _ROWS: Final = (
         "How much all light follows the energy of the music.", patch="look.energy",
     ),
     _number(
+        "/dance/light/score", 0, 1, 1.0,
+        "How much the light follows the score: soloists, groups, beginning, end, build-ups and drops; 0: not at all.",
+        patch="look.follow_score",
+    ),
+    _number(
         "/dance/light/stage", 0, 1, 1.0,
         "How much of floor and wall is visible; 0: only the dancers on true black, as for a gauze.", patch="look.stage",
     ),

@@ -6,13 +6,12 @@ from live.show.assembly import assemble
 from live.show.patch.patch_reader import parse_patch
 from tests.fixtures.made_steps import made_steps
 
-PATCH = """
+PATCH = """camera = {}
 name = "test"
 seed = 3
 reserve = 0
 [clock]
 bpm = 120
-[camera]
 [[group]]
 name = "front"
 dancers = 5
@@ -30,7 +29,7 @@ centre = [0.0, -1.5]
 size = [8.0, 2.0]
 """
 
-PATCH_WITHOUT_CAMERA = PATCH.replace("[camera]\n", "")
+PATCH_WITHOUT_CAMERA = PATCH.replace("camera = {}", "", 1)
 """Its camera has a director."""
 
 
@@ -47,6 +46,6 @@ def made_show(extra="", *, top=False, reserve=0, directed=False, **options):
 
     Its camera stands still unless it is `directed` or `extra` has a camera of its own.
     """
-    own = directed or "[camera]" in extra or "[projector]" in extra
+    own = directed or "[camera]" in extra or "[projector]" in extra or "camera." in extra
     patch = (PATCH_WITHOUT_CAMERA if own else PATCH).replace("reserve = 0", f"reserve = {reserve}")
     return assemble(parse_patch(extra + patch if top else patch + extra, "test.toml"), GRAPH, **options)

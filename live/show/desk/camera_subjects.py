@@ -31,16 +31,17 @@ class Subjects:
         """Return who is seen and stands somewhere, (A,): a copy."""
         return np.asarray(self._motion.present & np.isfinite(self._dancers.drawn_hips).all(axis=1))
 
-    def soloists(self, present: Bool) -> Bool:
+    def soloists(self, present: Bool, *, spots: bool = True) -> Bool:
         """Return the soloists among the dancers `present` (A,), at most `MOST_SOLOISTS`: (A,), nobody if there is none.
 
-        In this order: whoever is alone on the stage; whom follow spots follow; the patch's soloists; who alone dances
-        another step than all others.
+        In this order: whoever is alone on the stage; with `spots` whom follow spots follow; the patch's soloists; who
+        alone dances another step than all others.
         """
         count = int(np.count_nonzero(present))
         if count == 1:
             return present
-        for found in (self._spots.followed(), self._motion.casting.soloists, self._alone_with_a_step(present)):
+        followed = self._spots.followed() if spots else np.zeros(len(present), np.bool_)
+        for found in (followed, self._motion.casting.soloists, self._alone_with_a_step(present)):
             found = found & present
             number = int(np.count_nonzero(found))
             if 0 < number <= MOST_SOLOISTS and number < count:
@@ -59,6 +60,29 @@ class Subjects:
         )
         if len(steps) >= 2 and sizes.max() >= SAME_STEP * (len(rows) - 1):
             found[rows[sizes[which] == 1]] = True
+        return found
+
+    def dances_alone(self, dancer: int, present: Bool) -> bool:
+        """Whether a dancer is alone on the stage, or dances another step than most of their group among those
+        `present`."""
+        node, step = self._dancers.present.node, self._dancers.graph.library.node_step
+        group = self._motion.casting.group
+        others = present & (group == group[dancer]) & (node >= 0)
+        others[dancer] = False
+        return not others.any() or bool((step[node[others]] != step[node[dancer]]).mean() > 0.5)
+
+    def activity(self, present: Bool) -> Float64:
+        """Return how much each of the dancers `present` (A,) moves in this measure, limbs and travel, (A,); 0 for the
+        others."""
+        found = np.zeros(len(present))
+        rows = np.flatnonzero(present & (self._dancers.present.node >= 0))
+        if not len(rows):
+            return found
+        nodes, which = np.unique(self._dancers.present.node[rows], return_inverse=True)
+        moments = self._dancers.graph.moments
+        limbs = np.linalg.norm(np.diff(moments.feature[nodes].astype(np.float64), axis=1), axis=2).mean(axis=1)
+        travel = np.linalg.norm(np.diff(moments.hips[nodes], axis=1), axis=2).mean(axis=1)
+        found[rows] = (limbs + travel)[which]
         return found
 
     def groups(self, present: Bool) -> list[Bool]:

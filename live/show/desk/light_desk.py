@@ -23,6 +23,7 @@ from live.show.desk.cue_list import CueList
 from live.show.desk.parameter_table import ParameterTable
 from live.show.desk.parameters import Parameters
 from live.show.desk.scenes import SCENE_EVENTS, Scenes, is_locked, start_row
+from live.show.desk.score_light import ScoreLight
 from live.show.desk.undo_history import EditablePart, UndoHistory
 from live.show.patch.patch import Patch
 from live.show.score.score_runner import ScoreRunner
@@ -150,8 +151,11 @@ class LightDesk:
         """The moving camera."""
         check_follow(patch, motion)
         self.spots = Spots(self.parameters, motion)
+        subjects = Subjects(motion, dancers, self.spots)
+        self.score_light = ScoreLight(self.parameters, subjects, score_runner, variation.division)
+        """The layer of light that follows the score."""
         self.director = CameraDirector(
-            self.parameters, Subjects(motion, dancers, self.spots), score_runner,
+            self.parameters, subjects, score_runner,
             Framing(patch.camera.aspect, 0.5 * np.array([patch.stage.width, patch.stage.depth])),
             locked=is_locked(patch), seed=seed, beats=beats,
         )  # fmt: skip
@@ -209,6 +213,7 @@ class LightDesk:
         self.cues.stop()
         self.parameters.held = False
         self.parameters.reset(beats=PANIC_FADE_BEATS)
+        self.score_light.suspended = True
         self.camera_rig.follower.set_selection(self.camera_rig.start_selection)
         self.held = True
         self._score_runner.suppress(True)
@@ -223,7 +228,7 @@ class LightDesk:
     def _release_hold(self, event: ControlEvent, now: Now) -> list[ControlEvent]:
         if not self.held:
             return []
-        self.held = self.parameters.held = False
+        self.held = self.parameters.held = self.score_light.suspended = False
         self._score_runner.suppress(False)
         self.cues.resume(now.danced_beats)
         return [events.HoldScore(time=event.time, source=event.source, on=False)]
@@ -238,6 +243,7 @@ class LightDesk:
         self.camera_rig.tick(ticks * TICK, beats)
         self.spots.tick(ticks * TICK)
         self.director.tick(now, ticks)
+        self.score_light.tick(now.timeline.tempo, ticks)
         self.energy = damper(self.energy, self._score_runner.mood.value("energy"), ENERGY_HALFLIFE, ticks * TICK)
 
     def fire(self, danced_beats: float, time: float) -> list[ControlEvent]:
@@ -247,6 +253,7 @@ class LightDesk:
     def begin_measure(self, now: Now) -> list[ControlEvent]:
         """Begin a measure: return the jumps of cues."""
         self.director.begin_measure(now.span.number, now)
+        self.score_light.begin_measure()
         self.camera_rig.follower.begin_measure()
         self.spots.begin_measure()
         return [] if self.held else self.cues.begin_measure(now.danced_beats)
@@ -257,7 +264,13 @@ class LightDesk:
         """Return the arrays that belong to the state hash; none until the desk is used."""
         used = self.parameters.touched or self.cues.state() != [0, -1] or self.held
         own = (self.parameters.value, np.array([self.held, *self.cues.state()], np.float64)) if used else ()
-        return (*own, *self.camera_rig.follower.hashed(), *self.spots.hashed(), *self.director.hashed())
+        return (
+            *own,
+            *self.camera_rig.follower.hashed(),
+            *self.spots.hashed(),
+            *self.director.hashed(),
+            *self.score_light.hashed(),
+        )
 
     def status_lines(self, danced_beats: float) -> tuple[str, ...]:
         """Return the overlay's lines on cues; none in a show without cues."""
@@ -283,6 +296,7 @@ class LightDesk:
             "master": self.master.facts(),
             **self.camera_rig.facts(),
             **self.director.facts(),
+            **self.score_light.facts(),
             **self.spots.facts(),
             **self.undo_history.facts(),
         }

@@ -253,7 +253,7 @@ class Scenes:
     def recall(self, name: str, *, measures: float, beats_per_measure: float) -> None:
         """Fade to a scene in `measures`; below 0: in the scene's own time. Raises PersonError for an unknown scene."""
         scene = _find_scene(self._scenes | self.stored, name, "scene")
-        self._fade_to(scene, measures, beats_per_measure)
+        self._light(scene, measures, beats_per_measure)
 
     def _fade_to(self, scene: Scene, measures: float, size: float) -> None:
         lasts = scene.measures if measures < 0.0 else measures
@@ -326,7 +326,14 @@ class Scenes:
         self._parameters.fade(goals, beats=max(event.measures, 0.0) * size)
 
     def _look(self, event: events.RecallLook, size: float) -> None:
-        self._fade_to(_find_scene(self._looks, event.name, "look"), event.measures, size)
+        self._light(_find_scene(self._looks, event.name, "look"), event.measures, size)
+
+    def _light(self, scene: Scene, measures: float, size: float) -> None:
+        """Fade to a scene or look, which claims its values, and no others; the patch's own claims none."""
+        self._parameters.release()
+        self._fade_to(scene, measures, size)
+        if scene.name == START:
+            self._parameters.release()
 
     def _recall(self, event: events.RecallScene, size: float) -> None:
         self.recall(event.name, measures=event.measures, beats_per_measure=size)

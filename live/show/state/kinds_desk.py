@@ -21,6 +21,7 @@ from live.show.desk.pad import Pad, Pads
 from live.show.desk.parameters import Parameters
 from live.show.desk.refusals import Refusals
 from live.show.desk.scenes import Scene, Scenes
+from live.show.desk.score_light import ScoreLight
 from live.show.desk.undo_history import UndoHistory, _Edit
 from live.show.frame import Frame
 from live.show.group.formations import Formations, NamedFormation
@@ -98,6 +99,11 @@ KINDS: Final = [
     """),
     Kind("camera-framing", Framing, "_aspect:float _half:f8"),
     Kind("camera-subjects", Subjects, "_motion:group-motion _dancers:dancers _spots:spots"),
+    Kind("score-light", ScoreLight, """
+        _parameters:parameters _subjects:camera-subjects _score_runner:prompter _division:division suspended:bool
+        _house:float _energy:float _build:float _drop:float _drop_goal:float _drops:int _group:f8 _group_goal:f8
+        _sides:f8 _side_group:i8 _dancer:i8 _wanted:i8 _wanted_level:f8 _spot:f8 _place:f8 _speed:f8 _planned:bool
+    """),
     Kind("view-comparison", ViewComparison, "_framing:camera-framing stand:camera-stand score:f8* done:int"),
     Kind("camera-stand", Stand, "place:f8* heading:f8* there:b1* chosen:b1*"),
     Kind("chase", DampedFollower, """
@@ -173,8 +179,8 @@ KINDS: Final = [
     """),
     Kind("cues.given", _TriggeredCue, "index:int due:float earliest:float revert_event:event|none"),
     Kind("desk", LightDesk, """
-        parameters:parameters camera_rig:camera-rig spots:spots director:camera-director energy:float scenes:scenes
-        _score_runner:prompter cues:cues undo_history:edits beats:int master:master held:bool
+        parameters:parameters camera_rig:camera-rig spots:spots director:camera-director score_light:score-light
+        energy:float scenes:scenes _score_runner:prompter cues:cues undo_history:edits beats:int master:master held:bool
     """),
     Kind("directions", StepRequests, """
         _motion:group-motion _casting:casting _dancers:dancers _variation:variation _scheduler:scheduler
@@ -236,7 +242,7 @@ KINDS: Final = [
     Kind("parameters", Parameters, """
         table:constant-parameter-table _variation:variation _motion:group-motion _division:division value:f8 start:f8
         _from:f8 _goal:f8 _start_beat:f8 _length:f8 _fading:b1 _running:int _ticks:int _measure_beats:int
-        beat:float held:bool touched:bool
+        beat:float held:bool touched:bool claimed:b1
     """),
     Kind("part", ScorePart, "_score:score _sequences:constant-sequences _improviser:improviser"),
     Kind("places.asked", PlacesAsked, "section:int|none measure:int at_section:bool leave:bool"),
