@@ -44,7 +44,7 @@ ENDING: Final = 0.5
 UP_BEATS, DOWN_BEATS = 4.0, 8.0
 """Beats in which the light goes from dark to full, and from full to dark."""
 ENERGY_HALFLIFE_BEATS: Final = 4.0
-GROUP_HALFLIFE_BEATS: Final = 1.0
+GROUP_HALFLIFE_BEATS: Final = 2.0
 DROP_HALFLIFE_BEATS: Final = 2.0
 DROP_ATTACK_BEATS: Final = 0.25
 SPOT_BEATS: Final = 2.0
@@ -56,6 +56,8 @@ TOGETHER: Final = 0.5
 """Share of it on a soloist who dances what their group dances."""
 REST: Final = 0.6
 """A group that moves less than this share of the most active one rests."""
+ACTIVITY_SHARE: Final = 0.4
+"""How much of a group's activity is that of its present measure; the rest is that of the measures before."""
 DARKER, BRIGHTER = 0.55, 1.12
 """Factors of the colours of groups that rest while others dance, and of those others."""
 LOUD_RANGE: Final = 0.5
@@ -94,6 +96,7 @@ class ScoreLight:
         self._drop, self._drop_goal, self._drops = 0.0, 0.0, 0
         self._group: Float64 = np.ones(division.group_count)  # light of each group
         self._group_goal: Float64 = np.ones(division.group_count)
+        self._activity: Float64 = np.zeros(division.group_count)  # smoothed over measures; 0: not there
         self._sides = np.zeros(2)  # weight of the wash now, and where it goes
         self._side_group: Int64 = np.zeros(2, np.int64)  # groups on the left and on the right
         self._dancer: Int64 = np.full(SOLO_SPOTS, -1, np.int64)
@@ -146,9 +149,12 @@ class ScoreLight:
         there = np.unique(group[present])
         there = there[(there >= 0) & (there < len(self._group))]
         self._group_goal[:], self._sides[1] = 1.0, 0.0
+        means = np.array([activity[present & (group == one)].mean() for one in there])
+        before = self._activity[there]
+        self._activity[:] = 0.0
+        self._activity[there] = means = np.where(before > 0.0, before + ACTIVITY_SHARE * (means - before), means)
         if len(there) < 2:
             return
-        means = np.array([activity[present & (group == one)].mean() for one in there])
         most = float(means.max())
         if most > 0.0 and float(means.min()) < REST * most:
             self._group_goal[there] = np.where(means < REST * most, DARKER, BRIGHTER)
@@ -208,21 +214,21 @@ class ScoreLight:
         if row is None or self.suspended or row[AMOUNT] <= 0.0:
             return
         amount, claimed = float(row[AMOUNT]), self._claimed
-        lit = self._show_spots(view, row, amount, seconds)
+        lit, build = self._show_spots(view, row, amount, seconds), self._build * (1.0 - self._drop)
         if not claimed[LEVEL]:
             loud = LOUD_RANGE * (self._energy - 0.5) if row[ENERGY] <= 0.0 else 0.0
             row[LEVEL] *= (1.0 - amount * (1.0 - self._house)) * (1.0 + amount * (loud + 0.2 * self._drop))
         if not claimed[KEY]:
-            row[KEY] *= _in_steps(1.0 - amount * (SOLO_DIM * lit + 0.3 * self._build))
+            row[KEY] *= _in_steps(1.0 - amount * (SOLO_DIM * lit + 0.3 * build))
         if not claimed[KEY_COLOUR].any():
             cool = _in_steps(amount * max(0.45 - self._energy, 0.0) / 0.45)
             row[KEY_COLOUR] *= 1.0 + (COOL - 1.0) * cool
         if not claimed[RIM]:
-            row[RIM] *= _in_steps(1.0 + amount * 0.5 * self._build)
+            row[RIM] *= _in_steps(1.0 + amount * 0.5 * build)
         if not claimed[BEAMS]:
-            row[BEAMS] += amount * (0.9 * self._build + 0.8 * self._drop)
+            row[BEAMS] += amount * (0.9 * build + 0.8 * self._drop)
         if not claimed[FAN]:
-            row[FAN] += amount * (0.8 * self._drop - 0.7 * self._build)
+            row[FAN] += amount * (self._drop - 0.7 * build)
         self._show_groups(row, amount)
 
     def _show_spots(self, view: StageView, row: Float64, amount: float, seconds: float) -> float:

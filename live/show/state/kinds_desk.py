@@ -102,7 +102,7 @@ KINDS: Final = [
     Kind("score-light", ScoreLight, """
         _parameters:parameters _subjects:camera-subjects _score_runner:prompter _division:division suspended:bool
         _house:float _energy:float _build:float _drop:float _drop_goal:float _drops:int _group:f8 _group_goal:f8
-        _sides:f8 _side_group:i8 _dancer:i8 _wanted:i8 _wanted_level:f8 _spot:f8 _place:f8 _speed:f8 _planned:bool
+        _activity:f8 _sides:f8 _side_group:i8 _dancer:i8 _wanted:i8 _wanted_level:f8 _spot:f8 _place:f8 _speed:f8 _planned:bool
     """),
     Kind("view-comparison", ViewComparison, "_framing:camera-framing stand:camera-stand score:f8* done:int"),
     Kind("camera-stand", Stand, "place:f8* heading:f8* there:b1* chosen:b1*"),

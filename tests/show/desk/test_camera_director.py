@@ -238,14 +238,23 @@ def test_locked_camera_stands_and_says_so():
     assert session.desk.facts(0.0)["camera"]["locked"]
 
 
-def test_only_dancer_is_shown_from_head_to_foot():
+def test_only_dancer_is_shown_whole_and_an_empty_stage_too():
     session = DeskSession(LIVELY).run(1)
-    session.say("/dance/leave", "* - 1")
-    session.run(60)
-    if np.count_nonzero(session.show.motion.present) == 1:
-        camera, bodies = joints(session)
-        where = project_points(camera, SIZE, bodies.reshape(-1, 3).astype(float)) / SIZE
-        assert 0.5 < where[:, 1].max() - where[:, 1].min() < 0.85
+    assert session.say("/dance/leave", "front + back - 1"), session.words
+    while np.count_nonzero(session.show.motion.present) > 1:
+        assert session.run(4).ticks < 64 * 120
+    session.run(16)
+    camera, bodies = joints(session)
+    where = project_points(camera, SIZE, bodies.reshape(-1, 3).astype(float)) / SIZE
+    assert 0.5 < where[:, 1].max() - where[:, 1].min() < 0.85
+    assert session.say("/dance/leave", "1"), session.words
+    for eye, target, _ in pictures(session, 240):  # and then nobody is left
+        assert np.isfinite([eye, target]).all()
+    assert not session.show.motion.present.any()
+    camera, _ = joints(session)
+    floor = project_points(camera, SIZE, np.array([[x, 0.0, z] for x in (-6.0, 6.0) for z in (-4.0, 4.0)])) / SIZE
+    assert floor.min() > 0.0
+    assert floor.max() < 1.0
 
 
 def test_soloist_of_the_patch_is_shown_near():
