@@ -62,6 +62,7 @@ from live.show.stages.step_selection import StepSelection
 from live.show.stages.tripped_stages import TrippedStages
 from live.show.state import consistency as whole
 from live.show.state.kind import Kind, no_value
+from live.show.view.appearance import Appearances
 from live.show.view.view_builder import ViewBuilder
 
 
@@ -102,7 +103,8 @@ KINDS: Final = [
     Kind("score-light", ScoreLight, """
         _parameters:parameters _subjects:camera-subjects _score_runner:prompter _division:division suspended:bool
         _house:float _energy:float _build:float _drop:float _drop_goal:float _drops:int _group:f8 _group_goal:f8
-        _activity:f8 _sides:f8 _side_group:i8 _dancer:i8 _wanted:i8 _wanted_level:f8 _spot:f8 _place:f8 _speed:f8 _planned:bool
+        _activity:f8 _sides:f8 _side_group:i8 _dancer:i8 _wanted:i8 _wanted_level:f8 _spot:f8 _place:f8 _speed:f8
+        _planned:bool
     """),
     Kind("view-comparison", ViewComparison, "_framing:camera-framing stand:camera-stand score:f8* done:int"),
     Kind("camera-stand", Stand, "place:f8* heading:f8* there:b1* chosen:b1*"),
@@ -289,9 +291,11 @@ KINDS: Final = [
     """),
     Kind("score", Score, "playhead:playhead _sections:dict[str,int] written:constant-written"),
     Kind("facing", Facing, "kind:str degrees:float dancer:int name:str"),
+    Kind("appearances", Appearances, "_seed:int _division:division _parameters:parameters",
+         factories={"_drawn": no_value}),
     Kind("seen", ViewBuilder, """
         _dancers:dancers _motion:group-motion _division:division _desk:desk _audience:audience _light:light
-        _follower:timeline-follower _frozen_view:stage-view|none
+        _follower:timeline-follower _frozen_view:stage-view|none _appearances:appearances
     """, factories={"_easing": ArmEasing}),
     Kind("spots", Spots, "_parameters:parameters _followers:row[chase] _levels:list[int]"),
     Kind("subgroup", Subgroup, """
