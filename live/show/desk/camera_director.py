@@ -25,7 +25,7 @@ from live.control.events.event import ControlEvent
 from live.control.events.parameters import SetParameter
 from live.show.dancers.rng import Purpose, generator_for
 from live.show.desk.camera_directions import DIRECTIONS, NOT_COMPARED, SUBJECTS, Stand, ViewComparison
-from live.show.desk.camera_framing import Frame, Framing, turn_between
+from live.show.desk.camera_framing import Frame, Framing, direction, turn_between
 from live.show.desk.camera_kernels import keep_clear, spring
 from live.show.desk.camera_shots import KINDS, MOODS, TOTAL, CameraMood, ShotKind
 from live.show.desk.camera_subjects import Subjects, choose
@@ -49,8 +49,13 @@ FIRST_COMPARED: Final = 6
 """Directions that are compared at once when the director begins; the others come with the next phrase."""
 CLEARANCE: Final = 1.1
 """The eye keeps so far from every body's axis [m]."""
+CATCH_UP: Final = 1.5
+CATCH_UP_SPEED: Final = 2.0
+"""An eye that bodies hold up follows this much faster than its goal, and so much [m/s] besides."""
 LOWEST_EYE: Final = 0.3
 """Least height of the eye above the floor [m]."""
+IN_THE_WAY: Final = 0.5
+"""A shot is out of the question if bodies would push its camera farther than this [m]."""
 NEAR_BEST: Final = 0.06
 """Directions that are so little worse than the best one are as good."""
 GOOD_ENOUGH: Final = 0.2
@@ -112,6 +117,7 @@ class CameraDirector:
         self._moved, self._length = 1.0, 1.0  # beats of the running move, and its length
         self._lens: Float64 = NEUTRAL_LENS.copy()  # the operator's, from which a move to the director's begins
         self._eye, self._target = np.zeros(3), np.zeros(3)
+        self._eye_goal = np.zeros(3)  # of the last tick, without bodies in the way
         self._way: Float64 = np.zeros(6)  # of eye and target [m/s]
         self._has_cut = False  # in this tick: a cut has no speed
         self._drift = 0.0  # [rad/beat]
@@ -195,6 +201,8 @@ class CameraDirector:
         row = self._parameters.picture
         if not cut:
             self._pose = pose_of_camera(row)
+            self._eye, self._target = row[picture_parameters.EYE].copy(), row[picture_parameters.TARGET].copy()
+            self._eye_goal = self._eye
             self._aim = self._pose.copy()
             self._lens = row[LENS].copy()
         self._speed = np.zeros(7)
@@ -278,9 +286,11 @@ class CameraDirector:
 
     def _pick(self, kind: ShotKind, order: list[int], *, cut: bool) -> Frame | None:
         """Return the first frame that may follow the present one with a cut, or with a move; None if there is none."""
-        present = self._present_frame()
+        present, places, there = self._present_frame(), self._subjects.places(), self._subjects.present()
         for at in order:
             frame = self._fit(kind, *DIRECTIONS[at].tolist())
+            if keep_clear(frame.eye, places, there, CLEARANCE, LOWEST_EYE) > IN_THE_WAY:
+                continue
             turn, ratio = turn_between(frame, present), frame.extent / present.extent
             if not cut:
                 if turn <= FARTHEST_MOVE:
@@ -368,10 +378,8 @@ class CameraDirector:
         self._aim += (goal - self._aim) * (1.0 - math.exp(-seconds / SOFTENING_S))  # frames change in steps
         spring(self._pose, self._speed, self._aim, stiffness, seconds)
         pose = self._pose
-        far, flat = math.exp(pose[3]), math.cos(pose[5])
         target = pose[:3].copy()
-        eye = target + far * np.array([flat * math.sin(pose[4]), math.sin(pose[5]), flat * math.cos(pose[4])])
-        keep_clear(eye, self._subjects.places(), self._subjects.present(), CLEARANCE, LOWEST_EYE)
+        eye = self._clear_eye(target + math.exp(pose[3]) * direction(pose[4], pose[5]), seconds)
         if self._has_cut:
             self._way[:], self._has_cut = 0.0, False
         else:
@@ -382,6 +390,21 @@ class CameraDirector:
         if share >= 1.0:
             self._lens[:] = NEUTRAL_LENS
         self._parameters.direct_camera(np.array([*eye, *target, pose[6], *lens, 0.0, 0.0, 0.0], np.float64))
+
+    def _clear_eye(self, goal: Float64, seconds: float) -> Float64:
+        """Return the eye on its way to `goal` [m], out of all bodies: it goes on from where it was, so that it slides
+        around a body instead of jumping to its other side."""
+        eye, before = goal.copy(), self._eye_goal
+        if not self._has_cut:
+            way = goal - self._eye
+            step, most = math.dist(goal, self._eye), CATCH_UP * math.dist(goal, before) + CATCH_UP_SPEED * seconds
+            eye = self._eye + way * min(1.0, most / max(step, 1e-9))
+        self._eye_goal = goal
+        keep_clear(eye, self._subjects.places(), self._subjects.present(), CLEARANCE, LOWEST_EYE)
+        if not self._has_cut:
+            rise = eye[1] - self._eye[1]
+            eye[1] = self._eye[1] + min(rise, abs(goal[1] - before[1]) * CATCH_UP + CATCH_UP_SPEED * seconds)
+        return eye
 
     def place(self, row: Float64, seconds: float) -> None:
         """Move the camera of a picture's `row` to its position this long after the last tick."""

@@ -51,6 +51,11 @@ class Frame:
     """Vertical [degrees]."""
 
     @property
+    def eye(self) -> Float64:
+        """Its position, shape (3,) [m]."""
+        return self.target + self.distance * direction(self.bearing, self.elevation)
+
+    @property
     def extent(self) -> float:
         """Height of what the picture shows at the target [m]."""
         return 2.0 * self.distance * math.tan(math.radians(0.5 * self.field_of_view))
@@ -61,6 +66,12 @@ class Frame:
         return np.array(
             [*self.target, math.log(self.distance), self.bearing, self.elevation, self.field_of_view], np.float64
         )
+
+
+def direction(bearing: float, elevation: float) -> Float64:
+    """Return the unit vector from what a camera looks at to the camera, shape (3,)."""
+    flat = math.cos(elevation)
+    return np.array([flat * math.sin(bearing), math.sin(elevation), flat * math.cos(bearing)], np.float64)
 
 
 def turn_between(first: Frame, second: Frame) -> float:

@@ -111,7 +111,8 @@ class Subjects:
         if self._dancers.captured:  # their own steps go on unseen
             captured = self._dancers.captured_dancers()
             found[captured] = self._motion.state.position[captured]
-        return np.nan_to_num(found, posinf=0.0, neginf=0.0)
+        found[~np.isfinite(found)] = 0.0
+        return found
 
     def headings(self) -> Float64:
         """Return the headings of the dancers at the end of this measure [rad], (A,)."""

@@ -189,6 +189,8 @@ class ScoreLight:
         self._drop = damper(self._drop, self._drop_goal, DROP_ATTACK_BEATS, beats)
 
     def _follow_soloists(self, seconds: float, beats: float) -> None:
+        if int(self._wanted.max()) < 0 and not self._spot.any():
+            return
         places = self._subjects.places()
         for spot in range(SOLO_SPOTS):
             wanted, dancer = int(self._wanted[spot]), int(self._dancer[spot])

@@ -93,7 +93,7 @@ KINDS: Final = [
         _parameters:parameters _subjects:camera-subjects _score_runner:prompter _framing:camera-framing _seed:int
         _beats:int locked:bool running:bool _age:int _kind:int _chosen:b1 _frame:camera-frame
         _comparison:view-comparison|none _pose:f8 _speed:f8 _aim:f8 _from:f8 _moved:float _length:float _lens:f8 _eye:f8
-        _target:f8 _way:f8 _has_cut:bool _drift:float _push:float _shot_s:float _due:int cuts:int
+        _eye_goal:f8 _target:f8 _way:f8 _has_cut:bool _drift:float _push:float _shot_s:float _due:int cuts:int
     """),
     Kind("camera-frame", CameraFrame, """
         target:f8 distance:float bearing:float elevation:float field_of_view:float
