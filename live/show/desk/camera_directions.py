@@ -27,6 +27,11 @@ DIRECTIONS: Final = np.array(
 """Bearing and elevation of each direction [rad], shape (D, 2)."""
 VISIBLE, LEAST_VISIBLE, ENTROPY, FACES, SOLOIST = 0.5, 0.2, 0.2, 0.12, 0.35
 """Weights of the parts of legibility."""
+FOREGROUND: Final = 1.2
+"""What a picture costs that is full of others before the chosen."""
+HIDDEN: Final = 10.0
+"""What a direction costs from which the chosen are hidden: visible by less than `LEAST_SEEN`."""
+LEAST_SEEN: Final = 0.65
 PUBLIC: Final = 0.16
 """What 60 degrees away from the public's side cost."""
 EASY_ELEVATION: Final = math.radians(12.0)
@@ -70,6 +75,10 @@ class ViewComparison:
         self.done = 0
         """Directions that are compared."""
 
+    def is_seen(self, subject: Subject) -> bool:
+        """Whether a subject is there and not hidden from all directions that were compared."""
+        return bool(self.score[SUBJECTS.index(subject)].max() > -0.5 * HIDDEN)
+
     @property
     def finished(self) -> bool:
         """Whether all directions are compared."""
@@ -88,10 +97,11 @@ class ViewComparison:
         chosen = stand.chosen[row]
         frame = self._framing.fit(kind, stand.place, chosen, bearing, elevation)
         view = self._framing.view(kind, bearing, elevation, frame.field_of_view)
-        camera, found = np.array([*frame.target, frame.distance], np.float64), np.empty(4)
+        camera, found = np.array([*frame.target, frame.distance], np.float64), np.empty(5)
         view_legibility(stand.place, stand.there, chosen, stand.heading, view, camera, found)
-        seen, least, entropy, faces = found.tolist()
+        seen, least, entropy, faces, before = found.tolist()
         score = VISIBLE * seen + LEAST_VISIBLE * least + ENTROPY * entropy + FACES * faces
+        score -= FOREGROUND * before + (HIDDEN if row > 0 and seen < LEAST_SEEN else 0.0)
         if row == 0 and stand.has("soloist"):
             view_legibility(stand.place, stand.there, stand.chosen[1], stand.heading, view, camera, found)
             score += SOLOIST * float(found[1])

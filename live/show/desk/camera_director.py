@@ -24,7 +24,7 @@ from live.clock.ticks import TICK
 from live.control.events.event import ControlEvent
 from live.control.events.parameters import SetParameter
 from live.show.dancers.rng import Purpose, generator_for
-from live.show.desk.camera_directions import DIRECTIONS, NOT_COMPARED, SUBJECTS, Stand, ViewComparison
+from live.show.desk.camera_directions import DIRECTIONS, HIDDEN, NOT_COMPARED, SUBJECTS, Stand, ViewComparison
 from live.show.desk.camera_framing import Frame, Framing, direction, turn_between
 from live.show.desk.camera_kernels import keep_clear, spring
 from live.show.desk.camera_shots import KINDS, MOODS, TOTAL, CameraMood, ShotKind
@@ -252,9 +252,9 @@ class CameraDirector:
     def _next_kind(self, mood: CameraMood, draw: float, *, opens: bool) -> ShotKind:
         """Return the kind of the next shot, drawn with a number from 0 to 1."""
         assert self._comparison is not None
-        stand, weights = self._comparison.stand, []
+        weights = []
         for kind, weight in mood.weights:
-            if not stand.has(kind.subject):
+            if not self._comparison.is_seen(kind.subject):
                 weight = 0.0
             elif kind.subject == "all":
                 weight *= 3.0 if opens and kind is TOTAL else 1.0
@@ -279,7 +279,7 @@ class CameraDirector:
         out = (elevation < low - 0.5) | (elevation > high + 0.5) | (np.abs(bearing) > mood.widest_deg + 0.5)
         score[out] = NOT_COMPARED
         best = float(score.max())
-        if best <= NOT_COMPARED:
+        if best < -HIDDEN:
             return [0]
         good = np.flatnonzero(score >= best - tolerance)
         return [int(at) for at in good[np.argsort(-score[good], kind="stable")]]

@@ -95,27 +95,35 @@ def box_in_view(place: Float64, chosen: Bool, body: Float64, view: Float64, came
             out[2], out[3] = min(out[2], b), max(out[3], b)
 
 
+@inline_kernel
+def depths_of(place: Float64, there: Bool, ex: float, ey: float, ez: float, fx: float, fy: float, fz: float) -> Float64:
+    """Return how far the middles of bodies lie before an eye, (n,) [m]; 1e18 for who is not `there`."""
+    depth = np.empty(len(place))
+    for i in range(len(place)):
+        x, y, z = place[i, 0] - ex, 0.5 * HEIGHT - ey, place[i, 1] - ez
+        depth[i] = x * fx + y * fy + z * fz if there[i] else 1e18
+    return depth
+
+
 @kernel("void(f8[:,::1],b1[::1],b1[::1],f8[::1],f8[::1],f8[::1],f8[::1])")
 def view_legibility(
     place: Float64, there: Bool, chosen: Bool, heading: Float64, view: Float64, camera: Float64, out: Float64
 ) -> None:
     """Measure how well the `chosen` of the dancers who are `there` (n,) are read in a picture.
 
-    `out` (4): mean visible share of the chosen; that of the least visible one; viewpoint entropy of the chosen's
+    `out` (5): mean visible share of the chosen; that of the least visible one; viewpoint entropy of the chosen's
     visible areas, from 0 to 1 (Vázquez, Feixas, Sbert and Heidrich 2001: the areas of a scene's parts as a
-    distribution; 1 if all are equally large); mean cosine between their headings and the way to the camera.
+    distribution; 1 if all are equally large); mean cosine between their headings and the way to the camera;
+    share of the picture that others take before the nearest of the chosen.
 
     Bodies are taken from near to far, and each column of the picture keeps the height up to which it is covered, as a
     floating horizon does (Anderson 1982).
     """
     rx, _, rz, ux, uy, uz, fx, fy, fz = camera_axes(view[0], view[1])
     ex, ey, ez = camera[0] - camera[3] * fx, camera[1] - camera[3] * fy, camera[2] - camera[3] * fz
-    out[0], out[1], out[2], out[3] = 0.0, 0.0, 0.0, 0.0
+    out[:] = 0.0
     count = len(place)
-    depth = np.empty(count)
-    for i in range(count):
-        x, y, z = place[i, 0] - ex, 0.5 * HEIGHT - ey, place[i, 1] - ez
-        depth[i] = x * fx + y * fy + z * fz if there[i] else 1e18
+    depth = depths_of(place, there, ex, ey, ez, fx, fy, fz)
     order = np.argsort(depth, kind="mergesort")
     horizon = np.full(COLUMNS, -1e18)
     seen, least, faces, area, spread, number = 0.0, 1.0, 0.0, 0.0, 0.0, 0
@@ -140,6 +148,8 @@ def view_legibility(
         for column in range(first, last + 1):
             whole += top - bottom
             visible += max(top - max(bottom, horizon[column]), 0.0)
+            if number == 0 and not chosen[i]:
+                out[4] += max(min(top, 1.0) - max(bottom, horizon[column], -1.0), 0.0) / (2.0 * COLUMNS)
             horizon[column] = max(horizon[column], top)
         if not chosen[i]:
             continue

@@ -94,10 +94,11 @@ class Subjects:
         return sorted(several, key=lambda one: -float(depth[one].mean()))
 
     def pairs(self, present: Bool) -> list[tuple[int, int]]:
-        """Return the pairs that are seen: leader and follower."""
-        partners = self._motion.partners
+        """Return the pairs on the stage, leader and follower: those nearer to the public first."""
+        partners, depth = self._motion.partners, self.places()[:, 1]
         both = zip(partners.leader.tolist(), partners.follower.tolist(), strict=True)
-        return [(leader, follower) for leader, follower in both if present[leader] and present[follower]]
+        found = [(leader, follower) for leader, follower in both if present[leader] and present[follower]]
+        return sorted(found, key=lambda pair: -float(depth[list(pair)].mean()))
 
     def begins_step(self, present: Bool) -> float:
         """Return which share of the dancers `present` begins a step with this measure."""
@@ -135,7 +136,7 @@ class Subjects:
 
 def choose(subject: Subject, subjects: Subjects, present: Bool, draw: npt.NDArray[np.float64]) -> Bool:
     """Return the dancers of a subject among those `present`, (A,), with two numbers drawn from 0 to 1; nobody if there
-    is no such subject. Groups in front are drawn more often."""
+    is no such subject. Those in front are drawn more often."""
     match subject:
         case "all":
             return present
@@ -148,5 +149,5 @@ def choose(subject: Subject, subjects: Subjects, present: Bool, draw: npt.NDArra
             who = np.zeros(len(present), np.bool_)
             pairs = subjects.pairs(present)
             if pairs:
-                who[list(pairs[int(draw[1] * len(pairs))])] = True
+                who[list(pairs[int(draw[1] ** 2 * len(pairs))])] = True
             return who
