@@ -16,7 +16,9 @@ class Purpose(IntEnum):
     """The warp over the whole sequence (T056)."""
     FOLLOW = 4
     """The pad that follows a launched one."""
-    SHOT = 5
+    EXPRESSION = 5
+    """When each dancer's first blink, breath and glance are."""
+    SHOT = 6
     """The camera's next shot."""
 
 
