@@ -4,6 +4,7 @@ A coarse cage is subdivided and projected onto the implicit surface of the body.
 it, so they are as smooth as the skin and never leak from one limb to another.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
@@ -62,7 +63,7 @@ _NORMAL_STEP: Final = 2e-3
 _ON_SURFACE: Final = 1e-4
 """Nearer to the surface than this [m] a vertex is on it."""
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
-_CACHE: Final = ArrayCache("body", max_entries=64)
+_CACHE: Final = ArrayCache("body", max_entries=256)
 _SHADOW_OFFSET: Final = 0.006
 """Offset of the coarse body's skin [m], so that its square limbs cast shadows as wide as round ones."""
 
@@ -165,12 +166,17 @@ def build_body(level: int, name: str = DEFAULT_BODY) -> BodyMesh:
     one. Built once per machine and version, in a fraction of a second."""
     if level not in LEVELS:
         raise ValueError(
-            f"level of detail {level}: {COARSE} (coarse), {LIGHT} (light), {FINE} (fine) or {DISTANT} (far)"
+            f"level of detail {level}: {COARSE} coarse, {LIGHT} light, {FINE} fine, {DISTANT} far, {CLOSE} close"
         )
-    entry = _CACHE.entry_path(_code_digest(), [name.encode(), bytes([level])])
+    return cached_mesh([name.encode(), bytes([level])], lambda: _build(level, name))
+
+
+def cached_mesh(key: list[bytes], build: Callable[[], BodyMesh]) -> BodyMesh:
+    """Return the mesh of a key from the disk if this version has built it before, else build and keep it."""
+    entry = _CACHE.entry_path(_code_digest(), key)
     mesh = _CACHE.load(entry, _unpack)
     if mesh is None:
-        mesh = _build(level, name)
+        mesh = build()
         _CACHE.store(entry, {field.name: getattr(mesh, field.name) for field in fields(mesh)})
     return mesh
 
