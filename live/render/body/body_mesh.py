@@ -63,7 +63,7 @@ _NORMAL_STEP: Final = 2e-3
 _ON_SURFACE: Final = 1e-4
 """Nearer to the surface than this [m] a vertex is on it."""
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
-_CACHE: Final = ArrayCache("body", max_entries=256)
+_CACHE: Final = ArrayCache("body", max_entries=512)
 _SHADOW_OFFSET: Final = 0.006
 """Offset of the coarse body's skin [m], so that its square limbs cast shadows as wide as round ones."""
 
@@ -168,12 +168,12 @@ def build_body(level: int, name: str = DEFAULT_BODY) -> BodyMesh:
         raise ValueError(
             f"level of detail {level}: {COARSE} coarse, {LIGHT} light, {FINE} fine, {DISTANT} far, {CLOSE} close"
         )
-    return cached_mesh([name.encode(), bytes([level])], lambda: _build(level, name))
+    return cached_mesh(f"body {name} {level}", lambda: _build(level, name))
 
 
-def cached_mesh(key: list[bytes], build: Callable[[], BodyMesh]) -> BodyMesh:
-    """Return the mesh of a key from the disk if this version has built it before, else build and keep it."""
-    entry = _CACHE.entry_path(_code_digest(), key)
+def cached_mesh(key: str, build: Callable[[], BodyMesh]) -> BodyMesh:
+    """Return the mesh of the disk cache that was built under this key by the present code, else build and store it."""
+    entry = _CACHE.entry_path(_code_digest(), [key.encode()])
     mesh = _CACHE.load(entry, _unpack)
     if mesh is None:
         mesh = build()

@@ -312,7 +312,7 @@ def build_head(level: int, body: str = DEFAULT_BODY, face: int = 0) -> BodyMesh:
     levels at which bodies have heads of their own."""
     if level in WITH_HEAD:
         return empty_mesh()
-    return cached_mesh([b"head", body.encode(), bytes([level, face])], lambda: _build(level, body, face))
+    return cached_mesh(f"head {body} {level} {face}", lambda: _build(level, body, face))
 
 
 def _build(level: int, body: str, face: int) -> BodyMesh:
