@@ -234,7 +234,7 @@ def parts_of(name: str, *, toes: bool = True, details: bool = True) -> tuple[Par
         elif part is usual.ARM:
             parts.append(_scaled_loft(usual.ARM, kind.arm))
         elif part is usual.NAVEL:
-            parts.append(replace(part, centre=(0.0, part.centre[1], _front(parts, part.centre[1]) + 0.002)))
+            parts.append(replace(part, centre=(0.0, part.centre[1], _front(parts, part.centre[1]) + 0.005)))
         elif part in (*usual.TORSO_DETAILS, usual.COLLAR):
             parts.append(_carried(part, usual.TORSO, kind.torso, kind.muscle))
         elif part in usual.ARM_DETAILS:
