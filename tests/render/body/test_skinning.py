@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import moderngl
 import numpy as np
@@ -173,7 +174,7 @@ def test_twist_is_spread_along_the_limb_and_keeps_volume(turns, root, along, end
     )  # about the bone
     angle = np.abs((angle + 180.0) % 360.0 - 180.0)
     mean = [float(angle[near & (part >= low) & (part < low + 0.2)].mean()) for low in (0.12, 0.32, 0.52, 0.72)]
-    assert all(a < b + 4.0 for a, b in zip(mean, mean[1:], strict=False)), mean
+    assert all(a < b + 4.0 for a, b in pairwise(mean)), mean
     assert mean[0] < 40.0 < mean[-1], mean
     assert abs(litres(mesh, rest) - litres(mesh, there)) < 0.012 * litres(mesh, rest)
 
