@@ -72,9 +72,13 @@ def catmull_rom(points: Float64, at: Float64) -> Float64:
     """Return points between the rows of `points` (N, …) at fractional rows (Catmull and Rom 1974)."""
     last = len(points) - 1
     low = np.clip(np.floor(at).astype(np.int64), 0, last - 1)
-    t = (at - low).reshape(-1, *[1] * (points.ndim - 1))
-    a, b = points[np.maximum(low - 1, 0)], points[low]
-    c, d = points[low + 1], points[np.minimum(low + 2, last)]
+    around = [points[np.clip(low + step, 0, last)] for step in (-1, 0, 1, 2)]
+    return spline(around, (at - low).reshape(-1, *[1] * (points.ndim - 1)))
+
+
+def spline(four: list[Float64], t: Float64) -> Float64:
+    """Return points between the second and the third of four at shares `t` of a spline (Catmull and Rom 1974)."""
+    a, b, c, d = four
     return np.asarray(
         0.5 * (2.0 * b + (c - a) * t + (2.0 * a - 5.0 * b + 4.0 * c - d) * t**2 + (3.0 * b - a - 3.0 * c + d) * t**3)
     )

@@ -90,6 +90,8 @@ _CAP_GRID: Final = {COARSE: (5, 2), DISTANT: (6, 2), LIGHT: (9, 3), CLOSE: (18, 
 _TUBE: Final = {COARSE: (4, 3), DISTANT: (4, 3), LIGHT: (5, 5), CLOSE: (9, 10), FINE: (12, 20)}
 """Segments around hanging hair, and along it."""
 _BALL: Final = {COARSE: (3, 5), DISTANT: (3, 5), LIGHT: (4, 7), CLOSE: (7, 12), FINE: (10, 18)}
+_LIFT: Final = {COARSE: 0.005, DISTANT: 0.005, LIGHT: 0.0036}
+"""How much farther out coarse caps lie, so that their flat faces do not cut into the head [m]."""
 _SINK: Final = 0.005
 """How far the border of a cap lies in the head [m]."""
 _MIDDLE: Final = (0.0, 1.625, -0.010)
@@ -126,14 +128,16 @@ def _cap(level: int, cap: _Cap, shape: FaceShape, body: str) -> BodyMesh:
     at = np.interp(np.linspace(0.0, len(lines) - 1.0, columns), np.arange(len(lines)), lines[:, 0])
     low = np.interp(at, lines[:, 0], lines[:, 1])
     rise = np.linspace(0.0, 1.0, rows + 1)
-    grid_row = low[None, :] + (20.0 - low)[None, :] * rise[:, None] ** 0.9
+    grid_row = _rows_between(low, np.broadcast_to(rise[:, None], (rows + 1, columns)))
     falling = np.zeros(columns, np.bool_)
     if cap.falls:
         falls = np.array(cap.falls)
         falling = at >= falls[0, 0]
         share = 0.5  # of the rows hang
         on_scalp = np.clip((rise - share) / (1.0 - share), 0.0, 1.0)
-        grid_row[:, falling] = low[falling] + (20.0 - low[falling]) * on_scalp[:, None]
+        grid_row[:, falling] = _rows_between(
+            low[falling], np.broadcast_to(on_scalp[:, None], (rows + 1, falling.sum()))
+        )
     grid_column = np.broadcast_to(at, grid_row.shape)
     on_head = grid_points(grid_row.ravel(), grid_column.ravel())
     outward = on_head - np.array(_MIDDLE)
@@ -145,7 +149,7 @@ def _cap(level: int, cap: _Cap, shape: FaceShape, body: str) -> BodyMesh:
     thick = thick * np.where(np.tile(falling, rows + 1), 1.0, np.minimum(0.45 + 1.6 * up, 1.0))
     if cap.curl and level in (FINE, CLOSE, LIGHT):
         thick += cap.curl * _bumps(on_head)
-    outer = on_head + outward * thick[:, None]
+    outer = on_head + outward * (thick + _LIFT.get(level, 0.0) * np.minimum(3.0 * up, 1.0))[:, None]
     if cap.falls:
         hang = np.clip(1.0 - rise / share, 0.0, 1.0)[:, None]  # 1 at the ends, 0 on the scalp
         ends = np.interp(at, falls[:, 0], falls[:, 1])
@@ -185,6 +189,15 @@ def _cap(level: int, cap: _Cap, shape: FaceShape, body: str) -> BodyMesh:
     place[-2:, 1] = along.max() + 0.02
     place[:, 2] = 1.0 if cap.curl > 0.005 else 0.0
     return _mesh(points, triangles, _weights(points, hangs=bool(cap.falls)), light, shape, place)
+
+
+def _rows_between(low: Float64, share: Float64) -> Float64:
+    """Return rows of the head's grid from `low` (C,) to the crown at shares of the way over the skull (R, C)."""
+    column = np.full(21, 6.5)
+    steps = np.linalg.norm(np.diff(grid_points(np.arange(21.0), column), axis=0), axis=1)
+    way = np.concatenate([[0.0], np.cumsum(steps)])
+    begin = np.interp(low, np.arange(21.0), way)
+    return np.asarray(np.interp(begin + share * (way[-1] - begin), way, np.arange(21.0)))
 
 
 def _bumps(points: Float64) -> Float64:
@@ -315,16 +328,18 @@ def _along(curve: Float64, share: Float64) -> Float64:
 @cache
 def build_hair(level: int, body: str = DEFAULT_BODY, style: str = "bun", *, hanging: bool = True) -> BodyMesh:
     """Return a hair style (`live.base.body.appearance.HAIRS`) for a body at a level of detail, without triangles for
-    `bald`; `hanging`: with tail and plait, which may be simulated instead."""
+    `bald`; without `hanging`: only what lies on the head, where the rest is a garment that moves by itself."""
     if style not in CAPS:
         return empty_mesh()
     faces = faces_of(body)
     shape = FaceShape(skull=max(face.skull for face in faces), forehead=max(face.forehead for face in faces))
-    parts = [_cap(level, CAPS[style], shape, body)]
+    cap = CAPS[style] if hanging or style != "long" else _SMOOTH
+    flat = level == COARSE and not cap.falls and cap.crown < 0.02  # its shadow is the skull's
+    parts = [] if flat else [_cap(level, cap, shape, body)]
     if style == "bun":
         parts.append(_knot(level, (0.0, 1.674, -0.096), (0.040, 0.040, 0.030), shape))
     elif style == "ponytail" and hanging:
         parts.append(_tail(level, shape, body))
     elif style == "braid" and hanging:
         parts.append(_plait(level, shape, body))
-    return merged(parts)
+    return merged(parts) if parts else empty_mesh()

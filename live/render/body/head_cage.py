@@ -17,6 +17,7 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Float64, Int64
+from live.render.body.closed_meshes import spline
 
 Point = tuple[float, float, float]
 
@@ -154,7 +155,7 @@ _LIP_LOOPS: Final[tuple[tuple[Point, ...], ...]] = (
 )  # fmt: skip
 _CAVITY_MIDDLE: Final[tuple[Point, Point]] = ((0.0, 127.0, 62.0), (9.0, 127.0, 61.0))
 
-EYE_LOOPS: Final = ("fold", "margin", "edge", "behind")
+EYE_LOOPS: Final = ("fold", "lid", "margin", "edge", "behind")
 MOUTH_LOOPS: Final = ("border", "lip", "touch", "within", "cavity")
 
 
@@ -166,19 +167,15 @@ def grid_points(row: Float64, column: Float64) -> Float64:
         [mirrored[:, -2:-1], grid, mirrored[:, 1:2]], axis=1
     )  # one column beyond the middle, each side
     low = np.clip(np.floor(row).astype(np.int64), 0, len(grid) - 2)
-    across = [_cubic(ring[np.clip(low + step, 0, len(grid) - 1)], column + 1.0) for step in (0, 1)]
-    share = (row - low)[:, None]
-    return np.asarray(across[0] * (1.0 - share) + across[1] * share)
+    around = [_cubic(ring[np.clip(low + step, 0, len(grid) - 1)], column + 1.0) for step in (-1, 0, 1, 2)]
+    return spline(around, (row - low)[:, None])
 
 
 def _cubic(rows: Float64, at: Float64) -> Float64:
     """Return a point of each row (N, C, 3) at fractional columns (N,), by Catmull and Rom's splines (1974)."""
     low = np.clip(np.floor(at).astype(np.int64), 1, rows.shape[1] - 3)
     t = (at - low)[:, None]
-    a, b, c, d = (rows[np.arange(len(rows)), low + step] for step in (-1, 0, 1, 2))
-    return np.asarray(
-        0.5 * (2.0 * b + (c - a) * t + (2.0 * a - 5.0 * b + 4.0 * c - d) * t**2 + (3.0 * b - a - 3.0 * c + d) * t**3)
-    )
+    return spline([rows[np.arange(len(rows)), low + step] for step in (-1, 0, 1, 2)], t)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -247,10 +244,18 @@ def _eye_loops(half: _Half, border: list[int], open_: float, tilt: float) -> Non
         points = []
         for place in range(8):
             radius = _UPPER_LID if place in _UPPER else _LOWER_LID
-            if name == "fold":
-                across, up = _FOLD[place]
-                swell = 0.0013 if place in _UPPER else 0.0017
-                points.append(_eye_point(across, up, radius + swell, _FOLD_DEPTH.get(place), 1.0, 0.5 * tilt))
+            if name in ("fold", "lid"):
+                share = 1.0 if name == "fold" else 0.5  # from the margin to the fold
+                ends = zip(_MARGIN[place], _FOLD[place], strict=True)
+                across, up = (margin + share * (fold - margin) for margin, fold in ends)
+                swell = (0.0013 if place in _UPPER else 0.0017) * share
+                depth = _FOLD_DEPTH.get(place)
+                if depth is not None and name == "lid":
+                    flat = np.hypot(across, up) / 1000.0
+                    free = _MARGIN_DEPTH.get(place, 1000.0 * float(np.sqrt(max(radius**2 - flat**2, 0.0))))
+                    depth = 0.5 * (depth + free) if place in _MARGIN_DEPTH else free + 0.3 * max(depth - free, 0.0)
+                open_share = 1.0 + (open_ - 1.0) * (1.0 - share)
+                points.append(_eye_point(across, up, radius + swell, depth, open_share, (1.0 - 0.5 * share) * tilt))
                 continue
             across, up = _MARGIN[place]
             depth = _MARGIN_DEPTH.get(place)

@@ -27,6 +27,7 @@ from live.render.body.closed_meshes import (
     ball,
     catmull_rom,
     faced_outward,
+    fan,
     grid_triangles,
     quads_to_triangles,
     vertex_normals,
@@ -42,6 +43,8 @@ _TRIANGLES: Final = {LIGHT: 260}
 _EYE_RINGS: Final = {FINE: (6, 14), CLOSE: (4, 10)}
 """Rings and segments of an eyeball."""
 _EAR_RING: Final = {FINE: 18, CLOSE: 11, LIGHT: 6}
+_SOFTNESS: Final = 0.42
+"""How far normals of a face turn to where it looks."""
 _SHARPEN: Final = 3
 """Corrections that make the subdivided surface pass through the cage's corners."""
 _NECK_OVER: Final = 0.0008
@@ -97,7 +100,7 @@ def _weights(cage: HeadCage) -> Float64:
         lower[cage.loops["row 8"][:3]] = (0.0, 0.02, 0.25)
         lower[cage.loops["row 7"][:1]] = 0.52
         lower[cage.loops["row 6"][:3]] = (1.0, 1.0, 0.85)
-        for name, share in (("fold", 0.42), ("margin", 1.0), ("edge", 1.0), ("behind", 1.0)):
+        for name, share in (("fold", 0.42), ("lid", 0.76), ("margin", 1.0), ("edge", 1.0), ("behind", 1.0)):
             upper[cage.loops[name][4:7]] = share * np.array((1.0, 0.95, 1.0))
             upper[cage.loops[name][[3, 7]]] = 0.12 * share
     moved["jaw"] = lower
@@ -178,7 +181,8 @@ def _thinned(level: int) -> tuple[Int64, Int64]:
     """Return the cage's corners that a simplified level keeps, and its triangles; the same for all faces."""
     skin = _skin(False, 1.0, 0.0)
     faces = skin.cage.faces
-    return simplify(skin.cage.points, quads_to_triangles(faces), skin.weights, _TRIANGLES[level])
+    hidden = skin.cage.points[:, 1] < 1.413  # the end within the body stays as it is
+    return simplify(skin.cage.points, quads_to_triangles(faces), skin.weights, _TRIANGLES[level], hidden)
 
 
 def _face_mesh(level: int, body: str, face: FaceShape) -> BodyMesh:
@@ -205,6 +209,10 @@ def _face_mesh(level: int, body: str, face: FaceShape) -> BodyMesh:
     normals = normals + neck[:, None] * (
         Shape(trunk_of(body)).normal(points) - normals
     )  # as the body's, where they meet
+    # light goes through skin: hollows of a face are softer than their shape
+    soft = _SOFTNESS * _step(place[:, 2], 0.050, 0.080) * _step(place[:, 1], 1.480, 1.500)
+    normals = normals + soft[:, None] * np.array([0.0, 0.35, 1.0])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
     return _mesh(points, normals, weights, openness, triangles, place, FACE if holes else PAINTED_FACE)
 
 
@@ -264,7 +272,7 @@ def _ear(level: int, sign: float, face: FaceShape) -> BodyMesh:
     last = len(place) - 1
     triangles = grid_triangles(len(rings), count, around=True).tolist()
     base = (len(rings) - 1) * count
-    triangles += [[base + k, last, base + (k + 1) % count] for k in range(count)]
+    triangles += fan(base, count, last, turned=False).tolist()
     triangles += [[0, k + 1, k] for k in range(1, count - 1)]
     turned = faced_outward(place, np.array(triangles, np.int64))
     if sign < 0.0:

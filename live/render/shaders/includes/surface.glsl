@@ -104,7 +104,7 @@ Wear worn_at_place(vec3 rest, int dancer) {
 // Square root of the colour, and sheen. Where pixels are dear there are no seams.
 vec4 surface(vec3 rest, int dancer, int part) {
 #ifdef VERTEX
-    if (part == HAIR_PART) return material(HAIR, dancer);
+    if (part == HAIR_PART || min(0.012 + 0.42 * (rest.y - 1.60) - rest.z, rest.y - 1.536) > 0.0) return material(HAIR, dancer);
 #endif
     if (part == NAIL_PART) return vec4(mix(material(SKIN, dancer).rgb, vec3(0.93, 0.76, 0.74), 0.5), 0.6);
     Wear wear = worn_at_place(rest, dancer);
