@@ -58,7 +58,7 @@ class Quality:
         return {"close": self.close_level, "near": self.near_level, "far": self.far_level}[where]
 
 
-SOFTWARE: Final = Quality(0, LIGHT, 12, DISTANT, 256, 3, ("bloom",), close_level=CLOSE, close_count=6)
+SOFTWARE: Final = Quality(0, LIGHT, 12, DISTANT, 256, 3, ("bloom", "focus", "blur"), close_level=CLOSE, close_count=6)
 """Without a graphics card: 50 dancers at 1280x720 in real time on two cores."""
 HARDWARE: Final = Quality(4, FINE, 120, LIGHT, 768, 2)
 """For a graphics card, or for offline films."""
@@ -111,7 +111,7 @@ def quality_steps(best: Quality) -> tuple[QualityStep, ...]:
     left_out = best.left_out
     if best.samples > 2:
         changes.append(("half the samples", "", {"samples": 2}))
-    for name in ("trails", "bloom", "mirror"):
+    for name in ("blur", "focus", "trails", "bloom", "mirror"):
         if name not in left_out:
             left_out = (*left_out, name)
             changes.append((f"no {name}", name, {"left_out": left_out}))

@@ -10,16 +10,17 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Int32
-from live.base.body.appearance import BODY, HAIR, HAIRS
+from live.base.body.appearance import BODY, COSTUME, COSTUMES, HAIR, HAIRS, SHOES, SHOES_WORN
 from live.base.body.catalogue import BODIES, DEFAULT_BODY
 from live.base.stage_snapshot import Scene
 from live.render.body.body_mesh import BodyMesh, build_body, merged
 from live.render.body.face_shape import FACE_COUNT
+from live.render.body.garment_mesh import GARMENTS, build_garment
 from live.render.body.hair_mesh import build_hair
 from live.render.body.head_mesh import build_head
 from live.render.characters.character import Character, load_character
 
-FAMILIES: Final = ("body", "head", "hair")
+FAMILIES: Final = ("body", "head", "hair", "costume", "shoes")
 """Families of kinds; a dancer is drawn with at most one piece of each, in this order."""
 _FACE_SEED: Final = 23
 
@@ -33,7 +34,7 @@ class Kind:
     body: str
     """Name of the body that it belongs to."""
     style: int = 0
-    """The face, or the place of the hair style in `HAIRS`."""
+    """The face, or the place among `HAIRS`, `COSTUMES` or `SHOES`."""
 
 
 def bodies_of(scene: Scene) -> tuple[str, ...]:
@@ -51,26 +52,38 @@ def kinds_of(scene: Scene) -> tuple[Kind, ...]:
         *(Kind("character" if name in names else "body", name) for name in bodies),
         *(Kind("head", name, face) for name in generated for face in range(FACE_COUNT)),
         *(Kind("hair", name, style) for name in generated for style in range(len(HAIRS))),
+        *(
+            Kind(family, name, style)
+            for name in generated
+            for family, styles in (("costume", COSTUMES), ("shoes", SHOES))
+            for style, style_name in enumerate(styles)
+            if style_name in GARMENTS
+        ),
     )
 
 
 def pieces_of(kinds: tuple[Kind, ...], scene: Scene, appearance: Int32) -> Int32:
-    """Return the kinds of the pieces of A dancers of an appearance (A, APPEARANCE_SIZE), shape (A, 3); -1: none."""
+    """Return the kinds of the pieces of A dancers of an appearance (A, APPEARANCE_SIZE), shape (A, len(FAMILIES)); -1
+    is none."""
     number = {kind: at for at, kind in enumerate(kinds)}
     names = bodies_of(scene)
-    heads = np.full((len(names), FACE_COUNT), -1, np.int32)
-    hairs = np.full((len(names), len(HAIRS)), -1, np.int32)
-    for at, name in enumerate(names):
-        for table, family in ((heads, "head"), (hairs, "hair")):
-            table[at] = [number.get(Kind(family, name, style), -1) for style in range(table.shape[1])]
+    sizes = {"head": FACE_COUNT, "hair": len(HAIRS), "costume": len(COSTUMES), "shoes": len(SHOES)}
+    tables = {
+        family: np.array([[number.get(Kind(family, name, style), -1) for style in range(size)] for name in names])
+        for family, size in sizes.items()
+    }
     count = len(appearance)
     usual = np.zeros(count, np.int32)
     known = scene.bodies[:count]
     usual[: len(known)] = [names.index(name) for name in known]
     body = np.where(appearance[:, BODY] < 0, usual, np.minimum(appearance[:, BODY], len(names) - 1))
     face = np.random.default_rng(_FACE_SEED).integers(FACE_COUNT, size=count)  # the same dancer always looks the same
-    hair = np.clip(appearance[:, HAIR], 0, len(HAIRS) - 1)
-    return np.ascontiguousarray(np.column_stack([body, heads[body, face], hairs[body, hair]]), np.int32)
+    styles = {"head": face} | {
+        family: np.clip(appearance[:, column], 0, sizes[family] - 1)
+        for family, column in (("hair", HAIR), ("costume", COSTUME), ("shoes", SHOES_WORN))
+    }
+    pieces = [body, *(tables[family][body, styles[family]] for family in FAMILIES[1:])]
+    return np.ascontiguousarray(np.column_stack(pieces), np.int32)
 
 
 def characters_of(scene: Scene) -> dict[str, Character]:
@@ -84,6 +97,8 @@ def mesh_of(scene: Scene, kind: Kind, level: int) -> BodyMesh:
         return build_head(level, kind.body, kind.style)
     if kind.family == "hair":
         return build_hair(level, kind.body, HAIRS[kind.style])
+    if kind.family in ("costume", "shoes"):
+        return build_garment(level, kind.body, (COSTUMES if kind.family == "costume" else SHOES)[kind.style])
     for said in scene.characters:
         if said.name == kind.body:
             return load_character(said).levels[level].body

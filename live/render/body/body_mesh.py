@@ -4,6 +4,7 @@ A coarse cage is subdivided and projected onto the implicit surface of the body.
 it, so they are as smooth as the skin and never leak from one limb to another.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, fields
 from functools import cache
 from pathlib import Path
@@ -64,7 +65,7 @@ _ON_SURFACE: Final = 1e-4
 _LEAST_OPENNESS: Final = 0.4
 """Limbs move: armpits and what lies between the legs are seen in other poses."""
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
-_CACHE: Final = ArrayCache("body", max_entries=64)
+_CACHE: Final = ArrayCache("body", max_entries=512)
 _SHADOW_OFFSET: Final = 0.006
 """Offset of the coarse body's skin [m], so that its square limbs cast shadows as wide as round ones."""
 
@@ -169,10 +170,15 @@ def build_body(level: int, name: str = DEFAULT_BODY) -> BodyMesh:
         raise ValueError(
             f"level of detail {level}: {COARSE} (coarse), {LIGHT} (light), {FINE} (fine) or {DISTANT} (far)"
         )
-    entry = _CACHE.entry_path(_code_digest(), [name.encode(), bytes([level])])
+    return cached_mesh(f"body {name} {level}", lambda: _build(level, name))
+
+
+def cached_mesh(key: str, build: Callable[[], BodyMesh]) -> BodyMesh:
+    """Return the mesh of the disk cache that was built under this key by the present code, else build and store it."""
+    entry = _CACHE.entry_path(_code_digest(), [key.encode()])
     mesh = _CACHE.load(entry, _unpack)
     if mesh is None:
-        mesh = _build(level, name)
+        mesh = build()
         _CACHE.store(entry, {field.name: getattr(mesh, field.name) for field in fields(mesh)})
     return mesh
 

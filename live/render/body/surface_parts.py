@@ -14,5 +14,11 @@ EAR: Final = 5
 HAIR: Final = 6
 NAIL: Final = 7
 """A finger's nail."""
+GARMENT: Final = 8
+"""A garment's part is this and the number of its material, see `wardrobe.py`: cloth, …"""
+CLOTH: Final = GARMENT
+SECOND_CLOTH: Final = GARMENT + 1
+SHOE: Final = GARMENT + 4
+SOLE: Final = GARMENT + 7
 PART_COUNT: Final = 16
 """Shaders pass a dancer's number and a part as one: dancer * PART_COUNT + part."""

@@ -41,7 +41,6 @@ def test_group_starts_with_draw_styles_of_its_patch():
         ({"inky": 1.0}, "group 'ember': nothing is drawn by 'inky'; there are: solid, silhouette"),
         ({"ink": 2.0}, "/dance/draw/ink' = 2.0"),
         ({"ink_colour": 1.0}, "expected 3 numbers"),
-        ({"ink tide": 1.0}, "leave out the group's name"),
     ],
 )
 def test_invalid_draw_key_is_refused_with_reason(draw, words):

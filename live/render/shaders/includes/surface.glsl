@@ -58,7 +58,7 @@ vec3 bumped(vec3 n, vec3 place) { return n; }
 vec3 emitted() { return vec3(0.0); }
 
 const int SKIN = 2, HAIR = 3, SHOE = 4, IDENTITY = 5, SHIRT = 6, SOLE = 7;   // see wardrobe.py
-const int HAIR_PART = 6, NAIL_PART = 7;                                                     // see surface_parts.py
+const int HAIR_PART = 6, NAIL_PART = 7, GARMENT_PART = 8;                    // see surface_parts.py
 
 #if defined(HEAD) && !defined(VERTEX)
 #include "head_surface.glsl"
@@ -108,6 +108,7 @@ vec4 surface(vec3 rest, int dancer, int part) {
 #endif
     if (part == NAIL_PART) return vec4(mix(material(SKIN, dancer).rgb, vec3(0.93, 0.76, 0.74), 0.5), 0.6);
     Wear wear = worn_at_place(rest, dancer);
+    if (part >= GARMENT_PART) wear = Wear(part - GARMENT_PART, 1.0);
     vec4 colour = wear.which >= SHIRT ? vec4(0.93, 0.92, 0.90, 0.12) : material(wear.which, dancer);
 #if SOFT
     colour.rgb *= 0.72 + 0.28 * smoothstep(0.0, 0.004, wear.border);   // the seam's shade
