@@ -168,7 +168,7 @@ def build_body(level: int, name: str = DEFAULT_BODY) -> BodyMesh:
     one. Built once per machine and version, in a fraction of a second."""
     if level not in LEVELS:
         raise ValueError(
-            f"level of detail {level}: {COARSE} (coarse), {LIGHT} (light), {FINE} (fine) or {DISTANT} (far)"
+            f"level of detail {level}: {COARSE} coarse, {LIGHT} light, {FINE} fine, {DISTANT} far, {CLOSE} close"
         )
     return cached_mesh(f"body {name} {level}", lambda: _build(level, name))
 
