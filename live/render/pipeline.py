@@ -36,7 +36,10 @@ from live.render.passes.stage_pass import BackdropPass, StagePass
 from live.render.passes.styled_pass import StylePasses
 from live.render.passes.trail_pass import TrailsPass
 from live.render.shader import Releasable, release_all
-from live.render.uniforms import WALL_DISTANCE
+from live.render.worlds.constellation_pass import ConstellationPass
+from live.render.worlds.paper_pass import PaperPass
+from live.render.worlds.ripple_pass import RipplePass
+from live.render.worlds.world_textures import WorldTextures
 
 PICTURE_PASSES: Final[Mapping[str, Callable[[PassSetup], PicturePass]]] = {
     "trails": TrailsPass,
@@ -59,7 +62,7 @@ class PassChain:
         self.vignette_at_end = order[-1:] == (AT_END,)
         own = {one.name: (one, slot) for slot, one in enumerate(setup.scene.custom_passes)}
         self._custom_passes: dict[str, CustomPass] = {}
-        self._passes: list[tuple[str, PicturePass]] = []
+        self._passes: list[tuple[str, PicturePass]] = [("paper", PaperPass(setup))]
         for name in order:
             if name in own:
                 self._custom_passes[name] = CustomPass(setup, *own[name])
@@ -71,7 +74,7 @@ class PassChain:
         self._create_targets(setup.size)
 
     def _create_targets(self, size: tuple[int, int]) -> None:
-        count = 2 if self._passes else 0
+        count = 2
         self._textures = [self._ctx.texture(size, 4, dtype=HDR) for _ in range(count)]
         for texture in self._textures:
             texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
@@ -134,13 +137,15 @@ class PassChain:
 
 
 SCENE_PASSES: Final[tuple[Callable[[PassSetup], ScenePass], ...]] = (
-    ItemPass, BackgroundPass, StylePasses, BeamPass, PlanPass,
+    ItemPass, BackgroundPass, StylePasses, RipplePass, ConstellationPass, BeamPass, PlanPass,
 )  # fmt: skip
 """Scene passes, in drawing order."""
-_STAGE_PASSES: Final = (BackgroundPass, PlanPass)
+_STAGE_PASSES: Final = (BackgroundPass, RipplePass, PlanPass)
 """Scene passes behind or under the dancers, which pictures with alpha lack."""
 SHARPENING: Final = 0.6
 """Strength of sharpening for a scene that is drawn smaller than the picture and stretched."""
+STUDIO_WALL_DISTANCE: Final = 5.0
+"""Distance of the studio's wall from the stage [m]: no wall is farther away."""
 _BODY_REACH: Final = 0.25
 """The generated body reaches at most this far beyond its joints [m]."""
 
@@ -156,6 +161,7 @@ class Pipeline:
         self.floor = FloorPass(ctx, quality, _floor_size(scene.stage_size))
         self._mirror = ReflectionPass(ctx, size, quality.mirror_divisor, characters=worn)
         self._backdrop = BackdropPass(ctx, size, coarse=quality.samples == 0)
+        self._textures = WorldTextures(ctx)
         self.chain = PassChain(setup)
         self.faults = PassFaults()
         """Circuit breakers of the passes."""
@@ -171,6 +177,7 @@ class Pipeline:
             self._smooth = {hdr: AntialiasPass(ctx, self._surface.depth, size, hdr=hdr) for hdr in (False, True)}
         self._scene_passes = [make(setup) for make in SCENE_PASSES if not (setup.transparent and make in _STAGE_PASSES)]
         self.floor.casters = [one.draw_shadows for one in self._scene_passes]
+        self._open_air = False
         self.set_camera(scene.camera)
 
     def set_stage(self, stage_size: tuple[float, float], items: tuple[SetItem, ...]) -> None:
@@ -206,7 +213,7 @@ class Pipeline:
 
     def set_camera(self, camera: Camera) -> None:
         """Update everything that depends on the camera, except the uniform block."""
-        self._floor_rows = _floor_row_count(camera, self._stage_size, self._size)
+        self._floor_rows = _floor_row_count(camera, self._stage_size, self._size, open_air=self._open_air)
         self._world_to_clip = world_to_clip(camera, self._size)
 
     def has_effect(self, kind: str, moment: Moment) -> bool:
@@ -235,7 +242,11 @@ class Pipeline:
         faults.begin_essential()
         active = self.chain.active(moment, (*self._quality.left_out, *faults.disabled))
         crowd.skin()
-        self._backdrop.draw(moving=frame.light_changed)
+        self._textures.bind()
+        if frame.open_air != self._open_air:
+            self._open_air = frame.open_air
+            self.set_camera(frame.camera)
+        self._backdrop.draw(frame.worlds, moving=frame.light_changed)
         self.floor.draw(crowd, moment.view, shadows=self._has("shadow") and frame.shadows)
         seen = faults.begin("mirror") and self._has("mirror") and frame.mirrors
         self._mirror.draw(crowd, visible=seen, rows=self._floor_rows)
@@ -297,7 +308,7 @@ class Pipeline:
         frame = moment.uniforms
         self._stages[hdr].draw(
             into, self._floor_rows, self._backdrop.texture, moment.floor, self._mirror.texture,
-            pools=frame.floor_lit, resized=frame.stage_resized,
+            pools=frame.floor_lit, resized=frame.stage_resized, moving=frame.floor_patterned,
         )  # fmt: skip
 
     def _dancer_rectangle(self, moment: Moment) -> tuple[int, int, int, int]:
@@ -332,7 +343,7 @@ class Pipeline:
 
     def release(self) -> None:
         """Free everything."""
-        own: list[Releasable] = [self.floor, self._mirror, self._backdrop, self.chain, *self._stages.values()]
+        own: list[Releasable] = [self._textures, self.floor, self._mirror, self._backdrop, self.chain, *self._stages.values()]
         if self._lit and self._matte is not None:
             own.append(self._matte)
         own += [*self._targets.values(), self._dancer] if self._lit else [*self._smooth.values()]
@@ -348,13 +359,15 @@ def _needs_surfaces(active: list[PicturePass]) -> bool:
     return any(one.needs_surfaces for one in active)
 
 
-def _floor_row_count(camera: Camera, stage_size: tuple[float, float], size: tuple[int, int]) -> int:
-    """Return how many pixel rows from below can show the floor; the rows above show only the back wall."""
+def _floor_row_count(
+    camera: Camera, stage_size: tuple[float, float], size: tuple[int, int], *, open_air: bool = False
+) -> int:
+    """Return how many pixel rows from below can show the floor; the rows above show only the back wall, or the sky."""
     corner, right, up = view_rays(camera, size)
     if abs(right[1]) > 1e-9:
         return size[1]  # the picture is tilted: the floor may be anywhere
     rows = (np.arange(size[1])[:, None] + 1.0) / size[1]
-    wall = -0.5 * stage_size[1] - WALL_DISTANCE
+    wall = -np.inf if open_air else -0.5 * stage_size[1] - STUDIO_WALL_DISTANCE
     seen = 0
     for side in (0.0, 0.5, 1.0):
         ways = corner + side * right + rows * up

@@ -5,6 +5,8 @@ from typing import Final
 
 from live.base.picture_parameters import GROUP_PARAMETERS, STYLE_ADDRESS_PREFIX
 from live.show.patch.section_base import Setting, parameter_values
+from live.show.desk.worlds import is_drawing_style, world_values
+from live.show.patch.patch import Patch
 from live.show.patch.section_stage import NamedLookSection
 
 
@@ -26,6 +28,27 @@ def draw_settings(values: Mapping[str, Setting]) -> dict[str, Setting]:
     return settings
 
 
-def look_settings(look: NamedLookSection) -> dict[str, Setting]:
-    """Return the parameters that a look sets, by address."""
-    return parameter_values("look", look) | draw_settings(look.draw)
+def world_settings(patch: Patch, name: str) -> dict[str, Setting]:
+    """Return the parameters that a world sets where the patch says nothing, by address, those of the stage first.
+
+    A group's are followed by its name. KeyError for an unknown world.
+    """
+    values = world_values(name)
+    said = {*patch.picture.set, *parameter_values("look", patch.look)}
+    settings: dict[str, Setting] = {
+        address: value for address, value in values.items() if not is_drawing_style(address) and address not in said
+    }
+    for group in patch.group:
+        own = draw_settings(group.draw)
+        settings |= {
+            f"{address} {group.name}": value
+            for address, value in values.items()
+            if is_drawing_style(address) and address not in own
+        }
+    return settings
+
+
+def look_settings(patch: Patch, look: NamedLookSection) -> dict[str, Setting]:
+    """Return the parameters that a look sets, by address: those of its world first."""
+    world = {} if look.world is None else world_settings(patch, look.world)
+    return world | parameter_values("look", look) | draw_settings(look.draw)

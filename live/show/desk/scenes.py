@@ -1,4 +1,4 @@
-"""Scenes: named parameter values, from the patch or stored live, recalled with a cross-fade; also views and looks.
+"""Scenes: named parameter values, from the patch or stored live, recalled with a cross-fade; also views, looks, worlds.
 
 A stored scene contains all values; a scene of the patch only those it lists. `start` is the state at the start of the
 patch. Views are cameras by name: those of the patch and a few built-in ones.
@@ -16,11 +16,12 @@ from live.base.arrays import Float64
 from live.base.custom_pass import PASS_ADDRESS, PASSES, custom_pass_numbers
 from live.base.errors import PersonError
 from live.base.stage_snapshot import Camera
+from live.show.desk.worlds import FADE_MEASURES, WORLD_PARAMETERS
 from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.show.desk.camera_rig import NO_FOLLOW_WORDS, CameraRig
-from live.show.desk.look_settings import look_settings
-from live.show.desk.parameter_table import LOOK, VIEW, ParameterTable, Slot, parse_value, split_key
+from live.show.desk.look_settings import look_settings, world_settings
+from live.show.desk.parameter_table import LOOK, NAMED, VIEW, WORLD, ParameterTable, Slot, parse_value, split_key
 from live.show.desk.parameters import Parameters
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import Setting, parameter_rows, parameter_values
@@ -122,10 +123,11 @@ class Scenes:
         self.stored: dict[str, Scene] = {}
         """Scenes stored live, by case-folded name."""
         table, start = parameters.table, parameters.start
+        addresses = dict.fromkeys((*(row.address for row in parameter_rows("look").values()), *WORLD_PARAMETERS))
         light = [
             place
-            for row in parameter_rows("look").values()
-            for slot in table.find(row.address)
+            for address in addresses
+            for slot in table.find(address)
             for place in slot.numbers
         ]
         camera = range(picture_parameters.CAMERA.start, picture_parameters.CAMERA.stop)
@@ -135,8 +137,12 @@ class Scenes:
         self._views[START] = replace(self._views[START], follow=patch.camera.follow)
         for name, (settings, whom) in view_settings(patch).items():
             self._views[_folded(name)] = self._scene(table, name, settings, 0.0, whom)
+        self._worlds = {
+            name: self._scene(table, name, world_settings(patch, name), FADE_MEASURES)
+            for name in picture_parameters.WORLD_NAMES
+        }
         for look in patch.looks:
-            self._looks[_folded(look.name)] = self._scene(table, look.name, look_settings(look), look.measures)
+            self._looks[_folded(look.name)] = self._scene(table, look.name, look_settings(patch, look), look.measures)
         self._scenes = {START: Scene(START, self._whole(start), 2.0)}
         for scene in patch.scene:
             whom = self._follow_of(scene.set)
@@ -155,6 +161,7 @@ class Scenes:
     def apply_patch(self, fresh: "Scenes") -> None:
         """Adopt views, looks and scenes of an edited patch; scenes stored live stay."""
         self._views, self._looks, self._scenes = fresh._views, fresh._looks, fresh._scenes
+        self._worlds = fresh._worlds
         self._custom_passes = fresh._custom_passes
 
     def _scene(
@@ -169,9 +176,9 @@ class Scenes:
         selected: list[Selected] = []
         for key, value in settings.items():
             address, group = split_key(key)
-            if address in (VIEW, LOOK):
-                kept = self._views if address == VIEW else self._looks
-                found = _find_scene(kept, str(value), "view" if address == VIEW else "look")
+            if address in NAMED:
+                kept = {VIEW: self._views, LOOK: self._looks, WORLD: self._worlds}[address]
+                found = _find_scene(kept, str(value), NAMED[address])
                 goals |= found.goals
                 selected += found.selected
                 continue
@@ -314,6 +321,9 @@ class Scenes:
     def _look(self, event: events.RecallLook, size: float) -> None:
         self._fade_to(_find_scene(self._looks, event.name, "look"), event.measures, size)
 
+    def _world(self, event: events.RecallWorld, size: float) -> None:
+        self._fade_to(_find_scene(self._worlds, event.name, "world"), event.measures, size)
+
     def _recall(self, event: events.RecallScene, size: float) -> None:
         self.recall(event.name, measures=event.measures, beats_per_measure=size)
 
@@ -353,6 +363,7 @@ _HANDLERS: Final[dict[type, Callable[..., None]]] = {
     events.Accompany: Scenes._follow,
     events.ShowBackground: Scenes._background,
     events.RecallLook: Scenes._look,
+    events.RecallWorld: Scenes._world,
     events.RecallScene: Scenes._recall,
     events.StoreScene: Scenes._store,
 }

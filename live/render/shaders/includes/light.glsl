@@ -10,6 +10,8 @@ const vec3 RIM_RIGHT = vec3(0.6276, 0.4602, -0.6276);
 #define BESIDE 1
 #endif
 #if BESIDE
+#include "moving.glsl"
+
 vec3 beside(vec3 place, vec3 n, vec3 albedo, vec3 to_eye, float edge, float openness) {
     const vec3 LEFT = vec3(-0.94, 0.24, 0.24), RIGHT = vec3(0.94, 0.24, 0.24), BACK = vec3(0.0, 0.62, -0.78);
     float left = clamp((dot(n, LEFT) + 0.12) / 1.12, 0.0, 1.0), right = clamp((dot(n, RIGHT) + 0.12) / 1.12, 0.0, 1.0);
@@ -33,14 +35,24 @@ vec3 lit(vec3 place, vec3 n, vec3 albedo, float sheen, float openness) {
     float edge = square(1.0 - max(dot(n, to_eye), 0.0));
     float height = max(place.y, 0.0);
 
-    float key = clamp((dot(n, key_direction.xyz) + 0.18) / 1.18, 0.0, 1.0);
+    // The key light wraps softly around the body; below skin red light goes farthest, so its border is warm (after
+    // Gosselin, Real-Time Skin Rendering, 2004, who widens Lambert's law by colour). Skin is known by its sheen.
+    float skin = 1.0 - smoothstep(0.01, 0.03, abs(sheen - 0.14));
+    float facing = dot(n, key_direction.xyz);
+    vec3 wrap = vec3(0.16) + skin * vec3(0.24, 0.07, 0.0);
+    vec3 key = clamp((facing + wrap) / (1.0 + wrap), 0.0, 1.0);
+    key *= 0.45 + 0.55 * key;
     float pool = key_pool(place.xz);
+#if BESIDE
+    if (gobo.z > 0.0) pool *= gobo_at(place);
+#endif
     float shine = max(dot(n, normalize(key_direction.xyz + to_eye)), 0.0);
     shine *= shine; shine *= shine; shine *= shine; shine *= shine * sheen;
     // two lamps behind the stage, left and right: what cuts the figure out of the dark
     float rim = max(dot(n, RIM_LEFT), 0.0) + max(dot(n, RIM_RIGHT), 0.0);
 
-    vec3 light = key_light.rgb * (key * pool * 1.45 * (0.45 + 0.55 * openness));
+    vec3 light = key_light.rgb * key * (pool * 1.55 * (0.45 + 0.55 * openness));
+    light += mix(fill_below.rgb, fill_above.rgb, 0.5 + 0.5 * n.y) * (0.25 + 0.75 * openness);
     light += rim_light.rgb * (rim * (0.30 + edge));
     light += light_ambient_colour() * (rim_light.rgb * 0.35 + 0.12) * (light_ambient() * (0.8 + 0.5 * n.y) * openness);
     float below = (0.5 - 0.5 * n.y) / (1.0 + 1.4 * height);
@@ -52,8 +64,14 @@ vec3 lit(vec3 place, vec3 n, vec3 albedo, float sheen, float openness) {
 #if BESIDE
     vec4 more = vec4(side_left.rgb + side_right.rgb + back_light.rgb, spot_light[0].w);
     if (dot(more, vec4(1.0)) > 0.0) colour += beside(place, n, albedo, to_eye, edge, openness);
+    if (share_water() > 0.0) {   // light that the water throws up
+        float web = caustics(place.xz * 1.3 + place.y * 0.6) * (0.75 - 0.55 * n.y) * exp(-height * 0.85);
+        colour += (key_light.rgb * 0.35 + rim_light.rgb * 0.30) * (albedo + 0.04) * (web * share_water() * 1.3);
+    }
 #endif
     colour += key_light.rgb * (shine * pool * 0.5);
+    // the nap of cloth shines where it is looked along (after Ashikhmin and others, A Microfacet-Based BRDF Generator, 2000)
+    colour += (1.0 - skin) * sheen * edge * edge * (0.3 + 0.7 * key.g) * pool * key_light.rgb * (0.25 + albedo);
     colour += rim_light.rgb * (rim * edge * 0.75 * (0.4 + 0.6 * openness));
     colour *= answer();
     return mix(min(colour, vec3(1.6)), haze_light(place.y), haze_at(place));

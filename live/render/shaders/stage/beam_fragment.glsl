@@ -2,18 +2,18 @@
 // axis are nearest, for across a cone the light falls off like a Gaussian (as in backdrop_fragment.glsl).
 #include "frame.glsl"
 #include "beams.glsl"
+#include "noise.glsl"
 
 in vec2 at;
 in vec3 ray;
 out vec4 shown;
 
-// Smoke that drifts: three slow waves, the same after 64 beats.
+// Smoke that drifts: soft noise in two planes that move through each other, the same after 64 beats.
 float smoke(vec3 p, float beat) {
-    float t = beat * TAU / 64.0;
-    float a = sin(p.x * 1.9 + 4.0 * t + 1.3 * sin(p.y * 1.1 - 3.0 * t));
-    float b = sin(p.y * 2.3 - 5.0 * t + 1.7 * sin(p.z * 0.9 + 2.0 * t));
-    float c = sin(p.z * 1.7 + 3.0 * t + 1.1 * sin(p.x * 1.3 - 2.0 * t));
-    return 0.82 + 0.18 * (a * b + b * c + c * a) * 0.6;
+    float t = beat / 64.0;
+    float a = textureLod(noise_map, vec2(p.x + 0.5 * p.z, p.y) * 0.085 + vec2(1.0, -1.0) * t, 0.0).r;
+    float b = textureLod(noise_map, vec2(p.z - 0.4 * p.x, p.y * 1.2) * 0.15 + vec2(-1.0, -2.0) * t, 0.0).g;
+    return 0.30 + 1.4 * a * b + 0.35 * a;
 }
 
 float cone(vec3 lamp, vec3 aim, float begin, float spread, vec3 start, vec3 direction, float reach) {
@@ -27,7 +27,10 @@ float cone(vec3 lamp, vec3 aim, float begin, float spread, vec3 start, vec3 dire
     float width = begin + spread * along;
     float light = exp(-2.0 * off * off / (width * width)) / (0.35 + 6.0 * spread * spread * along * along + 0.05 * along);
     float seen = smoothstep(-width, width, reach - away) * smoothstep(0.0, 0.25, along) * step(0.0, away);
-    return light * seen * width * 1.2533 / sqrt(across) * smoke(nearest, beam_light.w);
+    // before and behind the axis: streaks lie within the shaft, not on it
+    vec3 half_way = direction * (width * 0.55);
+    float through = 0.5 * (smoke(nearest - half_way, beam_light.w) + smoke(nearest + half_way, beam_light.w));
+    return light * seen * width * 1.2533 / sqrt(across) * through;
 }
 
 void main() {

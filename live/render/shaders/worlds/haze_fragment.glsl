@@ -1,9 +1,5 @@
-// What does not change while the camera stands still: floor, back wall and light in the haze. Drawn once, kept.
-#include "frame.glsl"
-
-in vec2 at;
-in vec3 ray;
-out vec4 kept;   // rgb: light, a: how much of it a shadow on the floor takes away
+// The black box: floor, back wall and light in the haze.
+#include "backdrop.glsl"
 
 const int LAMPS = 6;
 
@@ -82,5 +78,5 @@ void main() {
     }
     colour = mix(colour, haze_light(p.y), haze_at(p) * (to_floor < to_wall ? 1.0 : 0.6));
     colour += beams(eye.xyz, direction, reach);
-    kept = vec4(colour, shade);
+    kept = vec4(colour, shade) * share;
 }
