@@ -108,7 +108,7 @@ def _dance(show: Show, view: StageView, ticks: int = 2, row: Float64 | None = No
     for _ in range(ticks):
         show.tick(show.time + TICK)
     show.fill(view, show.time)
-    view.picture = view.picture if row is None else row
+    view.picture = view.picture if row is None else row.copy()  # the next fill writes into it
 
 
 def _row(name: str, measured: Float64, bar: float | None = None) -> Row:

@@ -247,7 +247,10 @@ class Pipeline:
             self._open_air = frame.open_air
             self.set_camera(frame.camera)
         self._backdrop.draw(frame.worlds, moving=frame.light_changed)
-        self.floor.draw(crowd, moment.view, shadows=self._has("shadow") and frame.shadows)
+        self.floor.draw(
+            crowd, moment.view, shadows=self._has("shadow") and frame.shadows, beams=frame.beams_lit
+        )
+        where = moment.rectangle = self._dancer_rectangle(moment)
         seen = faults.begin("mirror") and self._has("mirror") and frame.mirrors
         self._mirror.draw(crowd, visible=seen, rows=self._floor_rows)
         for one in faults.iterate(here):
@@ -263,7 +266,6 @@ class Pipeline:
                 self.chain.draw(active, light, matte.target, surfaces, moment, faults)
                 matte.draw(target, moment.view.brightness)
             return
-        where = self._dancer_rectangle(moment)
         overs = [one for one in here if one.light_active(moment)]
         hdr = bool(active or overs)
         surfaces = self._draw_surfaces(moment, here, named=_needs_surfaces(active))
@@ -271,7 +273,7 @@ class Pipeline:
         into = smooth.target
         into.use()
         into.scissor = where
-        self._surface.shade(moment.floor, hdr=hdr, extra_lamps=moment.uniforms.extra_lamps_lit)
+        self._surface.shade(moment.floor, hdr=hdr, extra_lamps=frame.extra_lamps_lit, moving=frame.light_moves)
         self._draw_stage(into, moment, hdr=hdr)
         for one in faults.iterate(overs):
             one.draw_light(moment)
@@ -308,7 +310,7 @@ class Pipeline:
         frame = moment.uniforms
         self._stages[hdr].draw(
             into, self._floor_rows, self._backdrop.texture, moment.floor, self._mirror.texture,
-            pools=frame.floor_lit, resized=frame.stage_resized, moving=frame.floor_patterned,
+            pools=frame.spots_lit, resized=frame.stage_resized, patterned=frame.floor_patterned, water=frame.worlds["water"] > 0.0,
         )  # fmt: skip
 
     def _dancer_rectangle(self, moment: Moment) -> tuple[int, int, int, int]:

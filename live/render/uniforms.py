@@ -250,12 +250,12 @@ class FrameUniforms:
     def extra_lamps_lit(self) -> bool:
         """Whether any lamp is lit that is off in the usual light, beams excluded."""
         row = self._row
-        return self.spots_lit or self.gobos_lit or bool(row[_SIDE] > 0.0 or row[_BACK] > 0.0 or self.worlds["water"])
+        return self.spots_lit or bool(row[_SIDE] > 0.0 or row[_BACK] > 0.0)
 
     @property
-    def floor_lit(self) -> bool:
-        """Whether spots or beams light the floor."""
-        return self.spots_lit or bool(self._row[_BEAMS] > 0.0)
+    def beams_lit(self) -> bool:
+        """Whether the beams light the floor."""
+        return bool(self._row[_BEAMS] > 0.0)
 
     @property
     def gobos_lit(self) -> bool:
@@ -263,9 +263,14 @@ class FrameUniforms:
         return bool(self._row[_GOBOS].any())
 
     @property
+    def light_moves(self) -> bool:
+        """Whether the light on dancers has a gobo, or comes up from water."""
+        return self.gobos_lit or self.worlds["water"] > 0.0
+
+    @property
     def floor_patterned(self) -> bool:
-        """Whether the floor shows what moves on it: gobos, patterns or water."""
-        return self.gobos_lit or bool(self._row[_FLOOR_PATTERNS].any() or self.worlds["water"] > 0.0)
+        """Whether the floor shows gobos or patterns."""
+        return self.gobos_lit or bool(self._row[_FLOOR_PATTERNS].any())
 
     @property
     def rippled(self) -> bool:

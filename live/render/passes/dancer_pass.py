@@ -55,9 +55,10 @@ class GBufferPass:
         self._shades = [
             compile_program(
                 ctx, "full_vertex.glsl", "shade_fragment.glsl",
-                (("NEAR", NEAR), ("FAR", FAR), ("HDR", hdr), ("BESIDE", beside)),
+                (("NEAR", NEAR), ("FAR", FAR), ("HDR", hdr), ("BESIDE", beside), ("MOVING", moving)),
             )
             for hdr in (0, 1)
+            for moving in (0, 1)
             for beside in (0, 1)
         ]  # fmt: skip
         self._triangles = [ctx.vertex_array(shade, []) for shade in self._shades]
@@ -85,10 +86,13 @@ class GBufferPass:
         crowd.draw(linked, self.quality.near_level, "near", character_program=worn)
         crowd.draw(linked, self.quality.far_level, "far", character_program=worn)
 
-    def shade(self, floor_map: moderngl.Texture, *, hdr: bool = False, extra_lamps: bool = True) -> None:
+    def shade(
+        self, floor_map: moderngl.Texture, *, hdr: bool = False, extra_lamps: bool = True, moving: bool = True
+    ) -> None:
         """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light;
-        `extra_lamps`: with the additional lamps, which are off in the default light."""
-        which = 2 * hdr + extra_lamps
+        `extra_lamps`: with the additional lamps, which are off in the default light; `moving`: with gobos and the light
+        that water throws up."""
+        which = 4 * hdr + 2 * moving + extra_lamps
         linked = self._shades[which]
         self._ctx.enable(moderngl.DEPTH_TEST)
         self._ctx.depth_func = ">"

@@ -14,8 +14,10 @@ from live.render.uniforms import WALL_DISTANCE
 
 _WALL_PROGRAM: Final = 3
 """Index of the program for pixels above the floor."""
-_MOVING_PROGRAM: Final = 4
-"""Index of the program with gobos, patterns and water; the next one also has a stage of another size and pools."""
+_PATTERN_PROGRAM: Final = 4
+"""Index of the program with gobos and patterns; the next one is the one with water."""
+_WHOLE_PROGRAM: Final = 6
+"""Index of the program with all that the floor can show."""
 
 
 class StagePass:
@@ -27,10 +29,12 @@ class StagePass:
         self._programs = [
             compile_program(
                 ctx, "full_vertex.glsl", "stage_fragment.glsl",
-                (("HDR", int(hdr)), ("FLOOR", floor), ("POOLS", pools), ("EDGE", edge), ("MOVING", moving)),
+                (("HDR", int(hdr)), ("FLOOR", floor), ("POOLS", pools), ("EDGE", edge),
+                 ("PATTERNS", patterns), ("WATER", water)),
             )
-            for floor, edge, pools, moving in (
-                (1, 0, 0, 0), (1, 1, 0, 0), (1, 1, 1, 0), (0, 0, 0, 0), (1, 0, 0, 1), (1, 1, 1, 1),
+            for floor, edge, pools, patterns, water in (
+                (1, 0, 0, 0, 0), (1, 1, 0, 0, 0), (1, 1, 1, 0, 0), (0, 0, 0, 0, 0),
+                (1, 0, 0, 1, 0), (1, 0, 0, 0, 1), (1, 1, 1, 1, 1),
             )
         ]  # fmt: skip
         self._triangles = [ctx.vertex_array(linked, []) for linked in self._programs]
@@ -45,12 +49,13 @@ class StagePass:
         *,
         pools: bool = False,
         resized: bool = True,
-        moving: bool = False,
+        patterned: bool = False,
+        water: bool = False,
     ) -> None:
         """Draw at the far plane, after the dancers; the floor is visible only in the lowest `floor_rows` rows.
 
         `pools`: with the light pools of spots and beams; `resized`: the stage size may differ from the scene's;
-        `moving`: with gobos, patterns and water.
+        `patterned`: with gobos and patterns; `water`: with waves.
         """
         self._ctx.enable(moderngl.DEPTH_TEST)
         self._ctx.depth_func = "<="
@@ -58,7 +63,9 @@ class StagePass:
         for unit, texture in enumerate((backdrop, floor_map, mirror), start=1):
             texture.use(unit)
         regions = ((0, 0, width, floor_rows), (0, floor_rows, width, height - floor_rows))
-        floor = (_MOVING_PROGRAM + (pools or resized)) if moving else 2 if pools else int(resized)
+        floor = 2 if pools else int(resized)
+        if patterned or water:
+            floor = _WHOLE_PROGRAM if pools or resized or patterned == water else _PATTERN_PROGRAM + water
         for which, region in ((floor, regions[0]), (_WALL_PROGRAM, regions[1])):
             linked, triangle = self._programs[which], self._triangles[which]
             if region[3] <= 0:

@@ -11,9 +11,9 @@ from live.render.pass_context import Moment, PassSetup, ScenePass
 from live.render.shader import compile_program, release_all, set_uniform
 from live.render.worlds.stroke_kernels import STROKE_NUMBERS, fill_strokes
 
-STARS: Final = 1600
+STARS: Final = 2600
 _SEED: Final = 12
-_REACH: Final = 2.0
+_REACH: Final = 1.5
 """Tips of two dancers that are nearer than this are joined [m]."""
 _TIPS: Final = np.array(
     [SKELETON.index(name) for name in ("head", "leftHand", "rightHand", "leftToes", "rightToes")], np.int32

@@ -43,8 +43,8 @@ def fill_strokes(
                     out[count, axis] = position[a, j, axis]
                     out[count, 3 + axis] = position[a, other, axis]
                 out[count, 6] = a
-                out[count, 7] = bright * (0.5 if is_line else weight[j])
-                out[count, 8] = 0.006 if is_line else 0.010 + 0.014 * weight[j]
+                out[count, 7] = bright * (0.34 if is_line else weight[j])
+                out[count, 8] = 0.00325 if is_line else 0.010 + 0.014 * weight[j]
                 count += 1
     for a in range(position.shape[0]):
         if not present[a]:
@@ -69,7 +69,7 @@ def fill_strokes(
                     out[count, axis] = position[a, tip, axis]
                     out[count, 3 + axis] = position[b, tip, axis]
                 out[count, 6] = a
-                out[count, 7] = bright * 0.55 * near * near * (3.0 - 2.0 * near)
+                out[count, 7] = bright * 0.30 * near * near * (3.0 - 2.0 * near)
                 out[count, 8] = 0.004
                 count += 1
     return count

@@ -5,13 +5,18 @@ const vec3 RIM_LEFT = vec3(-0.6276, 0.4602, -0.6276);
 const vec3 RIM_RIGHT = vec3(0.6276, 0.4602, -0.6276);
 
 // Lamps that are dark in the usual light: low from both sides, straight behind, follow spots. Where the processor draws
-// a program without them is used while they are dark: a branch would cost it as much as the lamps.
+// a program without them is used while they are dark: a branch would cost it as much as the lamps. So it is with what
+// moves in the light: gobos, and what water throws up.
 #ifndef BESIDE
 #define BESIDE 1
 #endif
-#if BESIDE
+#ifndef MOVING
+#define MOVING 1
+#endif
+#if MOVING
 #include "moving.glsl"
-
+#endif
+#if BESIDE
 vec3 beside(vec3 place, vec3 n, vec3 albedo, vec3 to_eye, float edge, float openness) {
     const vec3 LEFT = vec3(-0.94, 0.24, 0.24), RIGHT = vec3(0.94, 0.24, 0.24), BACK = vec3(0.0, 0.62, -0.78);
     float left = clamp((dot(n, LEFT) + 0.12) / 1.12, 0.0, 1.0), right = clamp((dot(n, RIGHT) + 0.12) / 1.12, 0.0, 1.0);
@@ -43,7 +48,7 @@ vec3 lit(vec3 place, vec3 n, vec3 albedo, float sheen, float openness) {
     vec3 key = clamp((facing + wrap) / (1.0 + wrap), 0.0, 1.0);
     key *= 0.45 + 0.55 * key;
     float pool = key_pool(place.xz);
-#if BESIDE
+#if MOVING
     if (gobo.z > 0.0) pool *= gobo_at(place);
 #endif
     float shine = max(dot(n, normalize(key_direction.xyz + to_eye)), 0.0);
@@ -64,6 +69,8 @@ vec3 lit(vec3 place, vec3 n, vec3 albedo, float sheen, float openness) {
 #if BESIDE
     vec4 more = vec4(side_left.rgb + side_right.rgb + back_light.rgb, spot_light[0].w);
     if (dot(more, vec4(1.0)) > 0.0) colour += beside(place, n, albedo, to_eye, edge, openness);
+#endif
+#if MOVING
     if (share_water() > 0.0) {   // light that the water throws up
         float web = caustics(place.xz * 1.3 + place.y * 0.6) * (0.75 - 0.55 * n.y) * exp(-height * 0.85);
         colour += (key_light.rgb * 0.35 + rim_light.rgb * 0.30) * (albedo + 0.04) * (web * share_water() * 1.3);

@@ -16,7 +16,18 @@ float smoke(vec3 p, float beat) {
     return 0.30 + 1.4 * a * b + 0.35 * a;
 }
 
-float cone(vec3 lamp, vec3 aim, float begin, float spread, vec3 start, vec3 direction, float reach) {
+// The smoke on a ray, at two depths: beams lie between or near them.
+struct Smoke { float near; float far; float a; float b; };
+
+Smoke smoke_on(vec3 start, vec3 direction) {
+    float back = max(-direction.z, 0.05);
+    float a = clamp((start.z - 0.4 * stage.y) / back, 0.0, 40.0), b = clamp((start.z + 0.9 * stage.y) / back, a + 0.5, 60.0);
+    return Smoke(smoke(start + direction * a, beam_light.w), smoke(start + direction * b, beam_light.w), a, b);
+}
+
+float smoke_at(Smoke known, float away) { return mix(known.near, known.far, clamp((away - known.a) / (known.b - known.a), 0.0, 1.0)); }
+
+float cone(vec3 lamp, vec3 aim, float begin, float spread, vec3 start, vec3 direction, float reach, Smoke known) {
     float together = dot(direction, aim);
     float across = max(1.0 - together * together, 0.02);
     vec3 gap = start - lamp;
@@ -27,10 +38,7 @@ float cone(vec3 lamp, vec3 aim, float begin, float spread, vec3 start, vec3 dire
     float width = begin + spread * along;
     float light = exp(-2.0 * off * off / (width * width)) / (0.35 + 6.0 * spread * spread * along * along + 0.05 * along);
     float seen = smoothstep(-width, width, reach - away) * smoothstep(0.0, 0.25, along) * step(0.0, away);
-    // before and behind the axis: streaks lie within the shaft, not on it
-    vec3 half_way = direction * (width * 0.55);
-    float through = 0.5 * (smoke(nearest - half_way, beam_light.w) + smoke(nearest + half_way, beam_light.w));
-    return light * seen * width * 1.2533 / sqrt(across) * through;
+    return light * seen * width * 1.2533 / sqrt(across) * smoke_at(known, away);
 }
 
 void main() {
@@ -40,10 +48,11 @@ void main() {
     float to_floor = direction.y < -1e-4 ? -start.y / direction.y : 1e4;
     float reach = min(min(to_wall, to_floor), 60.0);
     vec3 sum = vec3(0.0);
+    Smoke known = smoke_on(start, direction);
     if (light_beams() > 0.0) {
         for (int k = 0; k < LAMPS; ++k) {
             vec3 lamp = beam_lamp(k), foot = vec3(beam_foot(k), 0.0).xzy;
-            sum += beam_tint(k) * cone(lamp, normalize(foot - lamp), 0.06, light_beams_width(), start, direction, reach);
+            sum += beam_tint(k) * cone(lamp, normalize(foot - lamp), 0.06, light_beams_width(), start, direction, reach, known);
         }
         sum *= beam_answer();
     }
@@ -53,7 +62,7 @@ void main() {
             vec3 lamp = spot_lamp(k), to = vec3(spot_place[k].x, 0.9, spot_place[k].y) - lamp;
             float far = length(to);
             float spread = spot_place[k].z / far * 0.8;
-            sum += spot_light[k].rgb * 0.30 * cone(lamp, to / far, 0.06, spread, start, direction, reach);
+            sum += spot_light[k].rgb * 0.30 * cone(lamp, to / far, 0.06, spread, start, direction, reach, known);
         }
     }
     shown = vec4(sum * 0.13 * key_light.w, 1.0);

@@ -11,10 +11,10 @@ float hill(float angle, float size, float seed) {
 vec3 sky(vec3 d) {
     float up = clamp(d.y, 0.0, 1.0);
     float towards = max(dot(d, SUN), 0.0), warm = towards * towards;
-    vec3 low = background_bottom() * (0.34 + 0.66 * warm * warm);
-    vec3 middle = mix(vec3(0.30, 0.26, 0.42), vec3(0.86, 0.48, 0.34), warm) * 0.62;
+    vec3 low = background_bottom() * (0.22 + 0.62 * warm * warm);
+    vec3 middle = mix(vec3(0.30, 0.26, 0.42), vec3(0.80, 0.36, 0.26), warm) * 0.42;
     vec3 colour = mix(low, middle, smoothstep(0.0, 0.17, up));
-    colour = mix(colour, background_top() * 2.2, smoothstep(0.06, 0.62, up));
+    colour = mix(colour, background_top() * 2.6, smoothstep(0.04, 0.42, up));
     // clouds: a thin layer high up, lit from below where the sun is near
     vec2 c = d.xz / (up + 0.10) * vec2(0.05, 0.13);
     float cover = clouds(c + vec2(0.13, 0.4));
@@ -51,7 +51,7 @@ void main() {
         vec3 grass = mix(light_floor() * vec3(0.62, 0.85, 0.66), light_floor() * vec3(1.5, 1.2, 0.85), 0.35 * patches + 0.55 * trodden);
         grass *= 0.72 + 0.56 * tufts;
         float low_sun = max(key_direction.y, 0.0);
-        vec3 light = key_light.rgb * (low_sun * 2.1) + fill_above.rgb * 1.0;
+        vec3 light = key_light.rgb * (low_sun * 2.1) + fill_above.rgb * 1.3;
         vec3 ground = grass * light;
         // light that comes through the blades, towards the sun
         vec2 way = normalize(d.xz);

@@ -24,14 +24,14 @@ void main() {
     float second = wash(0.70 - length(inner), 1.0 - fine, 0.45) * seen;
     // the air: one broad stroke behind the dancers, dry at its ends
     float height = direction.y / max(length(direction.xz), 1e-3);
-    float stroke = 0.17 - abs(height - 0.20 - 0.05 * sin(direction.x * 5.0)) - 0.10 * square(direction.x * 1.4);
+    float stroke = 0.20 - abs(height - 0.19 - 0.03 * sin(direction.x * 5.0)) - 0.16 * square(direction.x * 1.3);
     float bristles = textureLod(noise_map, vec2(screen.x * 0.05, screen.y * 2.6), 0.0).g;
     float air = wash(stroke * 2.2, mix(edges, bristles, 0.45), 0.40) * (0.45 + 0.55 * ragged);
 
     vec3 sheet = light_background();
     vec3 cool = vec3(0.50, 0.62, 0.74), warm = vec3(0.80, 0.66, 0.48);
-    vec3 colour = sheet * mix(vec3(1.0), warm, 0.42 * ground);
-    colour *= mix(vec3(1.0), vec3(0.62, 0.60, 0.64), 0.26 * second);
-    colour *= mix(vec3(1.0), cool, 0.46 * air);
-    kept = vec4(colour * (key_light.rgb * 0.8 + fill_above.rgb * 0.24), 0.85 * smoothstep(-0.01, -0.05, direction.y)) * share;
+    vec3 colour = sheet * mix(vec3(1.0), warm, 0.75 * ground);
+    colour *= mix(vec3(1.0), vec3(0.60, 0.57, 0.62), 0.45 * second);
+    colour *= mix(vec3(1.0), cool, 0.62 * air);
+    kept = vec4(colour * (key_light.rgb * 0.5 + fill_above.rgb * 0.25), 0.85 * smoothstep(-0.01, -0.05, direction.y)) * share;
 }

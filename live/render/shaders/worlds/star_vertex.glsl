@@ -14,6 +14,6 @@ void main() {
     float twinkle = 0.78 + 0.22 * sin(turn) + 0.25 * big * key_direction.w;
     vec3 tint = mix(mix(vec3(0.62, 0.74, 1.0), vec3(1.0), in_chance.z * 2.0), vec3(1.0, 0.80, 0.58), max(in_chance.z * 2.0 - 1.0, 0.0));
     float far = smoothstep(60.0, 12.0, gl_Position.w);
-    light = tint * (share_constellation() * twinkle * (0.16 + 1.3 * big) * min(size / shown_ + 0.35, 1.0) * (0.35 + 0.65 * far));
+    light = tint * (share_constellation() * twinkle * (0.34 + 1.5 * big) * min(size / shown_ + 0.35, 1.0) * (0.35 + 0.65 * far));
     gl_PointSize = shown_ * 2.2;
 }

@@ -30,6 +30,6 @@ void main() {
     float beat = point ? 0.8 + 0.6 * key_direction.w : 0.9 + 0.2 * key_direction.w;
     float height = 0.5 * (in_begin.y + in_end.y);
     float seen = mirrored == 1 ? 0.30 * exp(-max(height, 0.0) * 0.9) : 1.0;
-    light = vec4(mix(glow, vec3(0.80, 0.90, 1.0), point ? 0.45 : 0.35), in_stroke.y * beat * seen * min(wide / reach + 0.25, 1.0));
+    light = vec4(mix(glow, vec3(0.80, 0.90, 1.0), point ? 0.30 : 0.22), in_stroke.y * beat * seen * min(wide / reach + 0.25, 1.0));
     gl_Position = min(a.w, b.w) > 0.05 ? at : vec4(2.0, 2.0, 2.0, 1.0);
 }

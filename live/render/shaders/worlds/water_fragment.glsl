@@ -4,8 +4,8 @@
 vec3 sky(vec3 d) {
     float up = max(d.y, 0.0);
     float middle = exp(-square(d.x / 0.55));
-    vec3 glow = rim_light.rgb * (0.26 * exp(-up * 15.0) + 0.07 * exp(-up * 4.0)) * (0.25 + 0.75 * middle);
-    glow += key_light.rgb * (0.20 * exp(-up * 26.0) * middle);
+    vec3 glow = rim_light.rgb * (0.17 * exp(-up * 17.0) + 0.030 * exp(-up * 5.0)) * (0.25 + 0.75 * middle);
+    glow += key_light.rgb * (0.26 * exp(-up * 26.0) * middle);
     float veil = clouds(vec2(d.x * 0.8, up * 3.2) + 0.2);
     glow *= 0.65 + 0.55 * smoothstep(0.25, 0.85, veil);
     return light_background() * (1.4 + 1.2 * exp(-up * 3.0)) + glow;
@@ -24,7 +24,7 @@ void main() {
     vec3 mirrored = vec3(d.x, max(-d.y, 0.004), d.z);
     vec2 off = p.xz / (stage.xy + vec2(1.0, 1.4));
     float pool = 1.0 / (1.0 + square(dot(off, off)) * 0.8);
-    vec3 deep = light_floor() * (0.8 + 2.6 * pool) + key_light.rgb * light_floor() * (1.5 * pool);
+    vec3 deep = light_floor() * (0.5 + 1.4 * pool) + key_light.rgb * light_floor() * (1.5 * pool);
     float away = smoothstep(60.0, 4.0, to_floor);
     vec3 colour = deep * (1.0 - fresnel) + sky(mirrored) * fresnel * 0.9;
     float horizon = smoothstep(-0.022, 0.0, d.y);
