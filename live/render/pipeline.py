@@ -247,9 +247,7 @@ class Pipeline:
             self._open_air = frame.open_air
             self.set_camera(frame.camera)
         self._backdrop.draw(frame.worlds, moving=frame.light_changed)
-        self.floor.draw(
-            crowd, moment.view, shadows=self._has("shadow") and frame.shadows, beams=frame.beams_lit
-        )
+        self.floor.draw(crowd, moment.view, shadows=self._has("shadow") and frame.shadows, beams=frame.beams_lit)
         where = moment.rectangle = self._dancer_rectangle(moment)
         seen = faults.begin("mirror") and self._has("mirror") and frame.mirrors
         self._mirror.draw(crowd, visible=seen, rows=self._floor_rows)
@@ -345,7 +343,14 @@ class Pipeline:
 
     def release(self) -> None:
         """Free everything."""
-        own: list[Releasable] = [self._textures, self.floor, self._mirror, self._backdrop, self.chain, *self._stages.values()]
+        own: list[Releasable] = [
+            self._textures,
+            self.floor,
+            self._mirror,
+            self._backdrop,
+            self.chain,
+            *self._stages.values(),
+        ]
         if self._lit and self._matte is not None:
             own.append(self._matte)
         own += [*self._targets.values(), self._dancer] if self._lit else [*self._smooth.values()]

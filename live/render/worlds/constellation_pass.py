@@ -104,5 +104,7 @@ def joint_weights() -> Float32:
     """Return how bright the point of each joint is, shape (J,): head, hands and feet are the brightest."""
     weight = np.full(JOINT_COUNT, 0.45, np.float32)
     weight[_TIPS] = 1.0
-    weight[[SKELETON.index(name) for name in ("hips", "leftLowerLeg", "rightLowerLeg", "leftLowerArm", "rightLowerArm")]] = 0.7
+    weight[
+        [SKELETON.index(name) for name in ("hips", "leftLowerLeg", "rightLowerLeg", "leftLowerArm", "rightLowerArm")]
+    ] = 0.7
     return weight

@@ -16,13 +16,13 @@ from live.base.arrays import Float64
 from live.base.custom_pass import PASS_ADDRESS, PASSES, custom_pass_numbers
 from live.base.errors import PersonError
 from live.base.stage_snapshot import Camera
-from live.show.desk.worlds import FADE_MEASURES, WORLD_PARAMETERS
 from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.show.desk.camera_rig import NO_FOLLOW_WORDS, CameraRig
 from live.show.desk.look_settings import look_settings, world_settings
 from live.show.desk.parameter_table import LOOK, NAMED, VIEW, WORLD, ParameterTable, Slot, parse_value, split_key
 from live.show.desk.parameters import Parameters
+from live.show.desk.worlds import FADE_MEASURES, WORLD_PARAMETERS
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import Setting, parameter_rows, parameter_values
 from live.show.patch.section_stage import PROJECTOR, CameraSection, ViewSection
@@ -124,12 +124,7 @@ class Scenes:
         """Scenes stored live, by case-folded name."""
         table, start = parameters.table, parameters.start
         addresses = dict.fromkeys((*(row.address for row in parameter_rows("look").values()), *WORLD_PARAMETERS))
-        light = [
-            place
-            for address in addresses
-            for slot in table.find(address)
-            for place in slot.numbers
-        ]
+        light = [place for address in addresses for slot in table.find(address) for place in slot.numbers]
         camera = range(picture_parameters.CAMERA.start, picture_parameters.CAMERA.stop)
         self._views = {START: Scene(START, {place: float(start[place]) for place in camera}, 0.0)}
         self._looks = {START: Scene(START, {place: float(start[place]) for place in light}, 1.0)}

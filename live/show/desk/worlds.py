@@ -45,7 +45,7 @@ WORLDS: Final = (
         "/dance/light/fill/below": (0.56, 0.55, 0.54),
         "/dance/light/haze": 0.0, "/dance/light/background": (0.86, 0.87, 0.88),
         "/dance/light/floor": (0.80, 0.80, 0.80), "/dance/light/pulse": 0.0,
-        "/dance/pass/mirror": 0.18, "/dance/pass/shadow": 0.62, "/dance/pass/vignette": 0.25,
+        "/dance/pass/mirror": 0.18, "/dance/pass/shadow": 0.95, "/dance/pass/vignette": 0.25,
     }),
     World("paper", {
         "/dance/light/key": 1.15, "/dance/light/key/colour": (1.0, 1.0, 1.0),

@@ -6,11 +6,11 @@ from typing import Final, get_args
 import numpy as np
 
 from live.base.errors import PersonError
+from live.base.picture_parameters import WORLD_NAMES
 from live.control.events import events
 from live.control.registry.command import controls_of
 from live.control.registry.registry import FIRST_NAMES, REGISTRY
 from live.show.dancers.timing_offsets import parse_ripple
-from live.base.picture_parameters import WORLD_NAMES
 from live.show.desk.parameter_table import LOOK, VIEW, WORLD, split_key
 from live.show.group.casting import EVERYONE, Casting
 from live.show.patch.patch import Patch

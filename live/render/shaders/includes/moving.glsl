@@ -8,7 +8,9 @@ float gobo_at(vec3 place) {
     vec2 p = place.xz - key_direction.xz / key_direction.y * place.y;
     vec2 at = vec2(dot(p, gobo.xy), dot(p, vec2(-gobo.y, gobo.x))) + 0.5;
     vec4 amount = vec4(light_gobo_leaves(), light_gobo_window(), light_gobo_blinds(), light_gobo_breakup());
-    return 1.0 + (dot(texture(gobo_map, at), amount) - gobo.z) / max(gobo.z, 1.0);
+    vec2 off = p / (stage.xy + 2.5);   // one lamp lights no more than the stage
+    float here = 1.0 - smoothstep(0.9, 2.2, dot(off, off));
+    return 1.0 + here * (dot(texture(gobo_map, at), amount) - gobo.z) / max(gobo.z, 1.0);
 }
 
 // Slopes of small waves on the water: two that cross; the same after 64 beats.

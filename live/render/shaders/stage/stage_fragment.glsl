@@ -100,13 +100,14 @@ void main() {
     vec4 here = texture(floor_map, place / (2.0 * stage.zw) + 0.5);
     colour *= 1.0 - kept.a * here.a;
 #if PATTERNS
-    colour *= mix(1.0, 0.16 + 0.84 * gobo_at(vec3(place.x, 0.0, place.y)), kept.a);
+    float other = clamp(0.16 + 0.4 * fill_above.g, 0.0, 0.7);   // light that comes from elsewhere
+    colour *= mix(1.0, other + (1.0 - other) * gobo_at(vec3(place.x, 0.0, place.y)), kept.a);
 #endif
     colour += (here.rgb + square3(texture(mirror, at + bend).rgb)) * kept.a;
 #if PATTERNS
     float lit = patterns(place, ring.z) * kept.a * (1.0 - 0.7 * here.a);
     colour += floor_pattern_colour() * (lit * (0.05 + 0.55 * light_floor()));
-    colour *= mix(vec3(1.0), floor_pattern_colour(), min(lit, 1.0) * 0.45 * min(light_floor() * 1.4, 1.0));
+    colour *= mix(vec3(1.0), floor_pattern_colour(), min(lit, 1.0) * 0.8 * min(light_floor() * 1.4, 1.0));
 #endif
 #if WATER
     // glints of the light behind on the backs of the waves, and the web of light below them

@@ -1,7 +1,7 @@
 // An open field at dusk: the sun has just reached the hills behind the stage.
 #include "backdrop.glsl"
 
-const vec3 SUN = vec3(0.40, 0.052, -0.915);
+const vec3 SUN = vec3(0.24, 0.052, -0.969);
 
 float hill(float angle, float size, float seed) {
     return size * (0.35 + textureLod(noise_map, vec2(angle * 0.21 + seed, seed), 0.0).r
@@ -33,7 +33,7 @@ void main() {
     vec3 d = normalize(ray);
     float angle = atan(d.x, -d.z), height = d.y / max(length(d.xz), 1e-3);
     vec3 colour = sky(d);
-    float near_sun = exp(-square((angle - 0.41) / 0.55));
+    float near_sun = exp(-square((angle - 0.243) / 0.55));
     vec3 air = background_bottom() * (0.30 + 0.45 * near_sun) + vec3(0.05, 0.06, 0.12);
     float far_hills = hill(angle, 0.072, 0.12), hills = hill(angle, 0.042, 0.56), trees = hill(angle * 3.0, 0.016, 0.83);
     float soft = fwidth(height) + 5e-4;
