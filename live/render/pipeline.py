@@ -308,7 +308,8 @@ class Pipeline:
         frame = moment.uniforms
         self._stages[hdr].draw(
             into, self._floor_rows, self._backdrop.texture, moment.floor, self._mirror.texture,
-            pools=frame.spots_lit, resized=frame.stage_resized, patterned=frame.floor_patterned, water=frame.worlds["water"] > 0.0,
+            pools=frame.spots_lit, resized=frame.stage_resized, patterned=frame.floor_patterned,
+            water=frame.worlds["water"] > 0.0,
         )  # fmt: skip
 
     def _dancer_rectangle(self, moment: Moment) -> tuple[int, int, int, int]:
