@@ -42,8 +42,9 @@ class PaperPass:
         border = round(_MARGIN * source.height)
         left, low = max(x - border, 0), max(y - border, 0)
         part = left, low, min(x + width + border, source.width) - left, min(y + height + border, source.height) - low
-        for program, where in zip(self._programs, (whole, part if width and height else None), strict=True):
-            if where is None or (program is self._programs[0] and part == whole):
+        parts = (whole,) if not width or not height else (whole, part)
+        for program, where in zip(self._programs, parts, strict=False):
+            if len(parts) > 1 and program is self._programs[0] and part == whole:
                 continue
             target.scissor = where
             program.set("stroke", (0.618034 * drawn % 1.0, 0.754878 * drawn % 1.0))
