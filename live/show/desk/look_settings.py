@@ -28,6 +28,20 @@ def draw_settings(values: Mapping[str, Setting]) -> dict[str, Setting]:
     return settings
 
 
+def group_settings(name: str, draw: Mapping[str, Setting]) -> tuple[dict[str, Setting], dict[str, Setting]]:
+    """Return how a group is drawn at the start, by address, and how those of its dancers are for whom a selection
+    stands behind the key, by address and selection."""
+    whole: dict[str, Setting] = {}
+    selected: dict[str, Setting] = {}
+    for key, value in draw_settings(draw).items():
+        address, space, words = key.partition(" ")
+        if space and words.strip():
+            selected[f"{address} {name} & {words.strip()}"] = value
+        else:
+            whole[address] = value
+    return whole, selected
+
+
 def world_settings(patch: Patch, name: str) -> dict[str, Setting]:
     """Return the parameters that a world sets where the patch says nothing, by address, those of the stage first.
 
@@ -39,7 +53,7 @@ def world_settings(patch: Patch, name: str) -> dict[str, Setting]:
         address: value for address, value in values.items() if not is_drawing_style(address) and address not in said
     }
     for group in patch.group:
-        own = draw_settings(group.draw)
+        own = group_settings(group.name, group.draw)[0]
         settings |= {
             f"{address} {group.name}": value
             for address, value in values.items()

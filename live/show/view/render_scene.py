@@ -5,7 +5,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from live.base.body_catalogue import BODIES, DEFAULT_BODY, CharacterFile
+from live.base.body.catalogue import BODIES, DEFAULT_BODY, CharacterFile
 from live.base.errors import PersonError, error_context
 from live.base.projector_perspective import camera_from_corners
 from live.base.set_geometry import SetItem
@@ -13,7 +13,7 @@ from live.base.stage_snapshot import GROUP_COLOURS, Background, Camera, Scene
 from live.motion.skeleton import JOINT_COUNT
 from live.render.media_background import check_background
 from live.show.dancers.character_casting import bodies_of
-from live.show.desk.look_settings import draw_settings, world_settings
+from live.show.desk.look_settings import group_settings, world_settings
 from live.show.desk.parameter_table import parse_value, split_key
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import find_resource
@@ -118,7 +118,7 @@ def make_scene(
 def _draw_values(world: Mapping[str, Setting], group: GroupSection) -> dict[str, Setting]:
     """Return a group's drawing style by address: what its world sets, then its own."""
     of_world = {split_key(key)[0]: value for key, value in world.items() if split_key(key)[1] == group.name.strip()}
-    return of_world | draw_settings(group.draw)
+    return of_world | group_settings(group.name, group.draw)[0]
 
 
 def _numbers(settings: Mapping[str, Setting]) -> Iterator[tuple[str, float | tuple[float, ...]]]:
