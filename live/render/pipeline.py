@@ -144,7 +144,7 @@ _STAGE_PASSES: Final = (BackgroundPass, RipplePass, PlanPass)
 """Scene passes behind or under the dancers, which pictures with alpha lack."""
 SHARPENING: Final = 0.6
 """Strength of sharpening for a scene that is drawn smaller than the picture and stretched."""
-STUDIO_WALL_DISTANCE: Final = 5.0
+STUDIO_WALL_DISTANCE: Final = 7.0
 """Distance of the studio's wall from the stage [m]: no wall is farther away."""
 _BODY_REACH: Final = 0.25
 """The generated body reaches at most this far beyond its joints [m]."""

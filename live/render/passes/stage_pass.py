@@ -83,7 +83,7 @@ class StagePass:
 
 
 class BackdropPass:
-    """Fills `texture` with linear light; alpha: the share of it that a shadow on the floor removes.
+    """Fills `texture` with square roots of light; alpha: the share of it that a shadow on the floor removes.
 
     Each world has a program of its own; while worlds fade into each other the shares of all are added.
 

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from typing import Final
 
-from live.base.picture_parameters import GROUP_PARAMETERS, STYLE_ADDRESS_PREFIX
+from live.base.picture_parameters import GROUP_PARAMETERS, STYLE_ADDRESS_PREFIX, WORLD_NAMES
 from live.show.desk.worlds import is_drawing_style, world_values
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import Setting, parameter_values
@@ -43,14 +43,17 @@ def group_settings(name: str, draw: Mapping[str, Setting]) -> tuple[dict[str, Se
 
 
 def world_settings(patch: Patch, name: str) -> dict[str, Setting]:
-    """Return the parameters that a world sets where the patch says nothing, by address, those of the stage first.
+    """Return the parameters that a world sets, by address, those of the stage first; the patch's own values come first.
 
-    A group's are followed by its name. KeyError for an unknown world.
+    What `[look]` and `[picture.set]` say is said of the world in which the show begins; the other worlds come whole, or
+    a floor that is dark for the black box would be dark in the white studio, too. A group's parameters are followed by
+    its name: how a group is drawn is said of all worlds. KeyError for an unknown world.
     """
     values = world_values(name)
-    said = {*patch.picture.set, *parameter_values("look", patch.look)}
+    begins = patch.look.world or WORLD_NAMES[0]
+    said = {**patch.picture.set, **parameter_values("look", patch.look)} if name == begins else {}
     settings: dict[str, Setting] = {
-        address: value for address, value in values.items() if not is_drawing_style(address) and address not in said
+        address: said.get(address, value) for address, value in values.items() if not is_drawing_style(address)
     }
     for group in patch.group:
         own = group_settings(group.name, group.draw)[0]

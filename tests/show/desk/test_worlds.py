@@ -56,11 +56,17 @@ def test_own_look_and_own_drawing_stay_as_the_patch_says():
     assert row[BY_ADDRESS["/dance/pass/mirror"].first] == 0.9
     assert row[BY_ADDRESS["/dance/light/key"].first] == BY_NAME["constellation"].values["/dance/light/key"]
     assert row[group_parameter("/dance/draw/solid", 0).first] == 0.0
+
+
+def test_own_look_is_said_of_the_world_in_which_the_show_begins():
     session = DeskSession(look("rim = 2.5"))
     session.say("/dance/world", "dusk", 0)
     session.run(beats=1)
+    assert session.value("/dance/light/rim") == BY_NAME["dusk"].values["/dance/light/rim"]
+    session.say("/dance/world", "haze", 0)
+    session.run(beats=1)
     assert session.value("/dance/light/rim") == 2.5
-    assert session.value("/dance/light/key") == BY_NAME["dusk"].values["/dance/light/key"]
+    assert session.value("/dance/light/beams") == BY_NAME["haze"].values["/dance/light/beams"]
 
 
 def test_drawing_of_a_group_that_says_its_own_is_kept():

@@ -92,7 +92,7 @@ void main() {
     vec4 kept = textureSize(backdrop, 0).x == int(picture.x) ? texelFetch(backdrop, ivec2(gl_FragCoord.xy), 0)
                                                              : texture(backdrop, at);
 #endif
-    vec3 colour = kept.rgb;
+    vec3 colour = square3(kept.rgb);
 #if FLOOR
 #if EDGE
     colour = mix(colour, resized(colour, place), kept.a);

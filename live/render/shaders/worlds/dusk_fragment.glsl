@@ -48,7 +48,7 @@ void main() {
         float patches = clouds(p.xz * 0.035), tufts = textureLod(noise_map, p.xz * 0.21, min(to_floor * 0.12, 7.0)).g;
         vec2 off = p.xz / (stage.xy + 2.2);
         float trodden = exp(-square(dot(off, off)) * 1.3);   // where they dance the grass is short and dry
-        vec3 grass = mix(light_floor() * vec3(0.62, 0.85, 0.66), light_floor() * vec3(1.5, 1.2, 0.85), 0.35 * patches + 0.55 * trodden);
+        vec3 grass = mix(own_floor(0.08) * vec3(0.50, 0.72, 0.62), own_floor(0.08) * vec3(1.15, 1.0, 0.85), 0.30 * patches + 0.50 * trodden);
         grass *= 0.72 + 0.56 * tufts;
         float low_sun = max(key_direction.y, 0.0);
         vec3 light = key_light.rgb * (low_sun * 2.1) + fill_above.rgb * 1.3;
@@ -61,5 +61,5 @@ void main() {
         colour = mix(ground, mix(vec3(0.03, 0.032, 0.04), air, 0.55) , far * 0.85);
         shade = smoothstep(70.0, 18.0, to_floor) * 0.92;
     }
-    kept = vec4(colour, shade) * share;
+    keep(colour, shade);
 }

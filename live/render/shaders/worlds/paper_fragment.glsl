@@ -33,5 +33,5 @@ void main() {
     vec3 colour = sheet * mix(vec3(1.0), warm, 0.75 * ground);
     colour *= mix(vec3(1.0), vec3(0.60, 0.57, 0.62), 0.45 * second);
     colour *= mix(vec3(1.0), cool, 0.62 * air);
-    kept = vec4(colour * (key_light.rgb * 0.5 + fill_above.rgb * 0.25), 0.85 * smoothstep(-0.01, -0.05, direction.y)) * share;
+    keep(colour * (key_light.rgb * 0.5 + fill_above.rgb * 0.25), 0.85 * smoothstep(-0.01, -0.05, direction.y));
 }

@@ -1,8 +1,8 @@
 // The white studio: a cove, whose floor rises into the wall without a corner.
 #include "backdrop.glsl"
 
-const float WALL_AT = 5.0;      // behind the stage [m]
-const float FILLET = 4.0;       // radius of the cove [m]
+const float WALL_AT = 7.0;      // behind the stage [m]
+const float FILLET = 6.5;       // radius of the cove [m]
 
 void main() {
     vec3 direction = normalize(ray);
@@ -17,9 +17,9 @@ void main() {
     vec2 off = p.xz / (stage.xy * 1.5 + 3.0);
     float pool = 1.0 / (1.0 + 0.30 * dot(off, off));
     float high = max(p.y - 2.0, 0.0);
-    float lit = mix(1.22 * pool + 0.10, 0.92 / (1.0 + 0.010 * high * high), up * up * (3.0 - 2.0 * up));
+    float lit = mix(1.06 * pool + 0.18, 0.98 / (1.0 + 0.006 * high * high), up * up * (3.0 - 2.0 * up));
     // the cove itself is a little darker: it faces neither lamp
-    lit *= 1.0 - 0.07 * exp(-square((up - 0.42) / 0.28));
+    lit *= 1.0 - 0.04 * exp(-square((up - 0.42) / 0.28));
     vec3 white = light_background() * (key_light.rgb * 0.75 + fill_above.rgb * 0.75);
-    kept = vec4(white * lit, 1.0 - smoothstep(0.35, 0.75, up)) * share;
+    keep(white * lit, 1.0 - smoothstep(0.35, 0.75, up));
 }

@@ -8,14 +8,14 @@ vec3 sky(vec3 d) {
     glow += key_light.rgb * (0.26 * exp(-up * 26.0) * middle);
     float veil = clouds(vec2(d.x * 0.8, up * 3.2) + 0.2);
     glow *= 0.65 + 0.55 * smoothstep(0.25, 0.85, veil);
-    return light_background() * (1.4 + 1.2 * exp(-up * 3.0)) + glow;
+    return own_background(0.02) * (1.4 + 1.2 * exp(-up * 3.0)) + glow;
 }
 
 void main() {
     vec3 d = normalize(ray);
     float to_floor = floor_reach(d);
     if (to_floor > 900.0) {
-        kept = vec4(sky(d), 0.0) * share;
+        keep(sky(d), 0.0);
         return;
     }
     vec3 p = eye.xyz + d * to_floor;
@@ -24,10 +24,10 @@ void main() {
     vec3 mirrored = vec3(d.x, max(-d.y, 0.004), d.z);
     vec2 off = p.xz / (stage.xy + vec2(1.0, 1.4));
     float pool = 1.0 / (1.0 + square(dot(off, off)) * 0.8);
-    vec3 deep = light_floor() * (0.5 + 1.4 * pool) + key_light.rgb * light_floor() * (1.5 * pool);
+    vec3 deep = own_floor(0.02) * (0.5 + 1.4 * pool) + key_light.rgb * own_floor(0.02) * (1.5 * pool);
     float away = smoothstep(60.0, 4.0, to_floor);
     vec3 colour = deep * (1.0 - fresnel) + sky(mirrored) * fresnel * 0.9;
     float horizon = smoothstep(-0.022, 0.0, d.y);
     colour = mix(colour, sky(vec3(d.x, 0.0, d.z)) * 0.85, horizon);
-    kept = vec4(colour, away) * share;
+    keep(colour, away);
 }
