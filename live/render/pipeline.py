@@ -27,7 +27,7 @@ from live.render.passes.beam_pass import BeamPass
 from live.render.passes.bloom_pass import BloomPass
 from live.render.passes.colour_pass import FinalPass, GradePass, VignettePass
 from live.render.passes.custom_pass import CustomPass
-from live.render.passes.dancer_pass import DancerPass, GBufferPass, MultisampleTarget
+from live.render.passes.dancer_pass import DancerPass, GBufferPass, MultisampleTarget, light_variant
 from live.render.passes.floor_pass import FloorPass, ReflectionPass
 from live.render.passes.ink_pass import InkPass
 from live.render.passes.plan_pass import PlanPass
@@ -271,7 +271,7 @@ class Pipeline:
         into = smooth.target
         into.use()
         into.scissor = where
-        self._surface.shade(moment.floor, hdr=hdr, extra_lamps=frame.extra_lamps_lit, moving=frame.light_moves)
+        self._surface.shade(moment.floor, light_variant(frame), hdr=hdr)
         self._draw_stage(into, moment, hdr=hdr)
         for one in faults.iterate(overs):
             one.draw_light(moment)
@@ -285,7 +285,7 @@ class Pipeline:
 
     def _draw_lit(self, moment: Moment, here: list[ScenePass]) -> None:
         into = self._target.begin()
-        self._dancer.draw(moment.batch, moment.floor)
+        self._dancer.draw(moment.batch, moment.floor, light_variant(moment.uniforms))
         for one in self.faults.iterate(here):
             one.draw_lit(moment)
         overs = [one for one in here if one.light_active(moment)]

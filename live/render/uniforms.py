@@ -247,10 +247,9 @@ class FrameUniforms:
         return bool(self._data["spot_light"][0, 3] > 0.0)
 
     @property
-    def extra_lamps_lit(self) -> bool:
-        """Whether any lamp is lit that is off in the usual light, beams excluded."""
-        row = self._row
-        return self.spots_lit or bool(row[_SIDE] > 0.0 or row[_BACK] > 0.0)
+    def side_lamps_lit(self) -> bool:
+        """Whether the lamps at the sides or straight behind are lit."""
+        return bool(self._row[_SIDE] > 0.0 or self._row[_BACK] > 0.0)
 
     @property
     def beams_lit(self) -> bool:

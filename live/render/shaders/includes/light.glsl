@@ -10,6 +10,9 @@ const vec3 RIM_RIGHT = vec3(0.6276, 0.4602, -0.6276);
 #ifndef BESIDE
 #define BESIDE 1
 #endif
+#ifndef SPOTS
+#define SPOTS 1
+#endif
 #ifndef MOVING
 #define MOVING 1
 #endif
@@ -24,6 +27,7 @@ vec3 beside(vec3 place, vec3 n, vec3 albedo, vec3 to_eye, float edge, float open
     vec3 colour = sides * (albedo * 1.25 * (0.5 + 0.5 * openness) + 0.35 * edge);
     float back = max(dot(n, BACK), 0.0);
     colour += back_light.rgb * back * (albedo * 0.9 + edge * 1.1) * (0.4 + 0.6 * openness);
+#if SPOTS
     for (int k = 0; k < 4; ++k) {
         if (spot_place[k].w <= 0.0) continue;
         vec3 to_lamp = normalize(spot_lamp(k) - place);
@@ -31,6 +35,7 @@ vec3 beside(vec3 place, vec3 n, vec3 albedo, vec3 to_eye, float edge, float open
         float shine = pow(max(dot(n, normalize(to_lamp + to_eye)), 0.0), 24.0);
         colour += spot_light[k].rgb * spot_reach(k, place) * (albedo * front * 1.4 * (0.5 + 0.5 * openness) + 0.12 * shine);
     }
+#endif
     return colour;
 }
 #endif
