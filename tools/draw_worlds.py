@@ -49,7 +49,7 @@ class Pictures:
 
     def draw(self, row: Float64) -> Image.Image:
         """The picture of a row."""
-        views: list[StageView] = copy.deepcopy(self._kept)
+        views: list[StageView] = copy.deepcopy([*self._kept[-10:-1:3], self._kept[-1]])
         for view in views:
             view.picture = row
             self._renderer.draw(view, self._target.framebuffer)
