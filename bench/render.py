@@ -29,8 +29,6 @@ from live.base.picture_parameters import (
 from live.base.stage_snapshot import Scene, StageView
 from live.cli.bench import Row
 from live.clock.ticks import TICK
-from live.render.frame_budget import FrameBudget
-from live.render.frame_stats import Pacer
 from live.render.headless import OffscreenTarget, create_headless_context, is_software
 from live.render.outputs.output import Output, SoftEdge
 from live.render.outputs.output_pass import OutputPass
@@ -38,6 +36,8 @@ from live.render.outputs.photosensitivity import FlashLimiter
 from live.render.outputs.screen import FrameBuffers
 from live.render.renderer import Renderer
 from live.render.shader import release_all
+from live.render.timing.frame_budget import FrameBudget
+from live.render.timing.frame_stats import Pacer
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from live.show.show import Show

@@ -15,13 +15,11 @@ import numpy.typing as npt
 from live.base.arrays import Float64
 from live.base.body.appearance import COSTUMES, HAIRS, SHOES
 from live.base.custom_pass import MAX_PASSES, NUMBERS_PER_PASS, custom_pass_numbers
-from live.base.parameter import SPOT_COUNT, Parameter
+from live.base.parameter import SPOT_COUNT, WORLD_NAMES, Parameter
 from live.base.stage_snapshot import Camera, Scene
 
 STYLE_NAMES: Final = ("solid", "silhouette", "ink", "particles", "ribbons", "trails", "xray")
 """The styles; each group's amount of a style is at `/dance/draw/NAME`."""
-WORLD_NAMES: Final = ("haze", "studio", "paper", "constellation", "water", "dusk")
-"""The worlds in which dancers are drawn; the amount of each is at `/dance/world/NAME`."""
 WORLD_PREFIX: Final = "/dance/world/"
 GOBO_NAMES: Final = ("leaves", "window", "blinds", "breakup")
 """Patterns in the key light; the amount of each is at `/dance/light/gobo/NAME`."""

@@ -2,8 +2,7 @@
 
 from typing import Annotated
 
-from live.base.parameter import SPOT_COUNT
-from live.base.picture_parameters import WORLD_NAMES
+from live.base.parameter import SPOT_COUNT, WORLD_NAMES
 from live.control.events.event import ControlEvent
 from live.control.registry.command import FadeMeasures, OwnFadeMeasures, command
 from live.control.registry.control import Argument

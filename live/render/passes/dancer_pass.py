@@ -110,8 +110,8 @@ class GBufferPass:
         crowd.draw(linked, self.quality.far_level, "far", character_program=worn)
 
     def shade(self, floor_map: moderngl.Texture, light: int, *, hdr: bool = False) -> None:
-        """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light; `light`: see
-        `LIGHT_VARIANTS`."""
+        """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light; `light`:
+        see `LIGHT_VARIANTS`."""
         which = len(LIGHT_VARIANTS) * hdr + light
         linked = self._shades[which]
         self._ctx.enable(moderngl.DEPTH_TEST)
