@@ -18,11 +18,11 @@ from bench._show import crowd
 from bench.render_crowd import drawn, timed
 from live.app.film.live_recording import SOFTWARE_FPS
 from live.base.arrays import Float64
+from live.base.parameter import WORLD_NAMES
 from live.base.picture_parameters import (
     BY_ADDRESS,
     STYLE_ADDRESS_PREFIX,
     STYLE_NAMES,
-    WORLD_NAMES,
     group_parameter,
     picture_row,
 )

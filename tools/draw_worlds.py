@@ -12,7 +12,8 @@ from PIL import Image
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 
 from live.base.arrays import Float64
-from live.base.picture_parameters import LENS, WORLD_NAMES
+from live.base.parameter import WORLD_NAMES
+from live.base.picture_parameters import LENS
 from live.base.stage_snapshot import Scene, StageView
 from live.render.adaptive_quality import HARDWARE
 from live.render.headless import OffscreenTarget, create_headless_context

@@ -5,7 +5,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from live.base.picture_parameters import WORLD_NAMES
+from live.base.parameter import WORLD_NAMES
 from live.control.registry.control import ROLE_RANKS, Argument, ArgumentValue, Control, Role
 from live.control.registry.registry import QUERIES, REGISTRY
 from live.show.desk.parameter_table import NAME_CHOICES

@@ -7,7 +7,7 @@ import moderngl
 import numpy as np
 
 from live.base.arrays import Float64
-from live.base.parameter import SPOT_COUNT
+from live.base.parameter import SPOT_COUNT, WORLD_NAMES
 from live.base.picture_parameters import (
     BACKDROP_INDICES,
     BY_ADDRESS,
@@ -20,7 +20,6 @@ from live.base.picture_parameters import (
     SHADOW,
     STYLES_START,
     VIGNETTE,
-    WORLD_NAMES,
     WORLD_PREFIX,
     camera_from_row,
     picture_row,

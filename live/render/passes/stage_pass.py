@@ -8,7 +8,7 @@ from typing import Final
 
 import moderngl
 
-from live.base.picture_parameters import WORLD_NAMES
+from live.base.parameter import WORLD_NAMES
 from live.render.shader import compile_program, release_all, set_uniform
 from live.render.uniforms import WALL_DISTANCE
 

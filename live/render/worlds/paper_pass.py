@@ -49,7 +49,7 @@ class PaperPass:
             target.scissor = where
             program.set("stroke", (0.618034 * drawn % 1.0, 0.754878 * drawn % 1.0))
             program.draw(target, light=source, depth=surfaces.depth, shape=surfaces.shape, who=surfaces.identity)
-        target.scissor = None
+        target.scissor = whole
 
     def resize(self, size: tuple[int, int]) -> None:
         """New size of the picture [pixels]: nothing depends on it."""

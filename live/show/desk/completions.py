@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from live.base.picture_parameters import WORLD_NAMES
+from live.base.parameter import WORLD_NAMES
 from live.control.registry.registry import FIRST_NAMES
 from live.show.desk.pad import SHAPES
 from live.show.desk.parameter_table import NAME_CHOICES

@@ -3,7 +3,8 @@
 from collections.abc import Mapping
 from typing import Final
 
-from live.base.picture_parameters import GROUP_PARAMETERS, STYLE_ADDRESS_PREFIX, WORLD_NAMES
+from live.base.parameter import WORLD_NAMES
+from live.base.picture_parameters import GROUP_PARAMETERS, STYLE_ADDRESS_PREFIX
 from live.show.desk.worlds import is_drawing_style, world_values
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import Setting, parameter_values

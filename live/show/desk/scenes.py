@@ -15,6 +15,7 @@ from live.base import picture_parameters
 from live.base.arrays import Float64
 from live.base.custom_pass import PASS_ADDRESS, PASSES, custom_pass_numbers
 from live.base.errors import PersonError
+from live.base.parameter import WORLD_NAMES
 from live.base.stage_snapshot import Camera
 from live.control.events import events
 from live.control.events.events import ControlEvent
@@ -133,8 +134,7 @@ class Scenes:
         for name, (settings, whom) in view_settings(patch).items():
             self._views[_folded(name)] = self._scene(table, name, settings, 0.0, whom)
         self._worlds = {
-            name: self._scene(table, name, world_settings(patch, name), FADE_MEASURES)
-            for name in picture_parameters.WORLD_NAMES
+            name: self._scene(table, name, world_settings(patch, name), FADE_MEASURES) for name in WORLD_NAMES
         }
         for look in patch.looks:
             self._looks[_folded(look.name)] = self._scene(table, look.name, look_settings(patch, look), look.measures)

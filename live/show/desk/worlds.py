@@ -8,11 +8,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final
 
+from live.base.parameter import WORLD_NAMES
 from live.base.picture_parameters import (
     BY_ADDRESS,
     GROUP_PARAMETERS,
     STYLE_ADDRESS_PREFIX,
-    WORLD_NAMES,
     WORLD_PREFIX,
 )
 

@@ -6,7 +6,7 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from live.base.errors import PersonError
 from live.base.floor_corners import check_corners
-from live.base.picture_parameters import WORLD_NAMES
+from live.base.parameter import WORLD_NAMES
 from live.show.patch.section_base import (
     Colour,
     Draw,

@@ -6,7 +6,7 @@ from typing import Final, get_args
 import numpy as np
 
 from live.base.errors import PersonError
-from live.base.picture_parameters import WORLD_NAMES
+from live.base.parameter import WORLD_NAMES
 from live.control.events import events
 from live.control.registry.command import controls_of
 from live.control.registry.registry import FIRST_NAMES, REGISTRY

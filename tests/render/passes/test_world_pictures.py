@@ -6,11 +6,11 @@ from itertools import combinations, pairwise
 import numpy as np
 import pytest
 
+from live.base.parameter import WORLD_NAMES
 from live.base.picture_parameters import (
     BY_ADDRESS,
     FLOOR_PATTERN_NAMES,
     GOBO_NAMES,
-    WORLD_NAMES,
     camera_values,
     group_parameter,
     picture_row,

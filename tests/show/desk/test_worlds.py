@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from live.base.picture_parameters import BY_ADDRESS, GROUP_PARAMETERS, WORLD_NAMES, WORLD_PREFIX, group_parameter
+from live.base.parameter import WORLD_NAMES
+from live.base.picture_parameters import BY_ADDRESS, GROUP_PARAMETERS, WORLD_PREFIX, group_parameter
 from live.render.uniforms import world_shares
 from live.show.desk.parameter_table import parse_value
 from live.show.desk.scenes import start_row
