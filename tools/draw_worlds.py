@@ -50,7 +50,7 @@ class Pictures:
 
     def draw(self, row: Float64) -> Image.Image:
         """The picture of a row."""
-        views: list[StageView] = copy.deepcopy([*self._kept[-10:-1:3], self._kept[-1]])
+        views: list[StageView] = copy.deepcopy(self._kept[-1::-4][::-1])
         for view in views:
             view.picture = row
             self._renderer.draw(view, self._target.framebuffer)
