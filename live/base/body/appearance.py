@@ -25,5 +25,5 @@ HAIRS: Final = ("bun", "bald", "crop", "bob", "ponytail", "long", "curls", "brai
 """Hair styles; the first is the default."""
 COSTUMES: Final = ("leotard", "unitard", "trousers", "dress", "skirt", "jacket", "bare")
 """Costumes; the first is the default. `bare`: shorts, and for women a top."""
-SHOES: Final = ("barefoot", "ballet", "heels", "sneakers", "boots")
+SHOES: Final = ("barefoot", "ballet", "pumps", "sneakers", "boots")
 """What dancers have on their feet; the first is the default."""

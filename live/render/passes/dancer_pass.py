@@ -7,8 +7,9 @@ import moderngl
 from live.render.adaptive_quality import Quality
 from live.render.camera import FAR, NEAR
 from live.render.dancers.dancer_batch import DancerBatch
+from live.render.dancers.group_styles import NEARNESS
 from live.render.pass_context import HDR, Surfaces
-from live.render.shader import WORN, compile_program, release_all, set_uniform
+from live.render.shader import HEAD, WORN, compile_program, release_all, set_uniform
 from live.render.uniforms import FrameUniforms
 
 LIGHT_VARIANTS: Final = ((0, 0, 0), (1, 0, 0), (0, 0, 1), (1, 1, 1))
@@ -38,22 +39,23 @@ class DancerPass:
         files = "dancer_vertex.glsl", "dancer_fragment.glsl"
         lights = [(("SOFT", 1), *_light_constants(variant)) for variant in LIGHT_VARIANTS]
         self._programs = [compile_program(ctx, *files, light) for light in lights]
+        self._head_programs = [compile_program(ctx, *files, (*light, *HEAD)) for light in lights]
         self._character_programs = [compile_program(ctx, *files, (*light, *WORN)) for light in lights if characters]
 
     def draw(self, crowd: DancerBatch, floor_map: moderngl.Texture, light: int) -> None:
         """Draw all dancers of this frame, the near ones first (they hide others); `light`: see `LIGHT_VARIANTS`."""
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         floor_map.use(1)
-        program = self._programs[light]
+        program, head = self._programs[light], self._head_programs[light]
         worn = self._character_programs[light] if self._character_programs else None
-        for linked in filter(None, (program, worn)):
+        for linked in filter(None, (program, head, worn)):
             set_uniform(linked, "floor_map", 1)
-        crowd.draw(program, self.quality.near_level, "near", character_program=worn)
-        crowd.draw(program, self.quality.far_level, "far", character_program=worn)
+        for where in NEARNESS:
+            crowd.draw(program, self.quality.level_of(where), where, character_program=worn, head_program=head)
 
     def release(self) -> None:
         """Free the programs."""
-        release_all(*self._programs, *self._character_programs)
+        release_all(*self._programs, *self._head_programs, *self._character_programs)
 
 
 class GBufferPass:
@@ -71,6 +73,10 @@ class GBufferPass:
             compile_program(ctx, "dancer_vertex.glsl", "gbuffer_fragment.glsl", (("SOFT", 0), ("WHO", who)))
             for who in (0, 1)
         )
+        self._head_programs = [
+            compile_program(ctx, "dancer_vertex.glsl", "gbuffer_fragment.glsl", (("SOFT", 0), ("WHO", who), *HEAD))
+            for who in (0, 1)
+        ]
         self._character_programs = [
             compile_program(ctx, "dancer_vertex.glsl", "gbuffer_fragment.glsl", (("SOFT", 0), ("WHO", who), *WORN))
             for who in (0, 1)
@@ -106,8 +112,9 @@ class GBufferPass:
         target.clear()
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         worn = self._character_programs[with_ids] if self._character_programs else None
-        crowd.draw(linked, self.quality.near_level, "near", character_program=worn)
-        crowd.draw(linked, self.quality.far_level, "far", character_program=worn)
+        head = self._head_programs[with_ids]
+        for where in NEARNESS:
+            crowd.draw(linked, self.quality.level_of(where), where, character_program=worn, head_program=head)
 
     def shade(self, floor_map: moderngl.Texture, light: int, *, hdr: bool = False) -> None:
         """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light; `light`:
@@ -134,7 +141,8 @@ class GBufferPass:
     def release(self) -> None:
         """Free everything."""
         self._release_target()
-        release_all(*self._triangles, self._surface, self._id_program, *self._character_programs, *self._shades)
+        release_all(*self._triangles, self._surface, self._id_program)
+        release_all(*self._head_programs, *self._character_programs, *self._shades)
 
 
 class MultisampleTarget:
