@@ -49,7 +49,7 @@ void main() {
     pigment *= 0.82 + 0.36 * sheet.b;   // it settles in the grain
     vec3 paper = light_background() * (key_light.rgb * 0.5 + fill_above.rgb * 0.25);
     vec3 thin = mix(vec3(1.0), clamp(hue, 0.02, 1.0), clamp(pigment * 1.05, 0.0, 1.0));
-    vec3 wash = paper * thin * mix(1.0, 0.72, clamp((1.0 - value) * 0.85, 0.0, 1.0) * clamp(pigment, 0.0, 1.0));
+    vec3 wash = paper * thin * mix(1.0, 0.30, smoothstep(0.62, 0.02, value) * clamp(pigment + 0.35, 0.0, 1.0));
     wash = mix(wash, paper, 0.75 * smoothstep(1.12, 1.30, tone) );
     drawn = mix(lit, wash, body);
 #endif
