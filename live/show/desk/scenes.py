@@ -1,4 +1,4 @@
-"""Scenes: named parameter values, from the patch or stored live, recalled with a cross-fade; also views and looks.
+"""Scenes: named parameter values, from the patch or stored live, recalled with a cross-fade; also views, looks, worlds.
 
 A stored scene contains all values; a scene of the patch only those it lists. `start` is the state at the start of the
 patch. Views are cameras by name: those of the patch and a few built-in ones.
@@ -15,13 +15,15 @@ from live.base import picture_parameters
 from live.base.arrays import Float64
 from live.base.custom_pass import PASS_ADDRESS, PASSES, custom_pass_numbers
 from live.base.errors import PersonError
+from live.base.parameter import WORLD_NAMES
 from live.base.stage_snapshot import Camera
 from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.show.desk.camera_rig import NO_FOLLOW_WORDS, CameraRig
-from live.show.desk.look_settings import group_settings, look_settings
-from live.show.desk.parameter_table import LOOK, VIEW, ParameterTable, Slot, parse_value, split_key
+from live.show.desk.look_settings import group_settings, look_settings, world_settings
+from live.show.desk.parameter_table import LOOK, NAMED, VIEW, WORLD, ParameterTable, Slot, parse_value, split_key
 from live.show.desk.parameters import Parameters
+from live.show.desk.worlds import FADE_MEASURES, WORLD_PARAMETERS
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import Setting, parameter_rows, parameter_values
 from live.show.patch.section_stage import PROJECTOR, AnyCamera, ViewSection
@@ -137,12 +139,8 @@ class Scenes:
         self.stored: dict[str, Scene] = {}
         """Scenes stored live, by case-folded name."""
         table, start = parameters.table, parameters.start
-        light = [
-            place
-            for row in parameter_rows("look").values()
-            for slot in table.find(row.address)
-            for place in slot.numbers
-        ]
+        addresses = dict.fromkeys((*(row.address for row in parameter_rows("look").values()), *WORLD_PARAMETERS))
+        light = [place for address in addresses for slot in table.find(address) for place in slot.numbers]
         camera = range(picture_parameters.CAMERA.start, picture_parameters.CAMERA.stop)
         self._views = {START: Scene(START, {place: float(start[place]) for place in camera}, 0.0)}
         self._looks = {START: Scene(START, {place: float(start[place]) for place in light}, 1.0)}
@@ -151,8 +149,11 @@ class Scenes:
         self._views[START] = replace(self._views[START], follow=patch.camera.follow)
         for name, (settings, whom) in view_settings(patch).items():
             self._views[_folded(name)] = self._scene(table, name, settings, 0.0, whom)
+        self._worlds = {
+            name: self._scene(table, name, world_settings(patch, name), FADE_MEASURES) for name in WORLD_NAMES
+        }
         for look in patch.looks:
-            self._looks[_folded(look.name)] = self._scene(table, look.name, look_settings(look), look.measures)
+            self._looks[_folded(look.name)] = self._scene(table, look.name, look_settings(patch, look), look.measures)
         drawn: dict[str, Setting] = {}
         for group in patch.group:
             drawn |= group_settings(group.name, group.draw)[1]
@@ -186,6 +187,7 @@ class Scenes:
         """Adopt views, looks and scenes of an edited patch; scenes stored live stay."""
         redressed = fresh._scenes[START].selected != self._scenes[START].selected
         self._views, self._looks, self._scenes = fresh._views, fresh._looks, fresh._scenes
+        self._worlds = fresh._worlds
         if redressed:
             self._set_start()
         self._custom_passes = fresh._custom_passes
@@ -202,9 +204,9 @@ class Scenes:
         selected: list[Selected] = []
         for key, value in settings.items():
             address, group = split_key(key)
-            if address in (VIEW, LOOK):
-                kept = self._views if address == VIEW else self._looks
-                found = _find_scene(kept, str(value), "view" if address == VIEW else "look")
+            if address in NAMED:
+                kept = {VIEW: self._views, LOOK: self._looks, WORLD: self._worlds}[address]
+                found = _find_scene(kept, str(value), NAMED[address])
                 goals |= found.goals
                 selected += found.selected
                 continue
@@ -359,6 +361,9 @@ class Scenes:
         if scene.name == START:
             self._parameters.release()
 
+    def _world(self, event: events.RecallWorld, size: float) -> None:
+        self._fade_to(_find_scene(self._worlds, event.name, "world"), event.measures, size)
+
     def _recall(self, event: events.RecallScene, size: float) -> None:
         self.recall(event.name, measures=event.measures, beats_per_measure=size)
 
@@ -400,6 +405,7 @@ _HANDLERS: Final[dict[type, Callable[..., None]]] = {
     events.Accompany: Scenes._follow,
     events.ShowBackground: Scenes._background,
     events.RecallLook: Scenes._look,
+    events.RecallWorld: Scenes._world,
     events.RecallScene: Scenes._recall,
     events.StoreScene: Scenes._store,
 }

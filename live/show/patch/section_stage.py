@@ -6,6 +6,7 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from live.base.errors import PersonError
 from live.base.floor_corners import check_corners
+from live.base.parameter import WORLD_NAMES
 from live.render.media.live_input import parse_input
 from live.show.patch.section_base import (
     Colour,
@@ -257,6 +258,9 @@ def check_floor_corners(corners: FloorCorners) -> None:
 
 class LookSection(parameter_section("look", optional=True)):  # type: ignore[misc]
     """`[look]`: light and colour (linear RGB from 0 to 1); keys left out keep their defaults."""
+
+    world: Literal[WORLD_NAMES] | None = None  # type: ignore[valid-type]
+    """The world in which the show is danced: it has defaults of its own for all other keys."""
 
     key_direction: tuple[WorldCoordinate, WorldCoordinate, WorldCoordinate] | None = None
     """Direction of the key light, from the front: x, y (up), z; its length is ignored."""

@@ -291,7 +291,7 @@ KINDS: Final = [
     """),
     Kind("scenes", Scenes, """
         _parameters:parameters _rig:camera-rig _custom_passes:dict[str,constant-own-number] stored:dict[str,scene]
-        _views:dict[str,scene] _looks:dict[str,scene] _backgrounds:list[str]
+        _views:dict[str,scene] _looks:dict[str,scene] _worlds:dict[str,scene] _backgrounds:list[str]
         _background_places:list[str] _scenes:dict[str,scene]
     """),
     Kind("score", Score, "playhead:playhead _sections:dict[str,int] written:constant-written"),
