@@ -161,6 +161,16 @@ _ROWS: Final = (
         "Opacity of the plan over the picture: circles with triangles for dancers, and their trails.",
         patch="camera.plan",
     ),
+    Parameter(
+        "/dance/camera/director", "switch", 0, 1, (0.0,), "",
+        "Whether the director leads the camera: it frames the dancers, moves and cuts with the phrases.",
+        patch="camera.director",
+    ),
+    Parameter(
+        "/dance/camera/mood", "choice", 0, 3, (0.0,), "", "How the director works.",
+        words="0: calm, 1: still, 2: lively, 3: cinematic", patch="camera.mood",
+        choices={"calm": 0.0, "still": 1.0, "lively": 2.0, "cinematic": 3.0},
+    ),
     _number(
         "/dance/light/side", 0, 4, 0.0,
         "Strength of the light from both sides, low, as for dance; by default none.", patch="look.side",
@@ -196,6 +206,11 @@ _ROWS: Final = (
     _number(
         "/dance/light/energy", 0, 1, 0.0,
         "How much all light follows the energy of the music.", patch="look.energy",
+    ),
+    _number(
+        "/dance/light/score", 0, 1, 1.0,
+        "How much the light follows the score: soloists, groups, beginning, end, build-ups and drops; 0: not at all.",
+        patch="look.follow_score",
     ),
     _number(
         "/dance/light/stage", 0, 1, 1.0,
@@ -381,12 +396,16 @@ ORBIT: Final = BY_ADDRESS["/dance/camera/orbit"].first
 FOLLOWING: Final = BY_ADDRESS["/dance/camera/following"].first
 ALONG: Final = BY_ADDRESS["/dance/camera/along"].first
 PLAN: Final = BY_ADDRESS["/dance/camera/plan"].first
+DIRECTOR: Final = BY_ADDRESS["/dance/camera/director"].first
+DIRECTOR_MOOD: Final = BY_ADDRESS["/dance/camera/mood"].first
 LEVEL: Final = BY_ADDRESS["/dance/light/level"].first
 SHADOW: Final = BY_ADDRESS["/dance/pass/shadow"].first
 MIRROR: Final = BY_ADDRESS["/dance/pass/mirror"].first
 VIGNETTE: Final = BY_ADDRESS["/dance/pass/vignette"].first
-CAMERA: Final = slice(EYE.start, PLAN + 1)
+CAMERA: Final = slice(EYE.start, DIRECTOR_MOOD + 1)
 """The camera's numbers, which are contiguous."""
+DIRECTED: Final = range(EYE.start, PLAN)
+"""The camera's numbers that the director sets while it leads: position, direction, lens and motion."""
 LENS: Final = slice(EYE.start, ORBIT)
 """The camera's numbers that define the projection: position, direction and lens."""
 BACKDROP_INDICES: Final = _row_indices(

@@ -78,6 +78,8 @@ def parse_value(address: str, value: object) -> tuple[float, ...]:
         raise PersonError(f"{address!r} has no value that can be set", f"there are: {', '.join(ROWS)}")
     if row.kind == "names":
         return (_number_of_names(row, value),)
+    if isinstance(value, str) and value.casefold() in row.choices:
+        value = row.choices[value.casefold()]
     parts: list[Any] = list(value) if isinstance(value, list | tuple) else [value]
     arguments = value_arguments(row)
     checked = [argument.check(part) for argument, part in zip(arguments, parts, strict=False)]

@@ -26,7 +26,7 @@ from live.show.desk.parameters import Parameters
 from live.show.desk.worlds import FADE_MEASURES, WORLD_PARAMETERS
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import Setting, parameter_rows, parameter_values
-from live.show.patch.section_stage import PROJECTOR, CameraSection, ViewSection
+from live.show.patch.section_stage import PROJECTOR, AnyCamera, ViewSection
 from live.show.view.render_scene import camera_of_section, make_scene, projector_camera
 
 _ANGLE: Final = 34.0
@@ -37,14 +37,15 @@ _ORBIT_MEASURES: Final = 16.0
 """Measures of one orbit of the view `around`."""
 
 
-def camera_settings(camera: Camera, moves: CameraSection | None = None) -> dict[str, Setting]:
+def camera_settings(camera: Camera, moves: AnyCamera | None = None) -> dict[str, Setting]:
     """Return a camera and its motion as values by address: all that `/dance/camera/...` can set."""
-    moves = moves or CameraSection()
+    moves = moves or AnyCamera()
     return {
         **parameter_values("camera", moves),
         **picture_parameters.camera_values(camera),
         "/dance/camera/orbit": 0.0 if moves.orbit_measures == 0.0 else 1.0 / moves.orbit_measures,
         "/dance/camera/following": float(moves.follow is not None),
+        "/dance/camera/director": float(moves.asks_for_director),
     }
 
 
@@ -52,11 +53,24 @@ def start_row(patch: Patch) -> Float64:
     """Return the picture's row at the start of a patch, shape (picture.SIZE,)."""
     row = picture_parameters.picture_row(make_scene(patch))
     said = camera_settings(picture_parameters.camera_from_row(row), patch.camera)
+    said["/dance/camera/director"] = float(is_directed(patch))
     said |= {f"/dance/background/{number}": one.seen for number, one in enumerate(patch.background, start=1)}
     said |= {f"/dance/scenery/{number}": one.seen for number, one in enumerate(patch.scenery, start=1)}
     for address, value in said.items():
         row[picture_parameters.BY_ADDRESS[address].row_slice] = value
     return row
+
+
+def is_locked(patch: Patch) -> bool:
+    """Whether the director never leads this show's camera: it is locked, or the projector's view."""
+    return patch.camera.lock or (patch.projector is not None and "camera" not in patch.model_fields_set)
+
+
+def is_directed(patch: Patch) -> bool:
+    """Whether the director leads the camera from the start: the patch says so, or has no camera of its own."""
+    if is_locked(patch):
+        return False
+    return patch.camera.asks_for_director or "camera" not in patch.model_fields_set
 
 
 def view_settings(patch: Patch) -> dict[str, tuple[dict[str, Setting], str | None]]:
@@ -67,8 +81,8 @@ def view_settings(patch: Patch) -> dict[str, tuple[dict[str, Setting], str | Non
     turned = (front.eye[2], front.eye[1], 0.0)
     views["front"] = camera_settings(front), None
     views["side"] = camera_settings(Camera(turned, front.target, _ANGLE)), None
-    views["around"] = camera_settings(front, CameraSection(orbit_measures=_ORBIT_MEASURES)), None
-    views["top"] = camera_settings(_from_above(width, depth), CameraSection(plan=1.0)), None
+    views["around"] = camera_settings(front, AnyCamera(orbit_measures=_ORBIT_MEASURES)), None
+    views["top"] = camera_settings(_from_above(width, depth), AnyCamera(plan=1.0)), None
     projector = projector_camera(patch)
     if projector is not None:
         views[PROJECTOR] = camera_settings(projector), None
@@ -260,7 +274,7 @@ class Scenes:
     def recall(self, name: str, *, measures: float, beats_per_measure: float) -> None:
         """Fade to a scene in `measures`; below 0: in the scene's own time. Raises PersonError for an unknown scene."""
         scene = _find_scene(self._scenes | self.stored, name, "scene")
-        self._fade_to(scene, measures, beats_per_measure)
+        self._light(scene, measures, beats_per_measure)
 
     def _fade_to(self, scene: Scene, measures: float, size: float) -> None:
         lasts = scene.measures if measures < 0.0 else measures
@@ -338,7 +352,14 @@ class Scenes:
         self._parameters.fade(goals, beats=max(event.measures, 0.0) * size)
 
     def _look(self, event: events.RecallLook, size: float) -> None:
-        self._fade_to(_find_scene(self._looks, event.name, "look"), event.measures, size)
+        self._light(_find_scene(self._looks, event.name, "look"), event.measures, size)
+
+    def _light(self, scene: Scene, measures: float, size: float) -> None:
+        """Fade to a scene or look, which claims its values, and no others; the patch's own claims none."""
+        self._parameters.release()
+        self._fade_to(scene, measures, size)
+        if scene.name == START:
+            self._parameters.release()
 
     def _world(self, event: events.RecallWorld, size: float) -> None:
         self._fade_to(_find_scene(self._worlds, event.name, "world"), event.measures, size)

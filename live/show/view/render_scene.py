@@ -22,7 +22,7 @@ from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import find_resource
 from live.show.patch.section_base import Setting, parameter_values
 from live.show.patch.section_motion import GroupSection
-from live.show.patch.section_stage import CameraSection
+from live.show.patch.section_stage import AnyCamera
 
 if TYPE_CHECKING:
     from live.render.renderer import Renderer
@@ -37,7 +37,7 @@ def projector_camera(patch: Patch) -> Camera | None:
         return camera_from_corners(section.at, section.corners, (patch.stage.width, patch.stage.depth), section.aspect)
 
 
-def camera_of_section(section: CameraSection) -> Camera:
+def camera_of_section(section: AnyCamera) -> Camera:
     """Return the camera of a `[camera]` or `[[view]]`."""
     return Camera(section.eye, section.target, section.field_of_view_deg, section.roll_deg, section.shift)
 
