@@ -111,7 +111,7 @@ def build_body(level: int, name: str = DEFAULT_BODY) -> BodyMesh:
         raise ValueError(
             f"level of detail {level}: {COARSE} (coarse), {LIGHT} (light), {FINE} (fine) or {DISTANT} (far)"
         )
-    entry = _CACHE.entry_path(_code_digest(), [name.encode(), bytes([level])])
+    entry = _CACHE.entry_path(code_digest(), [name.encode(), bytes([level])])
     mesh = _CACHE.load(entry, _unpack)
     if mesh is None:
         mesh = _build(level, name)
@@ -120,8 +120,8 @@ def build_body(level: int, name: str = DEFAULT_BODY) -> BodyMesh:
 
 
 @cache
-def _code_digest() -> bytes:
-    """Digest of the code that builds bodies."""
+def code_digest() -> bytes:
+    """Return the digest of the code that builds bodies."""
     here = Path(__file__).resolve().parent
     package = here.parents[1]
     return digest_of_code([here, package / "base" / "body_catalogue.py", package / "motion" / "skeleton.py"])

@@ -1,0 +1,400 @@
+"""Kernels of garments: extended position-based dynamics in small steps, with contact of the own body and the floor.
+
+After Müller et al., *Position Based Dynamics* (2007), Macklin, Müller and Chentanez, *XPBD* (2016), and Macklin et al.,
+*Small Steps in Physics Simulation* (2019): each tick has several substeps with one iteration each. The length of cloth
+is limited as in Provot, *Deformation Constraints in a Mass-Spring Model* (1995), and by attachments to the fixed rows as
+in Kim, Chentanez and Müller-Fischer, *Long Range Attachments* (2012).
+
+Garments of one pattern on LANES dancers are a *block*: every number of a particle is a row of LANES dancers (structure
+of arrays), so that the compiler vectorizes each loop over lanes. Positions are (3, P, LANES), joints (12, J, LANES) and
+limbs (LIMB_ROWS, K, LANES) in the world. A *run* is a number of particles that lie one after the other, with as many
+partners that do, too: one loop projects all constraints between them. No particle is in a run twice, so the order within
+it does not matter.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import inline_kernel, kernel
+
+Float32 = npt.NDArray[np.float32]
+Int32 = npt.NDArray[np.int32]
+Uint8 = npt.NDArray[np.uint8]
+
+LANES = 8
+"""Dancers in a block."""
+COLUMNS = 32
+"""Most particles in a row of a garment."""
+WIDTH = COLUMNS * LANES
+EXACT, AT_MOST = 0, 1
+"""Kinds of a run: a length, or an upper limit of one."""
+RUN_KIND, RUN_FIRST, RUN_SECOND, RUN_COUNT = range(4)
+"""Columns of `runs`."""
+REST, COMPLIANCE, FIRST_MASS, SECOND_MASS = range(4)
+"""Columns of `amounts`: length [m], compliance [m/N] of a particle of 1 kg, inverse masses of both ends [1/kg]."""
+CONTACT_FIRST, CONTACT_COUNT, CONTACT_LIMB, CONTACT_SHIFT = range(4)
+"""Columns of `contacts`: particles, their number, the limb, and the distance to a second particle if the middle between
+both keeps out; 0: none."""
+DRAG, GRAVITY, THICKNESS, FLOOR, FLOOR_FRICTION = range(5)
+"""Entries of `matter`: drag of the air [1/s], acceleration [m/s2], distance kept from the body and height kept over the
+floor [m], share of the speed along the floor that is lost in a substep."""
+MATTER_COLUMNS = 5
+MIDDLE, AXES, SIDES, FRONTS, BACKS, CAPS, LENGTH, PER_LENGTH, BOUND = 0, 3, 12, 16, 20, 24, 26, 27, 28
+"""Rows of a limb: middle of its start, its three axes (sides, along, front), polynomials of the inverse half-widths,
+inverse reach of both ends, length and its inverse, and square of the distance from the line beyond which nothing
+touches it."""
+LIMB_ROWS = 29
+PLACE, TURN = 0, 3
+"""Rows of a joint: its position, its rotation matrix by rows."""
+JOINT_ROWS = 12
+_ZERO: Any = np.float32(0.0)
+_HALF: Any = np.float32(0.5)
+_ONE: Any = np.float32(1.0)
+_TWO: Any = np.float32(2.0)
+_TINY: Any = np.float32(1e-12)
+_RUNAWAY: Any = np.float32(1e4)
+_FASTEST: Any = np.float32(9.0)  # no cloth is faster [m/s]; feet of the fastest kicks are as fast
+
+
+@kernel("void(f4[:,::1], f4[:,::1], f4[:,::1], i4[:,::1], f4[:,::1], f4)")
+def project_runs(x: Float32, y: Float32, z: Float32, runs: Int32, amounts: Float32, per_step: float) -> None:
+    """Project the constraints of all `runs` (K, 4) once, in their order; x, y, z (P, LANES).
+
+    `per_step`: 1 / h², by which the compliance of `amounts` (K, 4) is multiplied for substeps of h [s].
+    """
+    for k in range(runs.shape[0]):
+        first, second, count = runs[k, RUN_FIRST], runs[k, RUN_SECOND], runs[k, RUN_COUNT]
+        lowest = -np.float32(np.inf) if runs[k, RUN_KIND] == EXACT else _ZERO
+        rest, wa, wb = amounts[k, REST], amounts[k, FIRST_MASS], amounts[k, SECOND_MASS]
+        share = _ONE / (wa + wb + amounts[k, COMPLIANCE] * per_step)
+        wa, wb = wa * share, wb * share
+        ax = x[first : first + count].reshape(count * LANES)
+        ay = y[first : first + count].reshape(count * LANES)
+        az = z[first : first + count].reshape(count * LANES)
+        bx = x[second : second + count].reshape(count * LANES)
+        by = y[second : second + count].reshape(count * LANES)
+        bz = z[second : second + count].reshape(count * LANES)
+        for i in range(count * LANES):
+            dx, dy, dz = bx[i] - ax[i], by[i] - ay[i], bz[i] - az[i]
+            far = max(_ONE - rest / math.sqrt(dx * dx + dy * dy + dz * dz + _TINY), lowest)
+            dx, dy, dz = dx * far, dy * far, dz * far
+            ax[i] += wa * dx
+            ay[i] += wa * dy
+            az[i] += wa * dz
+            bx[i] -= wb * dx
+            by[i] -= wb * dy
+            bz[i] -= wb * dz
+
+
+@inline_kernel
+def _tile(tile: Float32, limbs: Float32, k: int, columns: int) -> None:
+    """Repeat the rows of limb k of (LIMB_ROWS, K, LANES) along `tile` (LIMB_ROWS, WIDTH), so many times."""
+    for row in range(LIMB_ROWS):
+        own = limbs[row, k]
+        for column in range(columns):
+            for i in range(LANES):
+                tile[row, column * LANES + i] = own[i]
+
+
+@kernel("void(f4[:,::1], f4[:,::1], f4[:,::1], i4[:,::1], f4[:,:,::1], f4)")
+def keep_out(x: Float32, y: Float32, z: Float32, contacts: Int32, limbs: Float32, thickness: float) -> None:
+    """Push particles, and middles between two, to `thickness` [m] outside the limbs.
+
+    x, y, z (P, LANES); contacts (C, 4), sorted by limb; limbs (LIMB_ROWS, K, LANES). A limb is an ellipse across and
+    round at its ends; the distance is of first order, k0 (k0 - 1) / k1.
+    """
+    limb, at = np.empty((LIMB_ROWS, WIDTH), np.float32), np.empty((3, WIDTH), np.float32)
+    push = np.empty((3, WIDTH), np.float32)
+    tiled, widest = -1, np.int64(1)
+    for c in range(contacts.shape[0]):
+        widest = max(widest, np.int64(contacts[c, CONTACT_COUNT]))
+    for c in range(contacts.shape[0]):
+        first, count, shift = contacts[c, CONTACT_FIRST], contacts[c, CONTACT_COUNT], contacts[c, CONTACT_SHIFT]
+        if contacts[c, CONTACT_LIMB] != tiled:
+            tiled = contacts[c, CONTACT_LIMB]
+            _tile(limb, limbs, tiled, min(widest, COLUMNS))
+        n = min(count * LANES, WIDTH)
+        px, py, pz = x[first : first + count], y[first : first + count], z[first : first + count]
+        fx, fy, fz = px.reshape(count * LANES), py.reshape(count * LANES), pz.reshape(count * LANES)
+        first += shift
+        px, py, pz = x[first : first + count], y[first : first + count], z[first : first + count]
+        gx, gy, gz = px.reshape(count * LANES), py.reshape(count * LANES), pz.reshape(count * LANES)
+        for i in range(n):
+            at[0, i] = _HALF * (fx[i] + gx[i])
+            at[1, i] = _HALF * (fy[i] + gy[i])
+            at[2, i] = _HALF * (fz[i] + gz[i])
+        near = np.int32(0)
+        for i in range(n):
+            dx, dy, dz = at[0, i] - limb[MIDDLE, i], at[1, i] - limb[MIDDLE + 1, i], at[2, i] - limb[MIDDLE + 2, i]
+            along = limb[AXES + 3, i] * dx + limb[AXES + 4, i] * dy + limb[AXES + 5, i] * dz
+            s = min(max(along, _ZERO), limb[LENGTH, i])
+            near |= np.int32(dx * dx + dy * dy + dz * dz - s * (_TWO * along - s) < limb[BOUND, i])
+        if near == 0:
+            continue
+        for i in range(n):
+            dx, dy, dz = at[0, i] - limb[MIDDLE, i], at[1, i] - limb[MIDDLE + 1, i], at[2, i] - limb[MIDDLE + 2, i]
+            side = limb[AXES, i] * dx + limb[AXES + 1, i] * dy + limb[AXES + 2, i] * dz
+            along = limb[AXES + 3, i] * dx + limb[AXES + 4, i] * dy + limb[AXES + 5, i] * dz
+            front = limb[AXES + 6, i] * dx + limb[AXES + 7, i] * dy + limb[AXES + 8, i] * dz
+            s = min(max(along * limb[PER_LENGTH, i], _ZERO), _ONE)
+            along -= s * limb[LENGTH, i]
+            rs = limb[SIDES, i] + s * (limb[SIDES + 1, i] + s * (limb[SIDES + 2, i] + s * limb[SIDES + 3, i]))
+            rf = limb[FRONTS, i] + s * (limb[FRONTS + 1, i] + s * (limb[FRONTS + 2, i] + s * limb[FRONTS + 3, i]))
+            rb = limb[BACKS, i] + s * (limb[BACKS + 1, i] + s * (limb[BACKS + 2, i] + s * limb[BACKS + 3, i]))
+            rf = rf if front > _ZERO else rb
+            ra = limb[CAPS + 1, i] if along > _ZERO else limb[CAPS, i]
+            us, ua, uf = side * rs, along * ra, front * rf
+            k0 = math.sqrt(us * us + ua * ua + uf * uf)
+            gs, ga, gf = us * rs, ua * ra, uf * rf
+            k1 = _ONE / math.sqrt(gs * gs + ga * ga + gf * gf + _TINY)
+            far = max(thickness - k0 * (k0 - _ONE) * k1, _ZERO) * k1
+            gs, ga, gf = gs * far, ga * far, gf * far
+            push[0, i] = limb[AXES, i] * gs + limb[AXES + 3, i] * ga + limb[AXES + 6, i] * gf
+            push[1, i] = limb[AXES + 1, i] * gs + limb[AXES + 4, i] * ga + limb[AXES + 7, i] * gf
+            push[2, i] = limb[AXES + 2, i] * gs + limb[AXES + 5, i] * ga + limb[AXES + 8, i] * gf
+        for i in range(n):
+            fx[i] += push[0, i]
+            fy[i] += push[1, i]
+            fz[i] += push[2, i]
+        if shift != 0:
+            for i in range(n):
+                gx[i] += push[0, i]
+                gy[i] += push[1, i]
+                gz[i] += push[2, i]
+
+
+@kernel("void(f4[:,:,::1], f4[:,:,::1], i4[::1], i4[::1], f4[:,:,::1])")
+def gather_joints(position: Float32, rotation: Float32, rows: Int32, joints: Int32, out: Float32) -> None:
+    """Copy position and rotation of `joints` (J,) of the dancers `rows` (LANES,) into `out` (7, J, LANES)."""
+    for j in range(joints.shape[0]):
+        joint = joints[j]
+        for i in range(LANES):
+            a = rows[i]
+            for c in range(3):
+                out[c, j, i] = position[a, joint, c]
+            for c in range(4):
+                out[3 + c, j, i] = rotation[a, joint, c]
+
+
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4, f4[:,:,::1])")
+def interpolate_joints(before: Float32, now: Float32, share: float, out: Float32) -> None:
+    """Compute the joints `share` of the way from `before` to `now`, both (7, J, LANES): out (JOINT_ROWS, J, LANES)."""
+    n = before.shape[1] * LANES
+    b, a, o = now.reshape((7, n)), before.reshape((7, n)), out.reshape((JOINT_ROWS, n))
+    for c in range(3):
+        first, last, to = a[c], b[c], o[c]
+        for i in range(n):
+            to[i] = first[i] + share * (last[i] - first[i])
+    aw, ax, ay, az, bw, bx, by, bz = a[3], a[4], a[5], a[6], b[3], b[4], b[5], b[6]
+    t = np.empty((4, n), np.float32)
+    for i in range(n):
+        dot = aw[i] * bw[i] + ax[i] * bx[i] + ay[i] * by[i] + az[i] * bz[i]
+        to_b = share if dot >= _ZERO else -share
+        w, x, y, z = aw[i] * (_ONE - share) + bw[i] * to_b, ax[i] * (_ONE - share) + bx[i] * to_b, _ZERO, _ZERO
+        y = ay[i] * (_ONE - share) + by[i] * to_b
+        z = az[i] * (_ONE - share) + bz[i] * to_b
+        scale = _ONE / math.sqrt(w * w + x * x + y * y + z * z + _TINY)
+        t[0, i], t[1, i], t[2, i], t[3, i] = w * scale, x * scale, y * scale, z * scale
+    for i in range(n):
+        w, x, y, z = t[0, i], t[1, i], t[2, i], t[3, i]
+        o[TURN, i] = _ONE - _TWO * (y * y + z * z)
+        o[TURN + 1, i] = _TWO * (x * y - w * z)
+        o[TURN + 2, i] = _TWO * (x * z + w * y)
+        o[TURN + 3, i] = _TWO * (x * y + w * z)
+        o[TURN + 4, i] = _ONE - _TWO * (x * x + z * z)
+        o[TURN + 5, i] = _TWO * (y * z - w * x)
+        o[TURN + 6, i] = _TWO * (x * z - w * y)
+        o[TURN + 7, i] = _TWO * (y * z + w * x)
+        o[TURN + 8, i] = _ONE - _TWO * (x * x + y * y)
+
+
+@kernel("void(f4[:,:,::1], i4[::1], f4[:,:,::1], f4[:,:,::1])")
+def place_limbs(joints: Float32, limb_joint: Int32, own: Float32, out: Float32) -> None:
+    """Place the limbs `own` (LIMB_ROWS, K, LANES), in the axes of their joints, in the world: `out` likewise.
+
+    joints (JOINT_ROWS, J, LANES); limb_joint (K,): index of each limb's joint in it.
+    """
+    for k in range(limb_joint.shape[0]):
+        j = limb_joint[k]
+        for row in range(4):
+            first = 3 * row
+            a, b, c = own[first, k], own[first + 1, k], own[first + 2, k]
+            for axis in range(3):
+                ta, tb, tc = joints[TURN + 3 * axis, j], joints[TURN + 3 * axis + 1, j], joints[TURN + 3 * axis + 2, j]
+                to, middle = out[first + axis, k], joints[PLACE + axis, j]
+                if row == 0:
+                    for i in range(LANES):
+                        to[i] = middle[i] + ta[i] * a[i] + tb[i] * b[i] + tc[i] * c[i]
+                else:
+                    for i in range(LANES):
+                        to[i] = ta[i] * a[i] + tb[i] * b[i] + tc[i] * c[i]
+        for row in range(SIDES, LIMB_ROWS):
+            for i in range(LANES):
+                out[row, k, i] = own[row, k, i]
+
+
+@kernel("void(f4[:,:,::1], i4[:,::1], f4[:,::1], f4[:,:,::1], i8, f4[:,:,::1])")
+def skin_particles(joints: Float32, by: Int32, weight: Float32, rest: Float32, count: int, out: Float32) -> None:
+    """Move the first `count` particles as skin: out (3, P, LANES).
+
+    by (P, 2): indices in `joints` (JOINT_ROWS, J, LANES); the second is followed by the share `weight` (P, 2). rest
+    (6, P, LANES): places relative to both joints, in their axes in the rest pose. An index of -1 is an upright joint at
+    the place of the other.
+    """
+    for p in range(count):
+        first, second, share = by[p, 0], by[p, 1], weight[p, 1]
+        for axis in range(3):
+            to = out[axis, p]
+            a = TURN + 3 * axis
+            if second < 0:
+                for i in range(LANES):
+                    to[i] = joints[PLACE + axis, first, i] + joints[a, first, i] * rest[0, p, i] + (
+                        joints[a + 1, first, i] * rest[1, p, i] + joints[a + 2, first, i] * rest[2, p, i]
+                    )
+                    to[i] += share * rest[3 + axis, p, i]
+            else:
+                for i in range(LANES):
+                    one = joints[PLACE + axis, first, i] + joints[a, first, i] * rest[0, p, i] + (
+                        joints[a + 1, first, i] * rest[1, p, i] + joints[a + 2, first, i] * rest[2, p, i]
+                    )
+                    other = joints[PLACE + axis, second, i] + joints[a, second, i] * rest[3, p, i] + (
+                        joints[a + 1, second, i] * rest[4, p, i] + joints[a + 2, second, i] * rest[5, p, i]
+                    )
+                    to[i] = one + share * (other - one)
+
+
+@kernel("void(f4[::1], f4[::1], f4[::1], f4, f4, f4)")
+def _predict(x: Float32, old: Float32, v: Float32, kept: float, added: float, h: float) -> None:
+    for i in range(x.shape[0]):
+        old[i] = x[i]
+        v[i] = v[i] * kept + added
+        x[i] += h * v[i]
+
+
+@kernel("void(f4[:,::1], f4[:,::1], f4[:,::1], f4)")
+def _set_speed(x: Float32, old: Float32, v: Float32, per_h: float) -> None:
+    """Compute the speed of all particles, (3, P LANES) each, at most _FASTEST."""
+    ax, ay, az, bx, by, bz, vx, vy, vz = x[0], x[1], x[2], old[0], old[1], old[2], v[0], v[1], v[2]
+    for i in range(ax.shape[0]):
+        dx, dy, dz = (ax[i] - bx[i]) * per_h, (ay[i] - by[i]) * per_h, (az[i] - bz[i]) * per_h
+        kept = min(_FASTEST / math.sqrt(dx * dx + dy * dy + dz * dz + _TINY), _ONE)
+        vx[i], vy[i], vz[i] = dx * kept, dy * kept, dz * kept
+
+
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4, f4)")
+def _keep_above_floor(x: Float32, old: Float32, floor: float, friction: float) -> None:
+    n = x.shape[1] * LANES
+    fx, fy, fz = x[0].reshape(n), x[1].reshape(n), x[2].reshape(n)
+    ox, oz = old[0].reshape(n), old[2].reshape(n)
+    for i in range(n):
+        held = friction if fy[i] < floor else _ZERO
+        fy[i] = max(fy[i], floor)
+        fx[i] += held * (ox[i] - fx[i])
+        fz[i] += held * (oz[i] - fz[i])
+
+
+@kernel(
+    "void(f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,::1], u1[:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1], i4[::1],"
+    " i4[::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[:,::1], f4[:,::1], i8, i4[:,::1], f4[:,::1], i4[:,::1], f4[:,::1],"
+    " i4[:,::1], f4[:,::1], i4[:,::1], i4[:,::1], f4[::1], f4[::1], i8, f4, i8, i8)"
+)
+def step_garments(
+    x: Float32,
+    v: Float32,
+    before: Float32,
+    carrier: Float32,
+    fresh: Uint8,
+    position: Float32,
+    rotation: Float32,
+    rows: Int32,
+    joints: Int32,
+    limb_joint: Int32,
+    limbs: Float32,
+    rest: Float32,
+    by: Int32,
+    weight: Float32,
+    pinned: int,
+    runs: Int32,
+    amounts: Float32,
+    limit_runs: Int32,
+    limits: Float32,
+    last_runs: Int32,
+    last_limits: Float32,
+    contacts: Int32,
+    more_contacts: Int32,
+    matter: Float32,
+    wind: Float32,
+    substeps: int,
+    tick: float,
+    begin: int,
+    end: int,
+) -> None:
+    """Advance the blocks begin to end - 1 of garments of one pattern by a tick of `tick` [s].
+
+    x, v (B, 3, P, LANES) [m, m/s], before (B, 7, J, LANES), the joints at the last tick, carrier (B, 7, LANES), the first
+    joint at the tick before it, and fresh are the state. fresh (B, LANES): 1 where a garment begins anew, as skin; set where a number is not finite. position (A, J, 3) and rotation
+    (A, J, 4): the joints now. rows (B, LANES): dancers; joints (J,): the joints that the pattern needs; limb_joint (K,)
+    and limbs (B, LIMB_ROWS, K, LANES) as in `place_limbs`; rest (B, 6, P, LANES), by and weight as in `skin_particles`;
+    `pinned`: the first so many particles stay on the body. contacts and limits are kept in each substep, more_contacts and
+    last_limits in the last one. wind (3,) [m/s].
+    """
+    count, joint_count, limb_count = x.shape[2], joints.shape[0], limb_joint.shape[0]
+    h = tick / np.float32(substeps)
+    per_step, per_h = _ONE / (h * h), _ONE / h
+    kept = _ONE / (_ONE + matter[DRAG] * h)  # implicit, so that any drag is stable
+    thickness = matter[THICKNESS]
+    now = np.empty((7, joint_count, LANES), np.float32)
+    placed = np.empty((JOINT_ROWS, joint_count, LANES), np.float32)
+    limb = np.empty((LIMB_ROWS, limb_count, LANES), np.float32)
+    old, skin = np.empty((3, count, LANES), np.float32), np.empty((3, count, LANES), np.float32)
+    for b in range(begin, end):
+        gather_joints(position, rotation, rows[b], joints, now)
+        begins = False
+        for i in range(LANES):
+            begins |= fresh[b, i] != 0
+        if begins:
+            interpolate_joints(now, now, _ONE, placed)
+            place_limbs(placed, limb_joint, limbs[b], limb)
+            skin_particles(placed, by, weight, rest[b], count, skin)
+            for _ in range(3):  # what is inside the body then would be thrown out of it
+                keep_out(skin[0], skin[1], skin[2], contacts, limb, thickness)
+                keep_out(skin[0], skin[1], skin[2], more_contacts, limb, thickness)
+                project_runs(skin[0], skin[1], skin[2], last_runs, last_limits, per_step)
+            for i in range(LANES):
+                if fresh[b, i] != 0:
+                    fresh[b, i] = 0
+                    x[b, :, :, i] = skin[:, :, i]
+                    v[b, :, :, i] = _ZERO
+                    before[b, :, :, i] = now[:, :, i]
+        carrier[b] = before[b, :, 0]
+        own, speed = x[b], v[b]
+        flat, flat_speed = own.reshape((3, count * LANES)), speed.reshape((3, count * LANES))
+        flat_old = old.reshape((3, count * LANES))
+        for s in range(substeps):
+            interpolate_joints(before[b], now, np.float32(s + 1) / np.float32(substeps), placed)
+            place_limbs(placed, limb_joint, limbs[b], limb)
+            for axis in range(3):
+                fall = matter[GRAVITY] * h if axis == 1 else _ZERO
+                _predict(flat[axis], flat_old[axis], flat_speed[axis], kept, (_ONE - kept) * wind[axis] - fall, h)
+            skin_particles(placed, by, weight, rest[b], pinned, own)
+            project_runs(own[0], own[1], own[2], runs, amounts, per_step)
+            keep_out(own[0], own[1], own[2], contacts, limb, thickness)
+            if s == substeps - 1:
+                keep_out(own[0], own[1], own[2], more_contacts, limb, thickness)
+                project_runs(own[0], own[1], own[2], last_runs, last_limits, per_step)
+                keep_out(own[0], own[1], own[2], contacts, limb, thickness)
+                project_runs(own[0], own[1], own[2], last_runs, last_limits, per_step)
+            else:
+                project_runs(own[0], own[1], own[2], limit_runs, limits, per_step)
+            _keep_above_floor(own, old, matter[FLOOR], matter[FLOOR_FRICTION])
+            _set_speed(flat, flat_old, flat_speed, per_h)
+        for i in range(LANES):
+            fresh[b, i] = 0
+        for axis in range(3):
+            for p in range(count):
+                for i in range(LANES):
+                    fresh[b, i] |= not abs(own[axis, p, i]) < _RUNAWAY
+        before[b] = now
