@@ -49,6 +49,7 @@ from live.show.stages.plan_stage import PlanStage
 from live.show.stages.show_clock import ShowClock
 from live.show.stages.step_selection import StepSelection
 from live.show.stages.tripped_stages import TrippedStages
+from live.show.view.appearance import Appearances
 from live.show.view.view_builder import ViewBuilder
 
 
@@ -109,7 +110,8 @@ def assemble(
     audience = Audience(patch.audience, motion.elements, VoteNames(patch, dancers, desk.scenes), seed=seed)
     directions = StepRequests(motion, dancers, variation, scheduler, interrupts)
     light = LightStage(breakers)
-    view_builder = ViewBuilder(dancers, motion, variation.division, desk, audience, light, clock.follower)
+    appearances = Appearances(seed, variation.division, desk.parameters)
+    view_builder = ViewBuilder(dancers, motion, variation.division, desk, audience, light, clock.follower, appearances)
     hot_swap = HotSwap(
         patch, graph, dancers, scheduler, motion, refusals, assemble=assemble, seed=seed,
         answers=answers or ExampleBank(()), reserve=reserve,

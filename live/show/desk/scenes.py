@@ -329,6 +329,8 @@ class Scenes:
 
 
 def _setting(slot: Slot, numbers: tuple[float, ...]) -> Setting:
+    if slot.parameter.kind == "names":
+        return slot.parameter.names_of_number(numbers[0])
     one = bool(numbers[0]) if slot.parameter.kind == "switch" else numbers[0]
     return one if len(numbers) == 1 else (numbers[0], numbers[1], numbers[2])
 
