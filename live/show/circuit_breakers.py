@@ -34,6 +34,7 @@ class Stage(IntEnum):
     LIGHT = 16
     TICK = 17
     """The whole tick. Its breaker is tripped last; then the show stands still and only its clock runs."""
+    CLOTH = 18
     DRAWING = 32
     """A frame is drawn and no tick is running. The supervisor handles failures here."""
 
@@ -55,6 +56,7 @@ EFFECTS: Final = {
     Stage.VARIATION: "all dancers dance a step alike",
     Stage.REACTIONS: "nothing reacts to the music",
     Stage.LIGHT: "the blackout does not fade",
+    Stage.CLOTH: "skirts, sleeves, ribbons and long hair are fixed to the body",
     Stage.TICK: "the dance stands still",
 }
 """The visible effect while a stage is out of service."""

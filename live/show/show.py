@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from live.show.audience.audience import Audience
     from live.show.capture.capture_manager import CaptureManager
     from live.show.dancers.dancers import Dancers
+    from live.show.dancers.garments import Garments
     from live.show.dancers.step_requests import StepRequests
     from live.show.dancers.variation import Variation
     from live.show.desk.launcher import Launcher
@@ -65,6 +66,7 @@ class Show:
     motion: "GroupMotion"
     variation: "Variation"
     dancers: "Dancers"
+    garments: "Garments"
     scheduler: "Scheduler"
     interrupts: "Interrupts"
     directions: "StepRequests"

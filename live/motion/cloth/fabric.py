@@ -25,8 +25,13 @@ FABRICS: Final[dict[str, Fabric]] = {
     "tulle": Fabric(drag=4.0, bend=4e-6, shear=1e-5, gravity=6.0),
 }
 """Fabrics of skirts and sleeves by name: flowing silk, cotton, heavy wool, and tulle, which stands off."""
-DEFAULT_FABRIC: Final = "cotton"
 HAIR: Final = Fabric(drag=1.6, bend=2e-5, shear=1e-4)
 """Hair."""
 RIBBON: Final = Fabric(drag=2.2, bend=1e-3, shear=3e-5, gravity=7.5)
 """Ribbons of satin."""
+
+
+def fabric_of(kind: str, name: str) -> Fabric:
+    """Return the fabric of a garment of a kind (`cloth`, `hair` or `ribbon`) that is made of the fabric `name`, if it is
+    of cloth."""
+    return {"hair": HAIR, "ribbon": RIBBON}.get(kind) or FABRICS[name]

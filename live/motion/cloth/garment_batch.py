@@ -1,5 +1,7 @@
 """Garments of one pattern and fabric on several dancers: their state, its ticks and its pictures."""
 
+import operator as op
+
 import numpy as np
 
 from live.base.arrays import Float32, Int32
@@ -51,6 +53,7 @@ class GarmentBatch:
         self.compiled = compiled
         self.rows: Int32 = np.zeros((0, LANES), np.int32)
         """Dancers of each block, (B, LANES); the last one is repeated in lanes that nobody has."""
+        self._sections: list[Float32] = []
         self.count = 0
         """Number of dancers n."""
         self._allocate(0)
@@ -67,8 +70,6 @@ class GarmentBatch:
         """The first joint at the tick before, (B, 7, LANES)."""
         self.fresh = np.ones((blocks, LANES), np.uint8)
         """1 where a garment begins anew, as skin, (B, LANES)."""
-        self._limbs = np.zeros((blocks, LIMB_ROWS, len(self.compiled.limbs), LANES), np.float32)
-        self._rest = np.zeros((blocks, 6, particles, LANES), np.float32)
 
     @property
     def particles(self) -> int:
@@ -80,6 +81,8 @@ class GarmentBatch:
 
         Those who wore it before go on with the state that they have.
         """
+        if np.array_equal(dancers, self.rows.ravel()[: self.count]) and all(map(op.is_, sections, self._sections)):
+            return
         old = {int(self.rows.flat[lane]): divmod(lane, LANES) for lane in range(self.count)}
         was = self.position, self.velocity, self.joints, self.carrier, self.fresh
         self.count = len(dancers)
@@ -89,19 +92,28 @@ class GarmentBatch:
         if not blocks:
             return
         self.rows.ravel()[:] = np.concatenate([dancers, np.full(blocks * LANES - self.count, dancers[-1])])
-        known: dict[int, tuple[Float32, Float32]] = {}
+        self.fit(sections)
         for lane in range(blocks * LANES):
             block, i = divmod(lane, LANES)
-            body = sections[min(lane, self.count - 1)]
-            if id(body) not in known:
-                known[id(body)] = self.compiled.rest(body), limb_rows(body)[:, self.compiled.limbs]
-            self._rest[block, :, :, i], self._limbs[block, :, :, i] = known[id(body)]
             before = old.get(int(self.rows[block, i]))
             if before is not None:
                 for new, former in zip(
                     (self.position, self.velocity, self.joints, self.carrier, self.fresh), was, strict=True
                 ):
                     new[block, ..., i] = former[before[0], ..., before[1]]
+
+    def fit(self, sections: list[Float32]) -> None:
+        """Fit the garments to bodies with the cross-sections `sections` (n of them)."""
+        blocks, one, self._sections = len(self.rows), self.compiled, sections
+        self._limbs = np.zeros((blocks, LIMB_ROWS, len(one.limbs), LANES), np.float32)
+        self._rest = np.zeros((blocks, 6, one.pattern.count, LANES), np.float32)
+        known: dict[int, tuple[Float32, Float32]] = {}
+        for lane in range(blocks * LANES):
+            block, i = divmod(lane, LANES)
+            body = sections[min(lane, self.count - 1)]
+            if id(body) not in known:
+                known[id(body)] = one.rest(body), limb_rows(body)[:, one.limbs]
+            self._rest[block, :, :, i], self._limbs[block, :, :, i] = known[id(body)]
 
     def restart(self, dancers: Int32 | None = None) -> None:
         """Let the garments of these dancers, or of all, begin anew at the next tick."""

@@ -249,28 +249,16 @@ PATTERNS: Final[dict[str, Pattern]] = {
 }
 """All patterns by name."""
 PATTERN_NAMES: Final = tuple(PATTERNS)
-GARMENTS: Final[dict[str, tuple[str, ...]]] = {
-    "short skirt": ("short skirt",),
-    "skirt": ("skirt",),
-    "long skirt": ("long skirt",),
-    "sleeves": ("left sleeve", "right sleeve"),
-    "ribbons": ("left ribbon", "right ribbon"),
-    "long hair": ("long hair",),
-    "ponytail": ("ponytail",),
-}
-"""Garments that a patch can name, and their patterns."""
-_OF_COSTUME: Final = {"skirt": ("skirt",), "dress": ("skirt",)}
+SKIRT_LENGTHS: Final = ((0.3, "short skirt"), (0.65, "skirt"), (1.0, "long skirt"))
+"""The skirt for each length, 0 from the hips to 1 at the floor: the first one whose number is not below it."""
+_SLEEVES: Final = ("left sleeve", "right sleeve")
+_RIBBONS: Final = ("left ribbon", "right ribbon")
 _OF_HAIR: Final = {"long": ("long hair",), "ponytail": ("ponytail",)}
+_OF_EXTRA: Final = {"sleeves": _SLEEVES, "ribbons": _RIBBONS, "sleeves and ribbons": (*_SLEEVES, *_RIBBONS)}
 
 
-def garments_of(costume: str, hair: str, extras: Sequence[str] = ()) -> tuple[str, ...]:
-    """Return the names of the patterns that a dancer with this costume and hair style wears, with the garments
-    `extras` on top. An unknown costume or hair style has none; of two skirts or hairs the last one counts."""
-    names = [*_OF_COSTUME.get(costume, ()), *_OF_HAIR.get(hair, ())]
-    names += [pattern for extra in extras for pattern in GARMENTS[extra]]
-    worn: dict[str, str] = {}
-    for name in names:
-        part = "skirt" if name.endswith("skirt") else "hair" if PATTERNS[name].kind == "hair" else name
-        worn.pop(part, None)
-        worn[part] = name
-    return tuple(worn.values())
+def garments_of(costume: str, hair: str, extra: str, *, skirt: float = 0.5) -> tuple[str, ...]:
+    """Return the patterns of what moves by itself on a dancer with this costume, hair style and extra, by the names of
+    `live.base.body.appearance`. `skirt`: length of a skirt or dress, 0 to 1."""
+    worn = [next(name for most, name in SKIRT_LENGTHS if skirt <= most)] if costume in ("skirt", "dress") else []
+    return (*worn, *_OF_HAIR.get(hair, ()), *_OF_EXTRA.get(extra, ()))

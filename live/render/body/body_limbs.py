@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Float32, Float64
-from live.base.body_catalogue import BODIES, DEFAULT_BODY
+from live.base.body.catalogue import BODIES, DEFAULT_BODY
 from live.base.disk.array_cache import ArrayCache, Arrays
 from live.motion.cloth.body_sections import COEFFICIENTS, LIMB_COUNT, LIMBS, SECTION_COLUMNS, Limb
 from live.render.body.body_mesh import code_digest
