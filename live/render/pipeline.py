@@ -29,6 +29,7 @@ from live.render.passes.colour_pass import FinalPass, GradePass, VignettePass
 from live.render.passes.custom_pass import CustomPass
 from live.render.passes.dancer_pass import DancerPass, GBufferPass, MultisampleTarget
 from live.render.passes.floor_pass import FloorPass, ReflectionPass
+from live.render.passes.garment_pass import GarmentPass
 from live.render.passes.ink_pass import InkPass
 from live.render.passes.plan_pass import PlanPass
 from live.render.passes.set_pass import ItemPass
@@ -134,7 +135,7 @@ class PassChain:
 
 
 SCENE_PASSES: Final[tuple[Callable[[PassSetup], ScenePass], ...]] = (
-    ItemPass, BackgroundPass, StylePasses, BeamPass, PlanPass,
+    GarmentPass, ItemPass, BackgroundPass, StylePasses, BeamPass, PlanPass,
 )  # fmt: skip
 """Scene passes, in drawing order."""
 _STAGE_PASSES: Final = (BackgroundPass, PlanPass)
@@ -171,6 +172,7 @@ class Pipeline:
             self._smooth = {hdr: AntialiasPass(ctx, self._surface.depth, size, hdr=hdr) for hdr in (False, True)}
         self._scene_passes = [make(setup) for make in SCENE_PASSES if not (setup.transparent and make in _STAGE_PASSES)]
         self.floor.casters = [one.draw_shadows for one in self._scene_passes]
+        self._mirror.mirrored = [one.draw_mirrored for one in self._scene_passes]
         self.set_camera(scene.camera)
 
     def set_stage(self, stage_size: tuple[float, float], items: tuple[SetItem, ...]) -> None:
