@@ -35,9 +35,10 @@ RUN_KIND, RUN_FIRST, RUN_SECOND, RUN_COUNT = range(4)
 """Columns of `runs`."""
 REST, COMPLIANCE, FIRST_MASS, SECOND_MASS = range(4)
 """Columns of `amounts`: length [m], compliance [m/N] of a particle of 1 kg, inverse masses of both ends [1/kg]."""
-CONTACT_FIRST, CONTACT_COUNT, CONTACT_LIMB, CONTACT_SHIFT = range(4)
-"""Columns of `contacts`: particles, their number, the limb, and the distance to a second particle if the middle between
-both keeps out; 0: none."""
+CONTACT_FIRST, CONTACT_COUNT, CONTACT_LIMB, CONTACT_MIDDLES = range(4)
+"""Columns of `contacts`: the particles of a row, their number, the limb, and what keeps out of it: …"""
+PARTICLES, OPEN, CLOSED = range(3)
+"""… the particles, the middles between neighbours, or these and the one between the last and the first."""
 DRAG, GRAVITY, THICKNESS, FLOOR, FLOOR_FRICTION = range(5)
 """Entries of `matter`: drag of the air [1/s], acceleration [m/s2], distance kept from the body and height kept over the
 floor [m], share of the speed along the floor that is lost in a substep."""
@@ -59,25 +60,22 @@ _RUNAWAY: Any = np.float32(1e4)
 _FASTEST: Any = np.float32(9.0)  # no cloth is faster [m/s]; feet of the fastest kicks are as fast
 
 
-@kernel("void(f4[:,::1], f4[:,::1], f4[:,::1], i4[:,::1], f4[:,::1], f4)")
-def project_runs(x: Float32, y: Float32, z: Float32, runs: Int32, amounts: Float32, per_step: float) -> None:
-    """Project the constraints of all `runs` (K, 4) once, in their order; x, y, z (P, LANES).
+@kernel("void(f4[:,::1], i4[:,::1], f4[:,::1], f4)")
+def project_runs(places: Float32, runs: Int32, amounts: Float32, per_step: float) -> None:
+    """Project the constraints of all `runs` (K, 4) once, in their order; places (3, P LANES).
 
     `per_step`: 1 / h², by which the compliance of `amounts` (K, 4) is multiplied for substeps of h [s].
     """
+    x, y, z = places[0], places[1], places[2]
     for k in range(runs.shape[0]):
-        first, second, count = runs[k, RUN_FIRST], runs[k, RUN_SECOND], runs[k, RUN_COUNT]
+        first, second, n = runs[k, RUN_FIRST] * LANES, runs[k, RUN_SECOND] * LANES, runs[k, RUN_COUNT] * LANES
         lowest = -np.float32(np.inf) if runs[k, RUN_KIND] == EXACT else _ZERO
         rest, wa, wb = amounts[k, REST], amounts[k, FIRST_MASS], amounts[k, SECOND_MASS]
         share = _ONE / (wa + wb + amounts[k, COMPLIANCE] * per_step)
         wa, wb = wa * share, wb * share
-        ax = x[first : first + count].reshape(count * LANES)
-        ay = y[first : first + count].reshape(count * LANES)
-        az = z[first : first + count].reshape(count * LANES)
-        bx = x[second : second + count].reshape(count * LANES)
-        by = y[second : second + count].reshape(count * LANES)
-        bz = z[second : second + count].reshape(count * LANES)
-        for i in range(count * LANES):
+        ax, ay, az = x[first : first + n], y[first : first + n], z[first : first + n]
+        bx, by, bz = x[second : second + n], y[second : second + n], z[second : second + n]
+        for i in range(n):
             dx, dy, dz = bx[i] - ax[i], by[i] - ay[i], bz[i] - az[i]
             far = max(_ONE - rest / math.sqrt(dx * dx + dy * dy + dz * dz + _TINY), lowest)
             dx, dy, dz = dx * far, dy * far, dz * far
@@ -99,33 +97,66 @@ def _tile(tile: Float32, limbs: Float32, k: int, columns: int) -> None:
                 tile[row, column * LANES + i] = own[i]
 
 
-@kernel("void(f4[:,::1], f4[:,::1], f4[:,::1], i4[:,::1], f4[:,:,::1], f4)")
-def keep_out(x: Float32, y: Float32, z: Float32, contacts: Int32, limbs: Float32, thickness: float) -> None:
-    """Push particles, and middles between two, to `thickness` [m] outside the limbs.
+@kernel("void(f4[::1], f4[::1], i8, i8, i8)")
+def _middles(row: Float32, out: Float32, half: int, n: int, closed: int) -> None:
+    """Compute the middles between neighbours of a row of n numbers, whose even columns are the first `half`: those from
+    an even column to the next odd one, then those from an odd one to the next even one; out (n,)."""
+    even, odd = row[:half], row[half:n]
+    for i in range(n - half):
+        out[i] = _HALF * (even[i] + odd[i])
+    later, after = even[LANES:], out[n - half :]
+    for i in range(half - LANES):
+        after[i] = _HALF * (odd[i] + later[i])
+    for i in range(closed):
+        out[n - closed + i] = _HALF * (odd[half - LANES + i] + even[i])
 
-    x, y, z (P, LANES); contacts (C, 4), sorted by limb; limbs (LIMB_ROWS, K, LANES). A limb is an ellipse across and
+
+@kernel("void(f4[::1], f4[::1], i8, i8, i8)")
+def _push_both(row: Float32, push: Float32, half: int, n: int, closed: int) -> None:
+    """Add the pushes of middles, in the order of `_middles`, to both their particles."""
+    even, odd = row[:half], row[half:n]
+    for i in range(n - half):
+        even[i] += push[i]
+        odd[i] += push[i]
+    later, after = even[LANES:], push[n - half :]
+    for i in range(half - LANES):
+        odd[i] += after[i]
+        later[i] += after[i]
+    for i in range(closed):
+        odd[half - LANES + i] += push[n - closed + i]
+        even[i] += push[n - closed + i]
+
+
+@kernel("void(f4[:,::1], i4[:,::1], f4[:,:,::1], f4)")
+def keep_out(places: Float32, contacts: Int32, limbs: Float32, thickness: float) -> None:
+    """Push rows of particles, and middles between neighbours, to `thickness` [m] outside the limbs.
+
+    places (3, P LANES); contacts (C, 4), sorted by limb; limbs (LIMB_ROWS, K, LANES). A limb is an ellipse across and
     round at its ends; the distance is of first order, k0 (k0 - 1) / k1.
     """
     limb, at = np.empty((LIMB_ROWS, WIDTH), np.float32), np.empty((3, WIDTH), np.float32)
     push = np.empty((3, WIDTH), np.float32)
-    tiled, widest = -1, np.int64(1)
+    tiled, columns = -1, np.int64(1)
     for c in range(contacts.shape[0]):
-        widest = max(widest, np.int64(contacts[c, CONTACT_COUNT]))
+        columns = max(columns, np.int64(contacts[c, CONTACT_COUNT]))
     for c in range(contacts.shape[0]):
-        first, count, shift = contacts[c, CONTACT_FIRST], contacts[c, CONTACT_COUNT], contacts[c, CONTACT_SHIFT]
+        first, middles = contacts[c, CONTACT_FIRST] * LANES, contacts[c, CONTACT_MIDDLES]
         if contacts[c, CONTACT_LIMB] != tiled:
             tiled = contacts[c, CONTACT_LIMB]
-            _tile(limb, limbs, tiled, min(widest, COLUMNS))
-        n = min(count * LANES, WIDTH)
-        px, py, pz = x[first : first + count], y[first : first + count], z[first : first + count]
-        fx, fy, fz = px.reshape(count * LANES), py.reshape(count * LANES), pz.reshape(count * LANES)
-        first += shift
-        px, py, pz = x[first : first + count], y[first : first + count], z[first : first + count]
-        gx, gy, gz = px.reshape(count * LANES), py.reshape(count * LANES), pz.reshape(count * LANES)
-        for i in range(n):
-            at[0, i] = _HALF * (fx[i] + gx[i])
-            at[1, i] = _HALF * (fy[i] + gy[i])
-            at[2, i] = _HALF * (fz[i] + gz[i])
+            _tile(limb, limbs, tiled, min(columns, COLUMNS))
+        width = min(np.int64(contacts[c, CONTACT_COUNT]), COLUMNS) * LANES
+        half = (width // LANES + 1) // 2 * LANES
+        closed = LANES if middles == CLOSED else 0
+        n = width
+        if middles:
+            n = width - LANES + closed
+            for axis in range(3):
+                _middles(places[axis, first : first + width], at[axis], half, width, closed)
+        else:
+            for axis in range(3):
+                row, to = places[axis, first : first + width], at[axis]
+                for i in range(n):
+                    to[i] = row[i]
         near = np.int32(0)
         for i in range(n):
             dx, dy, dz = at[0, i] - limb[MIDDLE, i], at[1, i] - limb[MIDDLE + 1, i], at[2, i] - limb[MIDDLE + 2, i]
@@ -155,15 +186,13 @@ def keep_out(x: Float32, y: Float32, z: Float32, contacts: Int32, limbs: Float32
             push[0, i] = limb[AXES, i] * gs + limb[AXES + 3, i] * ga + limb[AXES + 6, i] * gf
             push[1, i] = limb[AXES + 1, i] * gs + limb[AXES + 4, i] * ga + limb[AXES + 7, i] * gf
             push[2, i] = limb[AXES + 2, i] * gs + limb[AXES + 5, i] * ga + limb[AXES + 8, i] * gf
-        for i in range(n):
-            fx[i] += push[0, i]
-            fy[i] += push[1, i]
-            fz[i] += push[2, i]
-        if shift != 0:
-            for i in range(n):
-                gx[i] += push[0, i]
-                gy[i] += push[1, i]
-                gz[i] += push[2, i]
+        for axis in range(3):
+            row, out = places[axis, first : first + width], push[axis]
+            if middles:
+                _push_both(row, out, half, width, closed)
+            else:
+                for i in range(n):
+                    row[i] += out[i]
 
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], i4[::1], i4[::1], f4[:,:,::1])")
@@ -350,6 +379,7 @@ def step_garments(
     placed = np.empty((JOINT_ROWS, joint_count, LANES), np.float32)
     limb = np.empty((LIMB_ROWS, limb_count, LANES), np.float32)
     old, skin = np.empty((3, count, LANES), np.float32), np.empty((3, count, LANES), np.float32)
+    flat_skin = skin.reshape((3, count * LANES))
     for b in range(begin, end):
         gather_joints(position, rotation, rows[b], joints, now)
         begins = False
@@ -360,9 +390,9 @@ def step_garments(
             place_limbs(placed, limb_joint, limbs[b], limb)
             skin_particles(placed, by, weight, rest[b], count, skin)
             for _ in range(3):  # what is inside the body then would be thrown out of it
-                keep_out(skin[0], skin[1], skin[2], contacts, limb, thickness)
-                keep_out(skin[0], skin[1], skin[2], more_contacts, limb, thickness)
-                project_runs(skin[0], skin[1], skin[2], last_runs, last_limits, per_step)
+                keep_out(flat_skin, contacts, limb, thickness)
+                keep_out(flat_skin, more_contacts, limb, thickness)
+                project_runs(flat_skin, last_runs, last_limits, per_step)
             for i in range(LANES):
                 if fresh[b, i] != 0:
                     fresh[b, i] = 0
@@ -380,15 +410,15 @@ def step_garments(
                 fall = matter[GRAVITY] * h if axis == 1 else _ZERO
                 _predict(flat[axis], flat_old[axis], flat_speed[axis], kept, (_ONE - kept) * wind[axis] - fall, h)
             skin_particles(placed, by, weight, rest[b], pinned, own)
-            project_runs(own[0], own[1], own[2], runs, amounts, per_step)
-            keep_out(own[0], own[1], own[2], contacts, limb, thickness)
+            project_runs(flat, runs, amounts, per_step)
+            keep_out(flat, contacts, limb, thickness)
             if s == substeps - 1:
-                keep_out(own[0], own[1], own[2], more_contacts, limb, thickness)
-                project_runs(own[0], own[1], own[2], last_runs, last_limits, per_step)
-                keep_out(own[0], own[1], own[2], contacts, limb, thickness)
-                project_runs(own[0], own[1], own[2], last_runs, last_limits, per_step)
+                keep_out(flat, more_contacts, limb, thickness)
+                project_runs(flat, last_runs, last_limits, per_step)
+                keep_out(flat, contacts, limb, thickness)
+                project_runs(flat, last_runs, last_limits, per_step)
             else:
-                project_runs(own[0], own[1], own[2], limit_runs, limits, per_step)
+                project_runs(flat, limit_runs, limits, per_step)
             _keep_above_floor(own, old, matter[FLOOR], matter[FLOOR_FRICTION])
             _set_speed(flat, flat_old, flat_speed, per_h)
         for i in range(LANES):

@@ -13,7 +13,15 @@ import numpy as np
 
 from live.base.arrays import Float32, Float64, Int32
 from live.motion.cloth.body_sections import LIMBS, limb_index
-from live.motion.cloth.cloth_kernels import AT_MOST, COLUMNS, EXACT, MATTER_COLUMNS
+from live.motion.cloth.cloth_kernels import (
+    AT_MOST,
+    CLOSED,
+    COLUMNS,
+    EXACT,
+    MATTER_COLUMNS,
+    OPEN,
+    PARTICLES,
+)
 from live.motion.cloth.fabric import Fabric
 from live.motion.skeleton import SKELETON
 
@@ -258,16 +266,12 @@ def _contacts(pattern: Pattern, limbs: list[int], *, often: bool) -> Int32:
     """Return the contacts that are kept in each substep (`often`), or the others: those that are less frequent, and the
     middles between particles."""
     out: list[tuple[int, int, int, int]] = []
-    columns, half = pattern.columns, (pattern.columns + 1) // 2
+    middles = CLOSED if pattern.closed else OPEN
     for contact in sorted(pattern.contacts, key=lambda one: limb_index(one.limb)):
         limb = limbs.index(limb_index(contact.limb))
         for row in range(max(contact.first, pattern.pinned_rows), min(contact.last, pattern.rows - 1) + 1):
-            first = row * columns
             if contact.often == often:
-                out.append((first, columns, limb, 0))
+                out.append((row * pattern.columns, pattern.columns, limb, PARTICLES))
             if contact.middles and not often:
-                out.append((first, columns // 2, limb, half))  # an even column and the odd one after it
-                out.append((first + half, (columns - 1) // 2, limb, 1 - half))  # an odd one and the next even one
-                if pattern.closed:
-                    out.append((first + columns - 1, 1, limb, 1 - columns))
+                out.append((row * pattern.columns, pattern.columns, limb, middles))
     return np.array(out, np.int32).reshape(-1, 4)

@@ -103,6 +103,7 @@ def draw_garments(
     then = np.empty((JOINT_ROWS, 1, LANES), np.float32)
     limb = np.empty((LIMB_ROWS, limb_count, LANES), np.float32)
     seen, skin = np.empty((3, count, LANES), np.float32), np.empty((3, count, LANES), np.float32)
+    flat = seen.reshape((3, count * LANES))
     for b in range(begin, end):
         gather_joints(position, rotation, rows[b], joints, now)
         interpolate_joints(now, now, _ONE, placed)
@@ -122,12 +123,12 @@ def draw_garments(
                 if skinned or fresh[b, i] != 0:
                     seen[:, :, i] = skin[:, :, i]
         skin_particles(placed, by, weight, rest[b], pinned, seen)
-        keep_out(seen[0], seen[1], seen[2], contacts, limb, matter[THICKNESS])
-        keep_out(seen[0], seen[1], seen[2], more_contacts, limb, matter[THICKNESS])
+        keep_out(flat, contacts, limb, matter[THICKNESS])
+        keep_out(flat, more_contacts, limb, matter[THICKNESS])
         if not skinned:
-            project_runs(seen[0], seen[1], seen[2], limit_runs, limits, _ZERO)
-            keep_out(seen[0], seen[1], seen[2], contacts, limb, matter[THICKNESS])
-            project_runs(seen[0], seen[1], seen[2], limit_runs, limits, _ZERO)
+            project_runs(flat, limit_runs, limits, _ZERO)
+            keep_out(flat, contacts, limb, matter[THICKNESS])
+            project_runs(flat, limit_runs, limits, _ZERO)
         for i in range(LANES):
             who = b * LANES + i
             if who >= out.shape[0]:

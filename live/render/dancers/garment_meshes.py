@@ -21,6 +21,8 @@ _SHIFT: Final = 10
 _INSTANCE: Final = np.dtype([("dancer", "i4"), ("first", "i4")])
 _KINDS: Final = {"cloth": (CLOTH, 0), "hair": (HAIR, 1), "ribbon": (CLOTH, 2)}
 """Material of the dancer's colours and number in `garment_surface.glsl`, by the kind of a pattern."""
+_NEARER: Final = {"cloth": 0.018, "hair": 0.010, "ribbon": 0.0}
+"""How much nearer the depth of a garment is than its place [m], by kind."""
 GARMENT_LISTS: Final = ("shadow", "mirror", "near", "far", "styled near", "styled far", "ink near", "ink far")
 """Draw lists, as those of bodies."""
 
@@ -140,6 +142,7 @@ class GarmentMeshes:
                 content = [(vertices, "2f", "in_cell"), (buffer, "2i/i", "in_worn")]
                 known = self._ctx.vertex_array(program, content, triangles, index_element_size=4), buffer
                 self._arrays[key] = known
+            set_uniform(program, "nearer", _NEARER[pattern.kind])
             set_uniform(program, "grid", (pattern.rows, pattern.columns, int(pattern.closed)))
             set_uniform(program, "cell", (pattern.spacing, float(np.mean(pattern.widths))))
             set_uniform(program, "garment", _KINDS[pattern.kind])

@@ -5,6 +5,7 @@
 #include "surface.glsl"
 #include "styles.glsl"
 
+uniform float nearer;    // [m]
 uniform float side;      // 1 and -1: a sheet has an outline on both sides
 
 flat out vec4 ink;
@@ -15,7 +16,7 @@ void main() {
     Worn here = worn();
     int group = group_of(who(in_worn.x));
     float amount = amounts(group).z;
-    vec4 at = world_to_clip * vec4(here.place, 1.0);
+    vec4 at = seen_at(here.place, nearer);
     vec3 out_ = here.normal * side;
     bool last = in_cell.x > float(grid.x) - 1.01, first = grid.z == 0 && in_cell.y < 0.01;
     bool end = grid.z == 0 && in_cell.y > float(grid.y) - 1.01;

@@ -8,6 +8,8 @@
 flat out ivec2 own;      // dancer, group
 #endif
 
+uniform float nearer;    // [m]
+
 out vec3 place;
 out vec4 facing;         // normal, openness
 out vec4 body;           // place on the flat cloth, dancer
@@ -22,5 +24,5 @@ void main() {
 #if STYLED
     own = ivec2(in_worn.x, group_of(who(in_worn.x)));
 #endif
-    gl_Position = world_to_clip * vec4(place, 1.0);
+    gl_Position = seen_at(place, nearer);
 }

@@ -54,5 +54,13 @@ Worn worn() {
     return Worn(place, size > 1e-16 ? normal * inversesqrt(size) : vec3(0.0, 0.0, 1.0), down, along);
 }
 
+// A place in the picture; in depth it is a little nearer, so that no skin shows through cloth that lies on it.
+vec4 seen_at(vec3 place, float nearer) {
+    vec4 at = world_to_clip * vec4(place, 1.0);
+    vec4 before = world_to_clip * vec4(place + normalize(eye.xyz - place) * nearer, 1.0);
+    at.z = before.z / before.w * at.w;
+    return at;
+}
+
 // The place on the flat cloth [m], for grain and seams.
 vec3 on_cloth() { return vec3(in_cell.y * cell.y, -in_cell.x * cell.x, 0.0); }
