@@ -84,6 +84,13 @@ LIMB_COUNT: Final = len(LIMBS)
 LIMB_NAMES: Final = tuple(limb.name for limb in LIMBS)
 
 
+BRIDGES: Final[dict[str, tuple[str, str]]] = {
+    "between thighs": ("left thigh", "right thigh"),
+    "between shins": ("left shin", "right shin"),
+}
+"""What fills the gap between two limbs, so that cloth is not caught there: an ellipse from one to the other."""
+
+
 def limb_index(name: str) -> int:
     """Return the index of a limb; ValueError for an unknown name."""
     return LIMB_NAMES.index(name)

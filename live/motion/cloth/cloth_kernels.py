@@ -56,6 +56,10 @@ _HALF: Any = np.float32(0.5)
 _ONE: Any = np.float32(1.0)
 _TWO: Any = np.float32(2.0)
 _TINY: Any = np.float32(1e-12)
+_THREE: Any = np.float32(3.0)
+_FOUR: Any = np.float32(4.0)
+_FLATTER: Any = np.float32(1.12)  # inverse half-width of what is between legs, relative to theirs
+_LEAST: Any = np.float32(0.02)
 _RUNAWAY: Any = np.float32(1e4)
 _FASTEST: Any = np.float32(9.0)  # no cloth is faster [m/s]; feet of the fastest kicks are as fast
 
@@ -265,6 +269,56 @@ def place_limbs(joints: Float32, limb_joint: Int32, own: Float32, out: Float32) 
                 out[row, k, i] = own[row, k, i]
 
 
+@kernel("void(f4[:,:,::1], i4[:,::1], f4[:,::1])")
+def place_bridges(limbs: Float32, bridges: Int32, work: Float32) -> None:
+    """Place limbs between two others: limbs (LIMB_ROWS, K, LANES), bridges (N, 3): the limb, and the two beside it.
+
+    Its line is the middle of theirs; it reaches from one line to the other, and is _FLATTER than they are. work (9,
+    LANES).
+    """
+    for n in range(bridges.shape[0]):
+        k, left, right = bridges[n, 0], bridges[n, 1], bridges[n, 2]
+        for i in range(LANES):
+            wide0 = wide1 = long_ = _ZERO
+            for axis in range(3):
+                a, b = limbs[MIDDLE + axis, left, i], limbs[MIDDLE + axis, right, i]
+                c = a + limbs[AXES + 3 + axis, left, i] * limbs[LENGTH, left, i]
+                d = b + limbs[AXES + 3 + axis, right, i] * limbs[LENGTH, right, i]
+                limbs[MIDDLE + axis, k, i] = _HALF * (a + b)
+                along = _HALF * (c + d - a - b)
+                work[axis, i], work[3 + axis, i] = along, (a - b) + (c - d)
+                wide0 += (a - b) * (a - b)
+                wide1 += (c - d) * (c - d)
+                long_ += along * along
+            long_ = max(math.sqrt(long_), _LEAST)
+            wide0, wide1 = max(_HALF * math.sqrt(wide0), _LEAST), max(_HALF * math.sqrt(wide1), _LEAST)
+            dot = size = _ZERO
+            for axis in range(3):
+                work[axis, i] /= long_
+                dot += work[axis, i] * work[3 + axis, i]
+            for axis in range(3):
+                work[3 + axis, i] -= dot * work[axis, i]
+                size += work[3 + axis, i] * work[3 + axis, i]
+            size = _ONE / math.sqrt(size + _TINY)
+            for axis in range(3):
+                work[3 + axis, i] *= size
+            for axis in range(3):
+                p, q = (axis + 1) % 3, (axis + 2) % 3
+                limbs[AXES + axis, k, i], limbs[AXES + 3 + axis, k, i] = work[3 + axis, i], work[axis, i]
+                limbs[AXES + 6 + axis, k, i] = work[3 + p, i] * work[q, i] - work[3 + q, i] * work[p, i]
+            limbs[LENGTH, k, i], limbs[PER_LENGTH, k, i] = long_, _ONE / long_
+            # the inverse of the half-width at both ends and in the middle
+            w0, w1, wm = _ONE / wide0, _ONE / wide1, _TWO / (wide0 + wide1)
+            limbs[SIDES, k, i], limbs[SIDES + 1, k, i] = w0, _FOUR * wm - w1 - _THREE * w0
+            limbs[SIDES + 2, k, i], limbs[SIDES + 3, k, i] = _TWO * (w0 + w1) - _FOUR * wm, _ZERO
+            for row in range(4):
+                limbs[FRONTS + row, k, i] = _FLATTER * _HALF * (limbs[FRONTS + row, left, i] + limbs[FRONTS + row, right, i])
+                limbs[BACKS + row, k, i] = _FLATTER * _HALF * (limbs[BACKS + row, left, i] + limbs[BACKS + row, right, i])
+            limbs[CAPS, k, i], limbs[CAPS + 1, k, i] = limbs[CAPS, left, i], limbs[CAPS + 1, left, i]
+            bound = max(wide0, wide1) + math.sqrt(limbs[BOUND, left, i])
+            limbs[BOUND, k, i] = bound * bound
+
+
 @kernel("void(f4[:,:,::1], i4[:,::1], f4[:,::1], f4[:,:,::1], i8, f4[:,:,::1])")
 def skin_particles(joints: Float32, by: Int32, weight: Float32, rest: Float32, count: int, out: Float32) -> None:
     """Move the first `count` particles as skin: out (3, P, LANES).
@@ -327,7 +381,7 @@ def _keep_above_floor(x: Float32, old: Float32, floor: float, friction: float) -
 
 @kernel(
     "void(f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,::1], u1[:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1], i4[::1],"
-    " i4[::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[:,::1], f4[:,::1], i8, i4[:,::1], f4[:,::1], i4[:,::1], f4[:,::1],"
+    " i4[::1], i4[:,::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[:,::1], f4[:,::1], i8, i4[:,::1], f4[:,::1], i4[:,::1], f4[:,::1],"
     " i4[:,::1], f4[:,::1], i4[:,::1], i4[:,::1], f4[::1], f4[::1], i8, f4, i8, i8)"
 )
 def step_garments(
@@ -341,6 +395,7 @@ def step_garments(
     rows: Int32,
     joints: Int32,
     limb_joint: Int32,
+    bridges: Int32,
     limbs: Float32,
     rest: Float32,
     by: Int32,
@@ -366,7 +421,7 @@ def step_garments(
     x, v (B, 3, P, LANES) [m, m/s], before (B, 7, J, LANES), the joints at the last tick, carrier (B, 7, LANES), the first
     joint at the tick before it, and fresh are the state. fresh (B, LANES): 1 where a garment begins anew, as skin; set where a number is not finite. position (A, J, 3) and rotation
     (A, J, 4): the joints now. rows (B, LANES): dancers; joints (J,): the joints that the pattern needs; limb_joint (K,)
-    and limbs (B, LIMB_ROWS, K, LANES) as in `place_limbs`; rest (B, 6, P, LANES), by and weight as in `skin_particles`;
+    and limbs (B, LIMB_ROWS, K, LANES) as in `place_limbs`, bridges as in `place_bridges`; rest (B, 6, P, LANES), by and weight as in `skin_particles`;
     `pinned`: the first so many particles stay on the body. contacts and limits are kept in each substep, more_contacts and
     last_limits in the last one. wind (3,) [m/s].
     """
@@ -377,7 +432,7 @@ def step_garments(
     thickness = matter[THICKNESS]
     now = np.empty((7, joint_count, LANES), np.float32)
     placed = np.empty((JOINT_ROWS, joint_count, LANES), np.float32)
-    limb = np.empty((LIMB_ROWS, limb_count, LANES), np.float32)
+    limb, work = np.empty((LIMB_ROWS, limb_count + len(bridges), LANES), np.float32), np.empty((9, LANES), np.float32)
     old, skin = np.empty((3, count, LANES), np.float32), np.empty((3, count, LANES), np.float32)
     flat_skin = skin.reshape((3, count * LANES))
     for b in range(begin, end):
@@ -388,6 +443,7 @@ def step_garments(
         if begins:
             interpolate_joints(now, now, _ONE, placed)
             place_limbs(placed, limb_joint, limbs[b], limb)
+            place_bridges(limb, bridges, work)
             skin_particles(placed, by, weight, rest[b], count, skin)
             for _ in range(3):  # what is inside the body then would be thrown out of it
                 keep_out(flat_skin, contacts, limb, thickness)
@@ -406,6 +462,7 @@ def step_garments(
         for s in range(substeps):
             interpolate_joints(before[b], now, np.float32(s + 1) / np.float32(substeps), placed)
             place_limbs(placed, limb_joint, limbs[b], limb)
+            place_bridges(limb, bridges, work)
             for axis in range(3):
                 fall = matter[GRAVITY] * h if axis == 1 else _ZERO
                 _predict(flat[axis], flat_old[axis], flat_speed[axis], kept, (_ONE - kept) * wind[axis] - fall, h)

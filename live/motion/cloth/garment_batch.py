@@ -131,7 +131,7 @@ class GarmentBatch:
         def part(begin: int, end: int) -> None:
             step_garments(
                 self.position, self.velocity, self.joints, self.carrier, self.fresh, position, rotation, self.rows, one.joints,
-                one.limb_joint, self._limbs, self._rest, one.by, one.weight,
+                one.limb_joint, one.bridges, self._limbs, self._rest, one.by, one.weight,
                 one.pattern.pinned_rows * one.pattern.columns, one.runs, one.amounts, one.limit_runs, one.limits,
                 one.last_runs, one.last_limits, one.contacts, one.more_contacts, one.matter, wind, substeps, dt, begin, end,
             )  # fmt: skip
@@ -149,7 +149,7 @@ class GarmentBatch:
         def part(begin: int, end: int) -> None:
             draw_garments(
                 self.position, self.velocity, self.joints, self.carrier, self.fresh, position, rotation, self.rows,
-                one.joints, one.limb_joint, self._limbs, self._rest, one.by, one.weight,
+                one.joints, one.limb_joint, one.bridges, self._limbs, self._rest, one.by, one.weight,
                 one.pattern.pinned_rows * one.pattern.columns, one.last_runs, one.last_limits, one.contacts,
                 one.more_contacts, one.matter, one.order, age, dt, skinned, out, begin, end,
             )  # fmt: skip

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Float32, Float64, Int32
-from live.motion.cloth.body_sections import LIMBS, limb_index
+from live.motion.cloth.body_sections import BRIDGES, LIMBS, limb_index
 from live.motion.cloth.cloth_kernels import (
     AT_MOST,
     CLOSED,
@@ -31,16 +31,16 @@ RestShape = Callable[[Float32], Float64]
 
 UPRIGHT: Final = "upright"
 """Instead of a joint: an upright one at the place of the garment's first joint; so a ribbon hangs from a hand."""
-LONGEST: Final = 1.03
+LONGEST: Final = 1.035
 """Cloth is stretched at most so many times along its columns, which hang from the body ..."""
-WIDEST: Final = 1.03
+WIDEST: Final = 1.035
 """... and along its rows."""
 TETHER: Final = 1.01
 """A particle is at most so many times its way along the cloth from the row above that stays on the body."""
 ROW_REPEATS: Final = 1
-LAST_REPEATS: Final = 3
+LAST_REPEATS: Final = 8
 """Sweeps along a row to limit its length, in a substep and in the last one of a tick."""
-THICKNESS: Final = 0.008
+THICKNESS: Final = 0.014
 """Distance of particles from the body [m]."""
 FLOOR_FRICTION: Final = 0.25
 _REST: Final = SKELETON.rest_positions()
@@ -120,6 +120,8 @@ class CompiledPattern:
     """Index in `joints` of each of its limbs' joints, (K,)."""
     limbs: Int32
     """Indices of these limbs, (K,)."""
+    bridges: Int32
+    """What is between two limbs, (N, 3): its place after the limbs, and theirs."""
     by: Int32
     """Indices in `joints` of the two joints that carry each particle as skin, (P, 2); -1: upright."""
     weight: Float32
@@ -156,7 +158,7 @@ def compile_pattern(pattern: Pattern, fabric: Fabric) -> CompiledPattern:
     """Return the arrays of a pattern; ValueError for one that the kernels cannot hold."""
     if pattern.columns > COLUMNS or (pattern.closed and pattern.columns % 2):
         raise ValueError(f"{pattern.name}: {pattern.columns} columns")
-    limbs = sorted({limb_index(contact.limb) for contact in pattern.contacts})
+    limbs, bridges = _limbs(pattern)
     names = [name for name in pattern.joints if name != UPRIGHT]
     joints = [SKELETON.index(name) for name in names]
     joints += [joint for joint in dict.fromkeys(LIMBS[limb].joint for limb in limbs) if joint not in joints]
@@ -177,9 +179,18 @@ def compile_pattern(pattern: Pattern, fabric: Fabric) -> CompiledPattern:
     return CompiledPattern(
         pattern, np.array(joints, np.int32),
         np.array([joints.index(LIMBS[limb].joint) for limb in limbs], np.int32), np.array(limbs, np.int32),
-        by, weight, *runs.arrays(), *limits.arrays(), *last.arrays(),
+        bridges, by, weight, *runs.arrays(), *limits.arrays(), *last.arrays(),
         _contacts(pattern, limbs, often=True), _contacts(pattern, limbs, often=False), matter, order,
     )  # fmt: skip
+
+
+def _limbs(pattern: Pattern) -> tuple[list[int], Int32]:
+    """Return the limbs of a pattern, and what is between them."""
+    touched = {contact.limb for contact in pattern.contacts}
+    pairs = [pair for name, pair in BRIDGES.items() if name in touched]
+    limbs = sorted({limb_index(name) for name in touched - BRIDGES.keys() | {one for pair in pairs for one in pair}})
+    rows = [(len(limbs) + n, *(limbs.index(limb_index(name)) for name in pair)) for n, pair in enumerate(pairs)]
+    return limbs, np.array(rows, np.int32).reshape(-1, 3)
 
 
 class _Runs:
@@ -267,8 +278,14 @@ def _contacts(pattern: Pattern, limbs: list[int], *, often: bool) -> Int32:
     middles between particles."""
     out: list[tuple[int, int, int, int]] = []
     middles = CLOSED if pattern.closed else OPEN
-    for contact in sorted(pattern.contacts, key=lambda one: limb_index(one.limb)):
-        limb = limbs.index(limb_index(contact.limb))
+    between = [name for name in BRIDGES if any(contact.limb == name for contact in pattern.contacts)]
+
+    def place(contact: Contact) -> int:
+        name = contact.limb
+        return len(limbs) + between.index(name) if name in BRIDGES else limbs.index(limb_index(name))
+
+    for contact in sorted(pattern.contacts, key=place):
+        limb = place(contact)
         for row in range(max(contact.first, pattern.pinned_rows), min(contact.last, pattern.rows - 1) + 1):
             if contact.often == often:
                 out.append((row * pattern.columns, pattern.columns, limb, PARTICLES))

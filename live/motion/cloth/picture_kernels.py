@@ -16,6 +16,7 @@ from live.motion.cloth.cloth_kernels import (
     gather_joints,
     interpolate_joints,
     keep_out,
+    place_bridges,
     place_limbs,
     project_runs,
     skin_particles,
@@ -58,7 +59,7 @@ def _carry(
 
 @kernel(
     "void(f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,::1], u1[:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1],"
-    " i4[::1], i4[::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[:,::1], f4[:,::1], i8, i4[:,::1], f4[:,::1], i4[:,::1],"
+    " i4[::1], i4[::1], i4[:,::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[:,::1], f4[:,::1], i8, i4[:,::1], f4[:,::1], i4[:,::1],"
     " i4[:,::1], f4[::1], i4[:,::1], f4, f4, b1, f4[:,:,::1], i8, i8)"
 )
 def draw_garments(
@@ -72,6 +73,7 @@ def draw_garments(
     rows: Int32,
     joints: Int32,
     limb_joint: Int32,
+    bridges: Int32,
     limbs: Float32,
     rest: Float32,
     by: Int32,
@@ -101,13 +103,14 @@ def draw_garments(
     one = np.empty((7, 1, LANES), np.float32)
     placed, last = np.empty((JOINT_ROWS, joint_count, LANES), np.float32), np.empty((JOINT_ROWS, 1, LANES), np.float32)
     then = np.empty((JOINT_ROWS, 1, LANES), np.float32)
-    limb = np.empty((LIMB_ROWS, limb_count, LANES), np.float32)
+    limb, work = np.empty((LIMB_ROWS, limb_count + len(bridges), LANES), np.float32), np.empty((9, LANES), np.float32)
     seen, skin = np.empty((3, count, LANES), np.float32), np.empty((3, count, LANES), np.float32)
     flat = seen.reshape((3, count * LANES))
     for b in range(begin, end):
         gather_joints(position, rotation, rows[b], joints, now)
         interpolate_joints(now, now, _ONE, placed)
         place_limbs(placed, limb_joint, limbs[b], limb)
+        place_bridges(limb, bridges, work)
         as_skin = 0
         for i in range(LANES):
             as_skin += 1 if skinned or fresh[b, i] != 0 else 0

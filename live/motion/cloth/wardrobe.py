@@ -87,12 +87,16 @@ def _skirt(name: str, length: float, rows: int, columns: int, flare: float) -> P
     near_hips = int(np.searchsorted(below, 0.26))
     knees = int(np.searchsorted(below, 0.30))
     contacts = [Contact("pelvis", 1, near_hips), Contact("waist", 1, near_hips, False, False), *_pair("thigh", 1, rows, middles=True)]
+    contacts.append(Contact("between thighs", 1, rows))
     if length > 0.4:
         contacts += _pair("shin", knees, rows, middles=True)
+        contacts.append(Contact("between shins", knees, rows))
     if length > 0.7:
         contacts += _pair("foot", rows - 4, rows, often=False)
     contacts.append(Contact("chest", 2, near_hips, False, False))
-    contacts += [Contact(limb, 1, int(np.searchsorted(below, 0.45)), False, False) for limb in _ARMS]
+    contacts += [
+        Contact(limb, 1, int(np.searchsorted(below, 0.45)), often=limb.endswith("hand")) for limb in _ARMS
+    ]
     return Pattern(
         name=name, kind="cloth", rows=rows, columns=columns, closed=True, pinned_rows=1, length=length, widths=widths,
         joints=("hips", "leftUpperLeg", "rightUpperLeg"),
@@ -126,7 +130,7 @@ def _long_hair() -> Pattern:
     rows, columns = _HAIR_ROWS, _HAIR_COLUMNS
     contacts = (
         Contact("shoulders", 2, rows), Contact("chest", 4, rows), Contact("waist", 6, rows, False, False),
-        Contact("neck", 2, 6), Contact("head", 2, 6), *_pair("upper arm", 3, rows, often=False),
+        Contact("neck", 2, 6), Contact("head", 2, rows), *_pair("upper arm", 3, rows, often=False),
     )  # fmt: skip
     return Pattern(
         name="long hair", kind="hair", rows=rows, columns=columns, closed=False, pinned_rows=2, length=_HAIR_LENGTH,
@@ -161,7 +165,7 @@ def _tail_shape(sections: Float32) -> Float64:
 def _ponytail() -> Pattern:
     rows, columns = _TAIL_ROWS, _TAIL_COLUMNS
     contacts = (
-        Contact("shoulders", 2, rows), Contact("chest", 4, rows), Contact("neck", 2, 8), Contact("head", 2, 7),
+        Contact("shoulders", 2, rows), Contact("chest", 4, rows), Contact("neck", 2, rows), Contact("head", 2, rows),
         *_pair("upper arm", 5, rows, often=False),
     )  # fmt: skip
     return Pattern(
@@ -197,8 +201,8 @@ def _sleeve(side: str) -> Pattern:
     widths = tuple(np.linspace(*_SLEEVE_RADII, rows) * 2.0 * np.sin(np.pi / columns))
     contacts = (
         Contact(f"{side} forearm", 1, rows, True), Contact(f"{side} hand", 3, rows, True),
-        Contact(f"{side} upper arm", 1, 4, False, False), Contact("chest", 2, rows, False, False),
-        Contact("waist", 3, rows, False, False), Contact("pelvis", 3, rows, False, False),
+        Contact(f"{side} upper arm", 1, 4), Contact("chest", 1, rows, False, False),
+        Contact("waist", 1, rows, False, False), Contact("pelvis", 1, rows, False, False),
         *_pair("thigh", 4, rows, often=False), Contact("head", 3, rows, False, False),
     )  # fmt: skip
     return Pattern(
@@ -223,7 +227,7 @@ def _ribbon_shape(side: int, sections: Float32) -> Float64:
 def _ribbon(side: str) -> Pattern:
     rows = _RIBBON_ROWS
     limbs = ("pelvis", "waist", "chest", "shoulders", "head", "left thigh", "right thigh", "left shin", "right shin",
-             f"{side} forearm")  # fmt: skip
+             "left foot", "right foot", f"{side} forearm", f"{side} hand")  # fmt: skip
     return Pattern(
         name=f"{side} ribbon", kind="ribbon", rows=rows, columns=2, closed=False, pinned_rows=1, length=_RIBBON_LENGTH,
         widths=(_RIBBON_WIDTH,) * rows, joints=(f"{side}Hand", UPRIGHT),
@@ -236,9 +240,9 @@ def _ribbon(side: str) -> Pattern:
 PATTERNS: Final[dict[str, Pattern]] = {
     pattern.name: pattern
     for pattern in (
-        _skirt("short skirt", 0.36, 7, 24, 0.62),
-        _skirt("skirt", 0.56, 9, 24, 0.52),
-        _skirt("long skirt", 0.84, 12, 24, 0.42),
+        _skirt("short skirt", 0.36, 7, 20, 0.62),
+        _skirt("skirt", 0.56, 9, 20, 0.52),
+        _skirt("long skirt", 0.84, 12, 20, 0.42),
         _sleeve("left"),
         _sleeve("right"),
         _ribbon("left"),
