@@ -91,3 +91,18 @@ def test_names_are_drawn_evenly_and_stay_with_the_dancer() -> None:
     assert tones.min() >= 0.0
     assert tones.max() <= 1.0
     assert abs(np.median(tones) - 0.5) < 0.05
+
+
+def test_patch_dresses_single_dancers_of_a_group() -> None:
+    draw = 'draw = { costume = "trousers", "costume 2 + 3" = "jacket" }'
+    text = PATCH.replace('name = "front"', f'name = "front"\n{draw}', 1)
+    loaded = LoadedShow(Path("test.toml"), parse_patch(text, "test.toml"), GRAPH)
+    show = loaded.start()
+    worn = [COSTUMES[place] for place in appearance(show)[:, COSTUME]]
+    assert worn[:5] == ["trousers", "jacket", "jacket", "trousers", "trousers"]
+    assert set(worn[5:]) == {"leotard"}
+    assert show.apply(REGISTRY.call(COSTUME_AT, ["bare"], 0.0, "osc"))
+    assert show.apply(REGISTRY.call("/dance/scene", ["start", 0.0], 0.0, "osc"))
+    assert [COSTUMES[place] for place in appearance(show)[:, COSTUME]] == worn
+    with pytest.raises(PatchError, match="nobody"):
+        parse_patch(text.replace("costume 2 + 3", "costume nobody"), "test.toml")
