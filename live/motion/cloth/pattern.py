@@ -207,10 +207,11 @@ class _Runs:
     ) -> None:  # fmt: skip
         """Add constraints of pairs of particles, none of which is in two of them. `first_held`: the first stays."""
         free = [(a, b) for a, b in pairs if max(a, b) >= self._pinned]
+        begin = len(self._runs)
         for a, b in sorted(free):
             masses = (0.0 if a < self._pinned or first_held else 1.0, 0.0 if b < self._pinned else 1.0)
             amounts = (rest, compliance, *masses)
-            last = self._runs[-1] if self._runs else None
+            last = self._runs[-1] if len(self._runs) > begin else None
             if last is not None and self._amounts[-1] == amounts and last[0] == kind:
                 if (last[1] + last[3], last[2] + last[3]) == (a, b):
                     self._runs[-1] = (*last[:3], last[3] + 1)

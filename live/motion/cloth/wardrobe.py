@@ -60,8 +60,9 @@ def _skirt_shape(rows: int, columns: int, length: float, widths: Sequence[float]
     angle = 2.0 * np.pi * np.arange(columns) / columns
     wave = np.cos(2.0 * np.pi * np.arange(columns) / _FOLD)
     points = np.empty((rows, columns, 3))
+    spacing, height = length / (rows - 1), _WAIST_HEIGHT
     for row in range(rows):
-        below = row * length / (rows - 1)
+        below = row * spacing
         share = min(below / _HIPS_BELOW, 1.0)
         over = [w + share * max(h - w, 0.0) for w, h in zip(waist, hips, strict=True)]
         clear = 0.009 + 0.012 * share + 0.16 * max(below - _HIPS_BELOW, 0.0)
@@ -70,9 +71,12 @@ def _skirt_shape(rows: int, columns: int, length: float, widths: Sequence[float]
             fold = 0.5 * (low + high)
             wide = _perimeter(_ellipse((over[0], over[1], over[2]), clear + fold, angle, fold * wave))
             low, high = (fold, high) if wide < columns * widths[row] else (low, fold)
-        fold = low if row else 0.0
+        fold = min(low, 0.3 * below)
         points[row, :, [0, 2]] = _ellipse((over[0], over[1], over[2]), clear + fold, angle, fold * wave).T
-        points[row, :, 1] = _WAIST_HEIGHT - below
+        if row:  # it falls by what it does not need to go outwards
+            out = float(np.square(points[row, :, [0, 2]] - points[row - 1, :, [0, 2]]).sum(axis=0).mean())
+            height -= math.sqrt(max(spacing**2 - out, (0.4 * spacing) ** 2))
+        points[row, :, 1] = height
     return points
 
 

@@ -3,13 +3,15 @@ such proxies the cheapest that keep cloth outside; here they are fitted to the i
 """
 
 from functools import cache
+from pathlib import Path
 from typing import Final
 
 import numpy as np
 
 from live.base.arrays import Float32, Float64
 from live.base.body.catalogue import BODIES, DEFAULT_BODY
-from live.base.disk.array_cache import ArrayCache, Arrays
+from live.base.disk.array_cache import ArrayCache, Arrays, digest_of_code
+from live.motion.cloth import body_sections as limbs_of_bodies
 from live.motion.cloth.body_sections import COEFFICIENTS, LIMB_COUNT, LIMBS, SECTION_COLUMNS, Limb
 from live.render.body.body_mesh import code_digest
 from live.render.body.body_variants import parts_of
@@ -25,6 +27,7 @@ _WIDEST: Final = {"shoulders": 0.150, "neck": 0.065, "left foot": 0.045}
 _ROUND: Final = 1e3
 """Fitted numbers are rounded to 1/_ROUND, so that they have the same bits whatever library solved for them."""
 _CACHE: Final = ArrayCache("limbs", max_entries=32)
+_LIMBS_FILE: Final = Path(limbs_of_bodies.__file__)
 
 
 @cache
@@ -32,7 +35,7 @@ def body_sections(name: str) -> Float32:
     """Return the limbs' cross-sections of a body, (LIMB_COUNT, SECTION_COLUMNS); a character has those of the default
     body. Fitted once per machine and version, in a fraction of a second."""
     body = name if name in BODIES else DEFAULT_BODY
-    entry = _CACHE.entry_path(code_digest(), [body.encode(), bytes([COEFFICIENTS])])
+    entry = _CACHE.entry_path(code_digest(), [body.encode(), digest_of_code([_LIMBS_FILE])])
     found = _CACHE.load(entry, _unpack)
     if found is None:
         shape = Shape(parts_of(body))
