@@ -168,9 +168,9 @@ def assemble(
         measure_begin.begin(clock.span.end - clock.timeline.beats_per_measure)
     return Show(
         seed=seed, breakers=breakers, refusals=refusals, clock=clock, casting=casting, reactions=reactions,
-        score_runner=score_runner, motion=motion, variation=variation, dancers=dancers, garments=garments, scheduler=scheduler,
-        interrupts=interrupts, directions=directions, mocap=mocap, desk=desk, audience=audience, light=light,
-        hot_swap=hot_swap, view_builder=view_builder, launcher=launcher, frame=frame,
+        score_runner=score_runner, motion=motion, variation=variation, dancers=dancers, garments=garments,
+        scheduler=scheduler, interrupts=interrupts, directions=directions, mocap=mocap, desk=desk, audience=audience,
+        light=light, hot_swap=hot_swap, view_builder=view_builder, launcher=launcher, frame=frame,
     )  # fmt: skip
 
 

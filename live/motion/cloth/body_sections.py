@@ -1,8 +1,8 @@
 """The dancer's body as limbs with elliptical cross-sections, for contact with cloth and hair.
 
-A *limb* is a line fixed to a joint. At each place along it the cross-section has a half-width to the sides, in front and
-behind (a calf bulges behind only), and both ends are rounded. Their inverses are polynomials, because contact divides by
-them. `live/render/body/body_limbs.py` fits these to the surface of each body that is drawn.
+A *limb* is a line fixed to a joint. At each place along it the cross-section has a half-width to the sides, in front
+and behind (a calf bulges behind only), and both ends are rounded. Their inverses are polynomials, because contact
+divides by them. `live/render/body/body_limbs.py` fits these to the surface of each body that is drawn.
 """
 
 from dataclasses import dataclass
@@ -61,7 +61,7 @@ def _both(name: str, joint: str, start: _Point, end: _Point, side: _Point, front
     other = (-start[0], *start[1:]), (-end[0], *end[1:])
     return (
         _limb(f"left {name}", f"left{joint}", start, end, side, front),
-        _limb(f"right {name}", f"right{joint}", other[0], other[1], (-side[0], *side[1:]), front),  # type: ignore[arg-type]
+        _limb(f"right {name}", f"right{joint}", other[0], other[1], (-side[0], *side[1:]), front),
     )
 
 

@@ -2,14 +2,12 @@
 
 After Müller et al., *Position Based Dynamics* (2007), Macklin, Müller and Chentanez, *XPBD* (2016), and Macklin et al.,
 *Small Steps in Physics Simulation* (2019): each tick has several substeps with one iteration each. The length of cloth
-is limited as in Provot, *Deformation Constraints in a Mass-Spring Model* (1995), and by attachments to the fixed rows as
-in Kim, Chentanez and Müller-Fischer, *Long Range Attachments* (2012).
+is limited as in Provot, *Deformation Constraints in a Mass-Spring Model* (1995), and by attachments to the fixed rows
+as in Kim, Chentanez and Müller-Fischer, *Long Range Attachments* (2012).
 
-Garments of one pattern on LANES dancers are a *block*: every number of a particle is a row of LANES dancers (structure
-of arrays), so that the compiler vectorizes each loop over lanes. Positions are (3, P, LANES), joints (12, J, LANES) and
-limbs (LIMB_ROWS, K, LANES) in the world. A *run* is a number of particles that lie one after the other, with as many
-partners that do, too: one loop projects all constraints between them. No particle is in a run twice, so the order within
-it does not matter.
+Positions of a block are (3, P, LANES), see `limb_kernels`. A *run* is a number of particles that lie one after the
+other, with as many partners that do, too: one loop projects all constraints between them. No particle is in a run
+twice, so the order within it does not matter.
 """
 
 import math
@@ -19,13 +17,30 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import inline_kernel, kernel
+from live.motion.cloth.limb_kernels import (
+    AXES,
+    BACKS,
+    BOUND,
+    CAPS,
+    FRONTS,
+    JOINT_ROWS,
+    LANES,
+    LENGTH,
+    LIMB_ROWS,
+    MIDDLE,
+    PER_LENGTH,
+    SIDES,
+    gather_joints,
+    interpolate_joints,
+    place_bridges,
+    place_limbs,
+    skin_particles,
+)
 
 Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
 Uint8 = npt.NDArray[np.uint8]
 
-LANES = 8
-"""Dancers in a block."""
 COLUMNS = 32
 """Most particles in a row of a garment."""
 WIDTH = COLUMNS * LANES
@@ -43,23 +58,11 @@ DRAG, GRAVITY, THICKNESS, FLOOR, FLOOR_FRICTION = range(5)
 """Entries of `matter`: drag of the air [1/s], acceleration [m/s2], distance kept from the body and height kept over the
 floor [m], share of the speed along the floor that is lost in a substep."""
 MATTER_COLUMNS = 5
-MIDDLE, AXES, SIDES, FRONTS, BACKS, CAPS, LENGTH, PER_LENGTH, BOUND = 0, 3, 12, 16, 20, 24, 26, 27, 28
-"""Rows of a limb: middle of its start, its three axes (sides, along, front), polynomials of the inverse half-widths,
-inverse reach of both ends, length and its inverse, and square of the distance from the line beyond which nothing
-touches it."""
-LIMB_ROWS = 29
-PLACE, TURN = 0, 3
-"""Rows of a joint: its position, its rotation matrix by rows."""
-JOINT_ROWS = 12
 _ZERO: Any = np.float32(0.0)
 _HALF: Any = np.float32(0.5)
 _ONE: Any = np.float32(1.0)
 _TWO: Any = np.float32(2.0)
 _TINY: Any = np.float32(1e-12)
-_THREE: Any = np.float32(3.0)
-_FOUR: Any = np.float32(4.0)
-_FLATTER: Any = np.float32(1.12)  # inverse half-width of what is between legs, relative to theirs
-_LEAST: Any = np.float32(0.02)
 _RUNAWAY: Any = np.float32(1e4)
 _FASTEST: Any = np.float32(9.0)  # no cloth is faster [m/s]; feet of the fastest kicks are as fast
 
@@ -131,6 +134,44 @@ def _push_both(row: Float32, push: Float32, half: int, n: int, closed: int) -> N
         even[i] += push[n - closed + i]
 
 
+@inline_kernel
+def _any_near(limb: Float32, at: Float32, n: int) -> Any:
+    """Return whether any of the first n places `at` (3, WIDTH) may touch its limb, (LIMB_ROWS, WIDTH)."""
+    near = np.int32(0)
+    for i in range(n):
+        dx, dy, dz = at[0, i] - limb[MIDDLE, i], at[1, i] - limb[MIDDLE + 1, i], at[2, i] - limb[MIDDLE + 2, i]
+        along = limb[AXES + 3, i] * dx + limb[AXES + 4, i] * dy + limb[AXES + 5, i] * dz
+        s = min(max(along, _ZERO), limb[LENGTH, i])
+        near |= np.int32(dx * dx + dy * dy + dz * dz - s * (_TWO * along - s) < limb[BOUND, i])
+    return near != 0
+
+
+@inline_kernel
+def _push_out(limb: Float32, at: Float32, push: Float32, n: int, thickness: Any) -> None:
+    """Compute how far the first n places `at` (3, WIDTH) have to move out of their limbs, `push` likewise."""
+    for i in range(n):
+        dx, dy, dz = at[0, i] - limb[MIDDLE, i], at[1, i] - limb[MIDDLE + 1, i], at[2, i] - limb[MIDDLE + 2, i]
+        side = limb[AXES, i] * dx + limb[AXES + 1, i] * dy + limb[AXES + 2, i] * dz
+        along = limb[AXES + 3, i] * dx + limb[AXES + 4, i] * dy + limb[AXES + 5, i] * dz
+        front = limb[AXES + 6, i] * dx + limb[AXES + 7, i] * dy + limb[AXES + 8, i] * dz
+        s = min(max(along * limb[PER_LENGTH, i], _ZERO), _ONE)
+        along -= s * limb[LENGTH, i]
+        rs = limb[SIDES, i] + s * (limb[SIDES + 1, i] + s * (limb[SIDES + 2, i] + s * limb[SIDES + 3, i]))
+        rf = limb[FRONTS, i] + s * (limb[FRONTS + 1, i] + s * (limb[FRONTS + 2, i] + s * limb[FRONTS + 3, i]))
+        rb = limb[BACKS, i] + s * (limb[BACKS + 1, i] + s * (limb[BACKS + 2, i] + s * limb[BACKS + 3, i]))
+        rf = rf if front > _ZERO else rb
+        ra = limb[CAPS + 1, i] if along > _ZERO else limb[CAPS, i]
+        us, ua, uf = side * rs, along * ra, front * rf
+        k0 = math.sqrt(us * us + ua * ua + uf * uf)
+        gs, ga, gf = us * rs, ua * ra, uf * rf
+        k1 = _ONE / math.sqrt(gs * gs + ga * ga + gf * gf + _TINY)
+        far = max(thickness - k0 * (k0 - _ONE) * k1, _ZERO) * k1
+        gs, ga, gf = gs * far, ga * far, gf * far
+        push[0, i] = limb[AXES, i] * gs + limb[AXES + 3, i] * ga + limb[AXES + 6, i] * gf
+        push[1, i] = limb[AXES + 1, i] * gs + limb[AXES + 4, i] * ga + limb[AXES + 7, i] * gf
+        push[2, i] = limb[AXES + 2, i] * gs + limb[AXES + 5, i] * ga + limb[AXES + 8, i] * gf
+
+
 @kernel("void(f4[:,::1], i4[:,::1], f4[:,:,::1], f4)")
 def keep_out(places: Float32, contacts: Int32, limbs: Float32, thickness: float) -> None:
     """Push rows of particles, and middles between neighbours, to `thickness` [m] outside the limbs.
@@ -140,15 +181,15 @@ def keep_out(places: Float32, contacts: Int32, limbs: Float32, thickness: float)
     """
     limb, at = np.empty((LIMB_ROWS, WIDTH), np.float32), np.empty((3, WIDTH), np.float32)
     push = np.empty((3, WIDTH), np.float32)
-    tiled, columns = -1, np.int64(1)
+    tiled, columns = -1, 1
     for c in range(contacts.shape[0]):
-        columns = max(columns, np.int64(contacts[c, CONTACT_COUNT]))
+        columns = contacts[c, CONTACT_COUNT] if contacts[c, CONTACT_COUNT] > columns else columns
     for c in range(contacts.shape[0]):
         first, middles = contacts[c, CONTACT_FIRST] * LANES, contacts[c, CONTACT_MIDDLES]
         if contacts[c, CONTACT_LIMB] != tiled:
             tiled = contacts[c, CONTACT_LIMB]
             _tile(limb, limbs, tiled, min(columns, COLUMNS))
-        width = min(np.int64(contacts[c, CONTACT_COUNT]), COLUMNS) * LANES
+        width = min(int(contacts[c, CONTACT_COUNT]), COLUMNS) * LANES
         half = (width // LANES + 1) // 2 * LANES
         closed = LANES if middles == CLOSED else 0
         n = width
@@ -161,35 +202,9 @@ def keep_out(places: Float32, contacts: Int32, limbs: Float32, thickness: float)
                 row, to = places[axis, first : first + width], at[axis]
                 for i in range(n):
                     to[i] = row[i]
-        near = np.int32(0)
-        for i in range(n):
-            dx, dy, dz = at[0, i] - limb[MIDDLE, i], at[1, i] - limb[MIDDLE + 1, i], at[2, i] - limb[MIDDLE + 2, i]
-            along = limb[AXES + 3, i] * dx + limb[AXES + 4, i] * dy + limb[AXES + 5, i] * dz
-            s = min(max(along, _ZERO), limb[LENGTH, i])
-            near |= np.int32(dx * dx + dy * dy + dz * dz - s * (_TWO * along - s) < limb[BOUND, i])
-        if near == 0:
+        if not _any_near(limb, at, n):
             continue
-        for i in range(n):
-            dx, dy, dz = at[0, i] - limb[MIDDLE, i], at[1, i] - limb[MIDDLE + 1, i], at[2, i] - limb[MIDDLE + 2, i]
-            side = limb[AXES, i] * dx + limb[AXES + 1, i] * dy + limb[AXES + 2, i] * dz
-            along = limb[AXES + 3, i] * dx + limb[AXES + 4, i] * dy + limb[AXES + 5, i] * dz
-            front = limb[AXES + 6, i] * dx + limb[AXES + 7, i] * dy + limb[AXES + 8, i] * dz
-            s = min(max(along * limb[PER_LENGTH, i], _ZERO), _ONE)
-            along -= s * limb[LENGTH, i]
-            rs = limb[SIDES, i] + s * (limb[SIDES + 1, i] + s * (limb[SIDES + 2, i] + s * limb[SIDES + 3, i]))
-            rf = limb[FRONTS, i] + s * (limb[FRONTS + 1, i] + s * (limb[FRONTS + 2, i] + s * limb[FRONTS + 3, i]))
-            rb = limb[BACKS, i] + s * (limb[BACKS + 1, i] + s * (limb[BACKS + 2, i] + s * limb[BACKS + 3, i]))
-            rf = rf if front > _ZERO else rb
-            ra = limb[CAPS + 1, i] if along > _ZERO else limb[CAPS, i]
-            us, ua, uf = side * rs, along * ra, front * rf
-            k0 = math.sqrt(us * us + ua * ua + uf * uf)
-            gs, ga, gf = us * rs, ua * ra, uf * rf
-            k1 = _ONE / math.sqrt(gs * gs + ga * ga + gf * gf + _TINY)
-            far = max(thickness - k0 * (k0 - _ONE) * k1, _ZERO) * k1
-            gs, ga, gf = gs * far, ga * far, gf * far
-            push[0, i] = limb[AXES, i] * gs + limb[AXES + 3, i] * ga + limb[AXES + 6, i] * gf
-            push[1, i] = limb[AXES + 1, i] * gs + limb[AXES + 4, i] * ga + limb[AXES + 7, i] * gf
-            push[2, i] = limb[AXES + 2, i] * gs + limb[AXES + 5, i] * ga + limb[AXES + 8, i] * gf
+        _push_out(limb, at, push, n, thickness)
         for axis in range(3):
             row, out = places[axis, first : first + width], push[axis]
             if middles:
@@ -197,156 +212,6 @@ def keep_out(places: Float32, contacts: Int32, limbs: Float32, thickness: float)
             else:
                 for i in range(n):
                     row[i] += out[i]
-
-
-@kernel("void(f4[:,:,::1], f4[:,:,::1], i4[::1], i4[::1], f4[:,:,::1])")
-def gather_joints(position: Float32, rotation: Float32, rows: Int32, joints: Int32, out: Float32) -> None:
-    """Copy position and rotation of `joints` (J,) of the dancers `rows` (LANES,) into `out` (7, J, LANES)."""
-    for j in range(joints.shape[0]):
-        joint = joints[j]
-        for i in range(LANES):
-            a = rows[i]
-            for c in range(3):
-                out[c, j, i] = position[a, joint, c]
-            for c in range(4):
-                out[3 + c, j, i] = rotation[a, joint, c]
-
-
-@kernel("void(f4[:,:,::1], f4[:,:,::1], f4, f4[:,:,::1])")
-def interpolate_joints(before: Float32, now: Float32, share: float, out: Float32) -> None:
-    """Compute the joints `share` of the way from `before` to `now`, both (7, J, LANES): out (JOINT_ROWS, J, LANES)."""
-    n = before.shape[1] * LANES
-    b, a, o = now.reshape((7, n)), before.reshape((7, n)), out.reshape((JOINT_ROWS, n))
-    for c in range(3):
-        first, last, to = a[c], b[c], o[c]
-        for i in range(n):
-            to[i] = first[i] + share * (last[i] - first[i])
-    aw, ax, ay, az, bw, bx, by, bz = a[3], a[4], a[5], a[6], b[3], b[4], b[5], b[6]
-    t = np.empty((4, n), np.float32)
-    for i in range(n):
-        dot = aw[i] * bw[i] + ax[i] * bx[i] + ay[i] * by[i] + az[i] * bz[i]
-        to_b = share if dot >= _ZERO else -share
-        w, x, y, z = aw[i] * (_ONE - share) + bw[i] * to_b, ax[i] * (_ONE - share) + bx[i] * to_b, _ZERO, _ZERO
-        y = ay[i] * (_ONE - share) + by[i] * to_b
-        z = az[i] * (_ONE - share) + bz[i] * to_b
-        scale = _ONE / math.sqrt(w * w + x * x + y * y + z * z + _TINY)
-        t[0, i], t[1, i], t[2, i], t[3, i] = w * scale, x * scale, y * scale, z * scale
-    for i in range(n):
-        w, x, y, z = t[0, i], t[1, i], t[2, i], t[3, i]
-        o[TURN, i] = _ONE - _TWO * (y * y + z * z)
-        o[TURN + 1, i] = _TWO * (x * y - w * z)
-        o[TURN + 2, i] = _TWO * (x * z + w * y)
-        o[TURN + 3, i] = _TWO * (x * y + w * z)
-        o[TURN + 4, i] = _ONE - _TWO * (x * x + z * z)
-        o[TURN + 5, i] = _TWO * (y * z - w * x)
-        o[TURN + 6, i] = _TWO * (x * z - w * y)
-        o[TURN + 7, i] = _TWO * (y * z + w * x)
-        o[TURN + 8, i] = _ONE - _TWO * (x * x + y * y)
-
-
-@kernel("void(f4[:,:,::1], i4[::1], f4[:,:,::1], f4[:,:,::1])")
-def place_limbs(joints: Float32, limb_joint: Int32, own: Float32, out: Float32) -> None:
-    """Place the limbs `own` (LIMB_ROWS, K, LANES), in the axes of their joints, in the world: `out` likewise.
-
-    joints (JOINT_ROWS, J, LANES); limb_joint (K,): index of each limb's joint in it.
-    """
-    for k in range(limb_joint.shape[0]):
-        j = limb_joint[k]
-        for row in range(4):
-            first = 3 * row
-            a, b, c = own[first, k], own[first + 1, k], own[first + 2, k]
-            for axis in range(3):
-                ta, tb, tc = joints[TURN + 3 * axis, j], joints[TURN + 3 * axis + 1, j], joints[TURN + 3 * axis + 2, j]
-                to, middle = out[first + axis, k], joints[PLACE + axis, j]
-                if row == 0:
-                    for i in range(LANES):
-                        to[i] = middle[i] + ta[i] * a[i] + tb[i] * b[i] + tc[i] * c[i]
-                else:
-                    for i in range(LANES):
-                        to[i] = ta[i] * a[i] + tb[i] * b[i] + tc[i] * c[i]
-        for row in range(SIDES, LIMB_ROWS):
-            for i in range(LANES):
-                out[row, k, i] = own[row, k, i]
-
-
-@kernel("void(f4[:,:,::1], i4[:,::1], f4[:,::1])")
-def place_bridges(limbs: Float32, bridges: Int32, work: Float32) -> None:
-    """Place limbs between two others: limbs (LIMB_ROWS, K, LANES), bridges (N, 3): the limb, and the two beside it.
-
-    Its line is the middle of theirs; it reaches from one line to the other, and is _FLATTER than they are. work (9,
-    LANES).
-    """
-    for n in range(bridges.shape[0]):
-        k, left, right = bridges[n, 0], bridges[n, 1], bridges[n, 2]
-        for i in range(LANES):
-            wide0 = wide1 = long_ = _ZERO
-            for axis in range(3):
-                a, b = limbs[MIDDLE + axis, left, i], limbs[MIDDLE + axis, right, i]
-                c = a + limbs[AXES + 3 + axis, left, i] * limbs[LENGTH, left, i]
-                d = b + limbs[AXES + 3 + axis, right, i] * limbs[LENGTH, right, i]
-                limbs[MIDDLE + axis, k, i] = _HALF * (a + b)
-                along = _HALF * (c + d - a - b)
-                work[axis, i], work[3 + axis, i] = along, (a - b) + (c - d)
-                wide0 += (a - b) * (a - b)
-                wide1 += (c - d) * (c - d)
-                long_ += along * along
-            long_ = max(math.sqrt(long_), _LEAST)
-            wide0, wide1 = max(_HALF * math.sqrt(wide0), _LEAST), max(_HALF * math.sqrt(wide1), _LEAST)
-            dot = size = _ZERO
-            for axis in range(3):
-                work[axis, i] /= long_
-                dot += work[axis, i] * work[3 + axis, i]
-            for axis in range(3):
-                work[3 + axis, i] -= dot * work[axis, i]
-                size += work[3 + axis, i] * work[3 + axis, i]
-            size = _ONE / math.sqrt(size + _TINY)
-            for axis in range(3):
-                work[3 + axis, i] *= size
-            for axis in range(3):
-                p, q = (axis + 1) % 3, (axis + 2) % 3
-                limbs[AXES + axis, k, i], limbs[AXES + 3 + axis, k, i] = work[3 + axis, i], work[axis, i]
-                limbs[AXES + 6 + axis, k, i] = work[3 + p, i] * work[q, i] - work[3 + q, i] * work[p, i]
-            limbs[LENGTH, k, i], limbs[PER_LENGTH, k, i] = long_, _ONE / long_
-            # the inverse of the half-width at both ends and in the middle
-            w0, w1, wm = _ONE / wide0, _ONE / wide1, _TWO / (wide0 + wide1)
-            limbs[SIDES, k, i], limbs[SIDES + 1, k, i] = w0, _FOUR * wm - w1 - _THREE * w0
-            limbs[SIDES + 2, k, i], limbs[SIDES + 3, k, i] = _TWO * (w0 + w1) - _FOUR * wm, _ZERO
-            for row in range(4):
-                limbs[FRONTS + row, k, i] = _FLATTER * _HALF * (limbs[FRONTS + row, left, i] + limbs[FRONTS + row, right, i])
-                limbs[BACKS + row, k, i] = _FLATTER * _HALF * (limbs[BACKS + row, left, i] + limbs[BACKS + row, right, i])
-            limbs[CAPS, k, i], limbs[CAPS + 1, k, i] = limbs[CAPS, left, i], limbs[CAPS + 1, left, i]
-            bound = max(wide0, wide1) + math.sqrt(limbs[BOUND, left, i])
-            limbs[BOUND, k, i] = bound * bound
-
-
-@kernel("void(f4[:,:,::1], i4[:,::1], f4[:,::1], f4[:,:,::1], i8, f4[:,:,::1])")
-def skin_particles(joints: Float32, by: Int32, weight: Float32, rest: Float32, count: int, out: Float32) -> None:
-    """Move the first `count` particles as skin: out (3, P, LANES).
-
-    by (P, 2): indices in `joints` (JOINT_ROWS, J, LANES); the second is followed by the share `weight` (P, 2). rest
-    (6, P, LANES): places relative to both joints, in their axes in the rest pose. An index of -1 is an upright joint at
-    the place of the other.
-    """
-    for p in range(count):
-        first, second, share = by[p, 0], by[p, 1], weight[p, 1]
-        for axis in range(3):
-            to = out[axis, p]
-            a = TURN + 3 * axis
-            if second < 0:
-                for i in range(LANES):
-                    to[i] = joints[PLACE + axis, first, i] + joints[a, first, i] * rest[0, p, i] + (
-                        joints[a + 1, first, i] * rest[1, p, i] + joints[a + 2, first, i] * rest[2, p, i]
-                    )
-                    to[i] += share * rest[3 + axis, p, i]
-            else:
-                for i in range(LANES):
-                    one = joints[PLACE + axis, first, i] + joints[a, first, i] * rest[0, p, i] + (
-                        joints[a + 1, first, i] * rest[1, p, i] + joints[a + 2, first, i] * rest[2, p, i]
-                    )
-                    other = joints[PLACE + axis, second, i] + joints[a, second, i] * rest[3, p, i] + (
-                        joints[a + 1, second, i] * rest[4, p, i] + joints[a + 2, second, i] * rest[5, p, i]
-                    )
-                    to[i] = one + share * (other - one)
 
 
 @kernel("void(f4[::1], f4[::1], f4[::1], f4, f4, f4)")
@@ -379,9 +244,53 @@ def _keep_above_floor(x: Float32, old: Float32, floor: float, friction: float) -
         fz[i] += held * (oz[i] - fz[i])
 
 
+@kernel("void(f4[:,:,::1], u1[::1])")
+def _mark_runaways(x: Float32, fresh: Uint8) -> None:
+    """Set fresh (LANES,) where a number of x (3, P, LANES) is not finite or absurd, and clear it elsewhere."""
+    for i in range(LANES):
+        fresh[i] = 0
+    for axis in range(3):
+        for p in range(x.shape[1]):
+            for i in range(LANES):
+                fresh[i] |= not abs(x[axis, p, i]) < _RUNAWAY
+
+
 @kernel(
-    "void(f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,::1], u1[:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1], i4[::1],"
-    " i4[::1], i4[:,::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[:,::1], f4[:,::1], i8, i4[:,::1], f4[:,::1], i4[:,::1], f4[:,::1],"
+    "void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], u1[::1], f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4[:,::1],"
+    " f4[:,:,::1], i4[::1], i4[:,::1], f4[:,:,::1], i4[:,::1], f4[:,::1], f4[:,:,::1], i4[:,::1], f4[:,::1],"
+    " i4[:,::1], i4[:,::1], f4, f4)"
+)
+def _begin(
+    x: Float32, v: Float32, before: Float32, fresh: Uint8, now: Float32, placed: Float32, limb: Float32, work: Float32,
+    skin: Float32, limb_joint: Int32, bridges: Int32, limbs: Float32, by: Int32, weight: Float32, rest: Float32,
+    runs: Int32, limits: Float32, contacts: Int32, more_contacts: Int32, thickness: float, per_step: float,
+) -> None:  # fmt: skip
+    """Let the garments of a block that are `fresh` begin at rest, as skin that is brought out of the body."""
+    begins, count = 0, x.shape[1]
+    for i in range(LANES):
+        begins += fresh[i]
+    if begins == 0:
+        return
+    interpolate_joints(now, now, _ONE, placed)
+    place_limbs(placed, limb_joint, limbs, limb)
+    place_bridges(limb, bridges, work)
+    skin_particles(placed, by, weight, rest, count, skin)
+    flat = skin.reshape((3, count * LANES))
+    for _ in range(3):  # what is inside the body then would be thrown out of it
+        keep_out(flat, contacts, limb, thickness)
+        keep_out(flat, more_contacts, limb, thickness)
+        project_runs(flat, runs, limits, per_step)
+    for i in range(LANES):
+        if fresh[i] != 0:
+            x[:, :, i] = skin[:, :, i]
+            v[:, :, i] = _ZERO
+            before[:, :, i] = now[:, :, i]
+
+
+@kernel(
+    "void(f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,::1], u1[:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1],"
+    " i4[::1], i4[::1], i4[:,::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[:,::1], f4[:,::1], i8, i4[:,::1], f4[:,::1],"
+    " i4[:,::1], f4[:,::1],"
     " i4[:,::1], f4[:,::1], i4[:,::1], i4[:,::1], f4[::1], f4[::1], i8, f4, i8, i8)"
 )
 def step_garments(
@@ -418,53 +327,40 @@ def step_garments(
 ) -> None:
     """Advance the blocks begin to end - 1 of garments of one pattern by a tick of `tick` [s].
 
-    x, v (B, 3, P, LANES) [m, m/s], before (B, 7, J, LANES), the joints at the last tick, carrier (B, 7, LANES), the first
-    joint at the tick before it, and fresh are the state. fresh (B, LANES): 1 where a garment begins anew, as skin; set where a number is not finite. position (A, J, 3) and rotation
-    (A, J, 4): the joints now. rows (B, LANES): dancers; joints (J,): the joints that the pattern needs; limb_joint (K,)
-    and limbs (B, LIMB_ROWS, K, LANES) as in `place_limbs`, bridges as in `place_bridges`; rest (B, 6, P, LANES), by and weight as in `skin_particles`;
-    `pinned`: the first so many particles stay on the body. contacts and limits are kept in each substep, more_contacts and
+    The state: x, v (B, 3, P, LANES) [m, m/s]; before (B, 7, J, LANES), the joints at the last tick; carrier (B, 7,
+    LANES), the first joint at the tick before it; fresh (B, LANES), 1 where a garment begins anew, as skin, which is
+    also set where a number is not finite. position (A, J, 3) and rotation (A, J, 4): the joints now. rows (B, LANES):
+    dancers; joints (J,): the joints that the pattern needs; limb_joint (K,) and limbs (B, LIMB_ROWS, K, LANES) as in
+    `place_limbs`, bridges as in `place_bridges`; rest (B, 6, P, LANES), by and weight as in `skin_particles`; `pinned`:
+    the first so many particles stay on the body. contacts and limits are kept in each substep, more_contacts and
     last_limits in the last one. wind (3,) [m/s].
     """
     count, joint_count, limb_count = x.shape[2], joints.shape[0], limb_joint.shape[0]
-    h = tick / np.float32(substeps)
+    h: Any = tick / np.float32(substeps)
     per_step, per_h = _ONE / (h * h), _ONE / h
-    kept = _ONE / (_ONE + matter[DRAG] * h)  # implicit, so that any drag is stable
+    kept: Any = _ONE / (_ONE + matter[DRAG] * h)  # implicit, so that any drag is stable
     thickness = matter[THICKNESS]
     now = np.empty((7, joint_count, LANES), np.float32)
     placed = np.empty((JOINT_ROWS, joint_count, LANES), np.float32)
     limb, work = np.empty((LIMB_ROWS, limb_count + len(bridges), LANES), np.float32), np.empty((9, LANES), np.float32)
     old, skin = np.empty((3, count, LANES), np.float32), np.empty((3, count, LANES), np.float32)
-    flat_skin = skin.reshape((3, count * LANES))
     for b in range(begin, end):
         gather_joints(position, rotation, rows[b], joints, now)
-        begins = False
-        for i in range(LANES):
-            begins |= fresh[b, i] != 0
-        if begins:
-            interpolate_joints(now, now, _ONE, placed)
-            place_limbs(placed, limb_joint, limbs[b], limb)
-            place_bridges(limb, bridges, work)
-            skin_particles(placed, by, weight, rest[b], count, skin)
-            for _ in range(3):  # what is inside the body then would be thrown out of it
-                keep_out(flat_skin, contacts, limb, thickness)
-                keep_out(flat_skin, more_contacts, limb, thickness)
-                project_runs(flat_skin, last_runs, last_limits, per_step)
-            for i in range(LANES):
-                if fresh[b, i] != 0:
-                    fresh[b, i] = 0
-                    x[b, :, :, i] = skin[:, :, i]
-                    v[b, :, :, i] = _ZERO
-                    before[b, :, :, i] = now[:, :, i]
+        _begin(
+            x[b], v[b], before[b], fresh[b], now, placed, limb, work, skin, limb_joint, bridges, limbs[b], by, weight,
+            rest[b], last_runs, last_limits, contacts, more_contacts, thickness, per_step,
+        )  # fmt: skip
         carrier[b] = before[b, :, 0]
         own, speed = x[b], v[b]
         flat, flat_speed = own.reshape((3, count * LANES)), speed.reshape((3, count * LANES))
         flat_old = old.reshape((3, count * LANES))
         for s in range(substeps):
-            interpolate_joints(before[b], now, np.float32(s + 1) / np.float32(substeps), placed)
+            share: Any = np.float32(s + 1) / np.float32(substeps)
+            interpolate_joints(before[b], now, share, placed)
             place_limbs(placed, limb_joint, limbs[b], limb)
             place_bridges(limb, bridges, work)
             for axis in range(3):
-                fall = matter[GRAVITY] * h if axis == 1 else _ZERO
+                fall: Any = matter[GRAVITY] * h if axis == 1 else _ZERO
                 _predict(flat[axis], flat_old[axis], flat_speed[axis], kept, (_ONE - kept) * wind[axis] - fall, h)
             skin_particles(placed, by, weight, rest[b], pinned, own)
             project_runs(flat, runs, amounts, per_step)
@@ -478,10 +374,5 @@ def step_garments(
                 project_runs(flat, limit_runs, limits, per_step)
             _keep_above_floor(own, old, matter[FLOOR], matter[FLOOR_FRICTION])
             _set_speed(flat, flat_old, flat_speed, per_h)
-        for i in range(LANES):
-            fresh[b, i] = 0
-        for axis in range(3):
-            for p in range(count):
-                for i in range(LANES):
-                    fresh[b, i] |= not abs(own[axis, p, i]) < _RUNAWAY
+        _mark_runaways(own, fresh[b])
         before[b] = now

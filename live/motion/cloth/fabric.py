@@ -32,6 +32,5 @@ RIBBON: Final = Fabric(drag=2.2, bend=1e-3, shear=3e-5, gravity=7.5)
 
 
 def fabric_of(kind: str, name: str) -> Fabric:
-    """Return the fabric of a garment of a kind (`cloth`, `hair` or `ribbon`) that is made of the fabric `name`, if it is
-    of cloth."""
+    """Return the fabric of a garment of a kind: `cloth`, which is made of the fabric `name`, `hair` or `ribbon`."""
     return {"hair": HAIR, "ribbon": RIBBON}.get(kind) or FABRICS[name]

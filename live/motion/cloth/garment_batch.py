@@ -1,26 +1,17 @@
 """Garments of one pattern and fabric on several dancers: their state, its ticks and its pictures."""
 
 import operator as op
+from typing import Any
 
 import numpy as np
 
 from live.base.arrays import Float32, Int32
 from live.base.row_ranges import run_rows
 from live.motion.cloth.body_sections import COEFFICIENTS, LIMB_COUNT, LIMBS, SECTION_COLUMNS, half_widths
-from live.motion.cloth.cloth_kernels import (
-    AXES,
-    BOUND,
-    CAPS,
-    LANES,
-    LENGTH,
-    LIMB_ROWS,
-    MIDDLE,
-    PER_LENGTH,
-    SIDES,
-    step_garments,
-)
-from live.motion.cloth.picture_kernels import draw_garments
+from live.motion.cloth.cloth_kernels import step_garments
+from live.motion.cloth.limb_kernels import AXES, BOUND, CAPS, LANES, LENGTH, LIMB_ROWS, MIDDLE, PER_LENGTH, SIDES
 from live.motion.cloth.pattern import THICKNESS, CompiledPattern
+from live.motion.cloth.picture_kernels import draw_garments
 from live.motion.skeleton import SKELETON
 
 _REST = SKELETON.rest_positions()
@@ -83,8 +74,8 @@ class GarmentBatch:
         """
         if np.array_equal(dancers, self.rows.ravel()[: self.count]) and all(map(op.is_, sections, self._sections)):
             return
-        old = {int(self.rows.flat[lane]): divmod(lane, LANES) for lane in range(self.count)}
-        was = self.position, self.velocity, self.joints, self.carrier, self.fresh
+        old: dict[int, tuple[int, int]] = {int(self.rows.flat[lane]): divmod(lane, LANES) for lane in range(self.count)}
+        was: tuple[Any, ...] = self.position, self.velocity, self.joints, self.carrier, self.fresh
         self.count = len(dancers)
         blocks = -(-self.count // LANES)
         self._allocate(blocks)
@@ -97,9 +88,8 @@ class GarmentBatch:
             block, i = divmod(lane, LANES)
             before = old.get(int(self.rows[block, i]))
             if before is not None:
-                for new, former in zip(
-                    (self.position, self.velocity, self.joints, self.carrier, self.fresh), was, strict=True
-                ):
+                now: tuple[Any, ...] = self.position, self.velocity, self.joints, self.carrier, self.fresh
+                for new, former in zip(now, was, strict=True):
                     new[block, ..., i] = former[before[0], ..., before[1]]
 
     def fit(self, sections: list[Float32]) -> None:
@@ -122,25 +112,22 @@ class GarmentBatch:
         else:
             self.fresh[np.isin(self.rows, dancers)] = 1
 
-    def tick(
-        self, position: Float32, rotation: Float32, wind: Float32, substeps: int, dt: float
-    ) -> None:
+    def tick(self, position: Float32, rotation: Float32, wind: Float32, substeps: int, dt: float) -> None:
         """Advance by `dt` [s] to the joints `position` (A, J, 3) [m] and `rotation` (A, J, 4), in `wind` (3,) [m/s]."""
         one = self.compiled
 
         def part(begin: int, end: int) -> None:
             step_garments(
-                self.position, self.velocity, self.joints, self.carrier, self.fresh, position, rotation, self.rows, one.joints,
-                one.limb_joint, one.bridges, self._limbs, self._rest, one.by, one.weight,
+                self.position, self.velocity, self.joints, self.carrier, self.fresh, position, rotation, self.rows,
+                one.joints, one.limb_joint, one.bridges, self._limbs, self._rest, one.by, one.weight,
                 one.pattern.pinned_rows * one.pattern.columns, one.runs, one.amounts, one.limit_runs, one.limits,
-                one.last_runs, one.last_limits, one.contacts, one.more_contacts, one.matter, wind, substeps, dt, begin, end,
+                one.last_runs, one.last_limits, one.contacts, one.more_contacts, one.matter, wind, substeps, dt,
+                begin, end,
             )  # fmt: skip
 
         run_rows(part, len(self.rows), least=1)
 
-    def draw(
-        self, position: Float32, rotation: Float32, out: Float32, *, age: float, dt: float, skinned: bool
-    ) -> None:
+    def draw(self, position: Float32, rotation: Float32, out: Float32, *, age: float, dt: float, skinned: bool) -> None:
         """Write the particles in a picture `age` [s] after the last tick into `out` (n, rows * columns, 3) [m], row by
         row and column by column. The joints are those of the picture. `dt`: length of a tick [s]; `skinned`: without
         the simulation."""

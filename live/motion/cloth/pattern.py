@@ -1,8 +1,8 @@
 """Patterns of garments: particles in rows and columns, what joins them, where they hang and what they keep out of.
 
-A garment is a grid: row 0 lies on the body, the last row is the hem. A closed one (skirt, sleeve, ponytail) goes around,
-so its last column is joined to its first. Particles are stored row by row, in each row the even columns first, then the
-odd ones: so the constraints along a row are two runs (see `cloth_kernels`).
+A garment is a grid: row 0 lies on the body, the last row is the hem. A closed one (skirt, sleeve, ponytail) goes
+around, so its last column is joined to its first. Particles are stored row by row, in each row the even columns first,
+then the odd ones: so the constraints along a row are two runs (see `cloth_kernels`).
 """
 
 from collections.abc import Callable, Iterable, Sequence
@@ -13,21 +13,13 @@ import numpy as np
 
 from live.base.arrays import Float32, Float64, Int32
 from live.motion.cloth.body_sections import BRIDGES, LIMBS, limb_index
-from live.motion.cloth.cloth_kernels import (
-    AT_MOST,
-    CLOSED,
-    COLUMNS,
-    EXACT,
-    MATTER_COLUMNS,
-    OPEN,
-    PARTICLES,
-)
+from live.motion.cloth.cloth_kernels import AT_MOST, CLOSED, COLUMNS, EXACT, MATTER_COLUMNS, OPEN, PARTICLES
 from live.motion.cloth.fabric import Fabric
 from live.motion.skeleton import SKELETON
 
 Pairs = Sequence[tuple[int, int]]
 RestShape = Callable[[Float32], Float64]
-"""Returns the particles' places in the rest pose, (rows, columns, 3) [m], on a body with these limbs' cross-sections."""
+"""Returns the particles' places in the rest pose, (rows, columns, 3) [m], on a body with these cross-sections."""
 
 UPRIGHT: Final = "upright"
 """Instead of a joint: an upright one at the place of the garment's first joint; so a ribbon hangs from a hand."""
@@ -212,10 +204,10 @@ class _Runs:
             masses = (0.0 if a < self._pinned or first_held else 1.0, 0.0 if b < self._pinned else 1.0)
             amounts = (rest, compliance, *masses)
             last = self._runs[-1] if len(self._runs) > begin else None
-            if last is not None and self._amounts[-1] == amounts and last[0] == kind:
-                if (last[1] + last[3], last[2] + last[3]) == (a, b):
-                    self._runs[-1] = (*last[:3], last[3] + 1)
-                    continue
+            alike = last is not None and self._amounts[-1] == amounts
+            if last is not None and alike and (last[1] + last[3], last[2] + last[3]) == (a, b):
+                self._runs[-1] = (*last[:3], last[3] + 1)
+                continue
             self._runs.append((kind, a, b, 1))
             self._amounts.append(amounts)
 

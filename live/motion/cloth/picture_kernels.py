@@ -6,19 +6,16 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import kernel
-from live.motion.cloth.cloth_kernels import (
-    FLOOR,
+from live.motion.cloth.cloth_kernels import FLOOR, THICKNESS, keep_out, project_runs
+from live.motion.cloth.limb_kernels import (
     JOINT_ROWS,
     LANES,
     LIMB_ROWS,
-    THICKNESS,
     TURN,
     gather_joints,
     interpolate_joints,
-    keep_out,
     place_bridges,
     place_limbs,
-    project_runs,
     skin_particles,
 )
 
@@ -59,8 +56,8 @@ def _carry(
 
 @kernel(
     "void(f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,::1], u1[:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1],"
-    " i4[::1], i4[::1], i4[:,::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[:,::1], f4[:,::1], i8, i4[:,::1], f4[:,::1], i4[:,::1],"
-    " i4[:,::1], f4[::1], i4[:,::1], f4, f4, b1, f4[:,:,::1], i8, i8)"
+    " i4[::1], i4[::1], i4[:,::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[:,::1], f4[:,::1], i8, i4[:,::1], f4[:,::1],"
+    " i4[:,::1], i4[:,::1], f4[::1], i4[:,::1], f4, f4, b1, f4[:,:,::1], i8, i8)"
 )
 def draw_garments(
     x: Float32,
@@ -92,10 +89,10 @@ def draw_garments(
     begin: int,
     end: int,
 ) -> None:
-    """Write the particles of the blocks begin..end-1 in a picture `age` [s] after the last tick: out (n, R * C, 3).
+    """Write the particles of the blocks begin to end - 1 in a picture `age` [s] after the last tick: out (n, R * C, 3).
 
-    Arguments as in `step_garments`; position and rotation are the joints of the picture. carrier (B, 7, LANES): the first
-    joint at the tick before the last; order (R, C): particle at each place of the grid. All garments are skin if
+    Arguments as in `step_garments`; position and rotation are the joints of the picture. carrier (B, 7, LANES): the
+    first joint at the tick before the last; order (R, C): particle at each place of the grid. All garments are skin if
     `skinned`, else those that begin anew. Nothing of the state changes.
     """
     count, joint_count, limb_count = x.shape[2], joints.shape[0], limb_joint.shape[0]

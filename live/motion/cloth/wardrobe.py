@@ -90,7 +90,11 @@ def _skirt(name: str, length: float, rows: int, columns: int, flare: float) -> P
     second = np.where(side > 0.0, 1, 2)
     near_hips = int(np.searchsorted(below, 0.26))
     knees = int(np.searchsorted(below, 0.30))
-    contacts = [Contact("pelvis", 1, near_hips), Contact("waist", 1, near_hips, False, False), *_pair("thigh", 1, rows, middles=True)]
+    contacts = [
+        Contact("pelvis", 1, near_hips),
+        Contact("waist", 1, near_hips, False, False),
+        *_pair("thigh", 1, rows, middles=True),
+    ]
     contacts.append(Contact("between thighs", 1, rows))
     if length > 0.4:
         contacts += _pair("shin", knees, rows, middles=True)
@@ -98,9 +102,7 @@ def _skirt(name: str, length: float, rows: int, columns: int, flare: float) -> P
     if length > 0.7:
         contacts += _pair("foot", rows - 4, rows, often=False)
     contacts.append(Contact("chest", 2, near_hips, False, False))
-    contacts += [
-        Contact(limb, 1, int(np.searchsorted(below, 0.45)), often=limb.endswith("hand")) for limb in _ARMS
-    ]
+    contacts += [Contact(limb, 1, int(np.searchsorted(below, 0.45)), often=limb.endswith("hand")) for limb in _ARMS]
     return Pattern(
         name=name, kind="cloth", rows=rows, columns=columns, closed=True, pinned_rows=1, length=length, widths=widths,
         joints=("hips", "leftUpperLeg", "rightUpperLeg"),

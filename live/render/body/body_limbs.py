@@ -63,10 +63,8 @@ def _fit(shape: Shape, limb: Limb) -> Float64:
         widths = _cover(shape, centre, axes, widths, most)
     powers = place[:, None] ** np.arange(COEFFICIENTS)
     rows = [np.linalg.lstsq(powers * width[:, None], np.ones(_PLACES), rcond=None)[0] for width in widths]
-    caps = [
-        min(float(_crossing(shape, at[None, :], way)[0]), widest)
-        for at, way, widest in ((start, -axes[:, 1], min(w[0] for w in widths)), (end, axes[:, 1], max(w[-1] for w in widths)))
-    ]  # fmt: skip
+    ends = (start, -axes[:, 1], min(w[0] for w in widths)), (end, axes[:, 1], max(w[-1] for w in widths))
+    caps = [min(float(_crossing(shape, at[None, :], way)[0]), widest) for at, way, widest in ends]
     return np.rint(np.concatenate([*rows, 1.0 / np.maximum(caps, 0.01)]) * _ROUND) / _ROUND
 
 

@@ -36,7 +36,10 @@ class GarmentPass(ScenePass):
             for surface in (0, 1)
         ]
         self._shadow, self._mirror = (
-            [program(f"garment_{kind}_vertex.glsl", f"{kind}_fragment.glsl", SOFT=0, STYLED=styled) for styled in (0, 1)]
+            [
+                program(f"garment_{kind}_vertex.glsl", f"{kind}_fragment.glsl", SOFT=0, STYLED=styled)
+                for styled in (0, 1)
+            ]
             for kind in ("shadow", "mirror")
         )
 
@@ -104,6 +107,4 @@ class GarmentPass(ScenePass):
 
     def release(self) -> None:
         """Free everything."""
-        release_all(
-            *self._surface, self._lit, *self._styled, *self._ink, *self._shadow, *self._mirror, self._meshes
-        )
+        release_all(*self._surface, self._lit, *self._styled, *self._ink, *self._shadow, *self._mirror, self._meshes)

@@ -22,15 +22,15 @@ from live.base.picture_parameters import (
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
 from live.control.events.events import TicksSkipped
-from live.motion.cloth.cloth_kernels import LANES
 from live.motion.cloth.fabric import fabric_of
 from live.motion.cloth.garment_batch import GarmentBatch
+from live.motion.cloth.limb_kernels import LANES
 from live.motion.cloth.pattern import CompiledPattern, compile_pattern
 from live.motion.cloth.wardrobe import PATTERN_NAMES, PATTERNS, garments_of
 from live.motion.skeleton import JOINT_COUNT
 from live.render.body.body_limbs import body_sections
-from live.show.patch.patch import Patch
 from live.show.dancers.character_casting import bodies_of
+from live.show.patch.patch import Patch
 from live.show.stages.now import Now
 from live.show.view.appearance import pick_names
 
@@ -127,9 +127,9 @@ class Garments:
         said = self._parameters.picture[STYLES_START:].reshape(PART_COUNT, STYLE_SIZE)[:, _READ]
         part, rows, known = self._division.part, self._appearances.rows(), self._known
         same = known is not None and np.array_equal(said, known[0]) and np.array_equal(part, known[1])
-        if same and known is not None and (rows is known[2] or np.array_equal(rows, known[2])):
-            if not self._skinned or measure == self._measure:
-                return
+        same = same and known is not None and (rows is known[2] or np.array_equal(rows, known[2]))
+        if same and (not self._skinned or measure == self._measure):
+            return
         self._measure = measure
         self._known = said.copy(), part.copy(), rows
         worn, moving = self._worn(said[part], rows)
@@ -150,7 +150,10 @@ class Garments:
             tuple(
                 f"{name}/{FABRICS[fabric[a]]}"
                 for name in garments_of(
-                    COSTUMES[rows[a, COSTUME]], HAIRS[rows[a, HAIR]], EXTRAS[extra[a]], skirt=float(said[a, column["skirt"]])
+                    COSTUMES[rows[a, COSTUME]],
+                    HAIRS[rows[a, HAIR]],
+                    EXTRAS[extra[a]],
+                    skirt=float(said[a, column["skirt"]]),
                 )
             )
             if self._bodies[a] in BODIES
@@ -231,7 +234,7 @@ class Garments:
     # -- snapshots -----------------------------------------------------------------------------------------------------
 
     def rebuild(self) -> None:
-        """Compute what a snapshot lacks: patterns and bodies of the batches, and who wears what without a simulation."""
+        """Compute what a snapshot lacks: patterns and bodies of the batches, and who wears what as skin."""
         for name, batch in self.simulated.items():
             batch.compiled = _pattern(*name.split("/"))
             batch.fit([body_sections(self._bodies[a]) for a in batch.rows.ravel()[: batch.count].tolist()])

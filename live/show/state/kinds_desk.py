@@ -90,9 +90,9 @@ KINDS: Final = [
     """),
     Kind("show", Show, """
         seed:int breakers:breakers refusals:refusals clock:show-clock casting:casting reactions:reactions
-        score_runner:prompter motion:group-motion variation:variation dancers:dancers garments:garments scheduler:scheduler
-        interrupts:interrupts directions:directions mocap:mocap desk:desk audience:audience light:light
-        hot_swap:hot-swap view_builder:seen launcher:launcher frame:frame
+        score_runner:prompter motion:group-motion variation:variation dancers:dancers garments:garments
+        scheduler:scheduler interrupts:interrupts directions:directions mocap:mocap desk:desk audience:audience
+        light:light hot_swap:hot-swap view_builder:seen launcher:launcher frame:frame
     """),
     Kind("frame", Frame, """
         breakers:breakers router:event-router clock:show-clock measure_lines:measure-lines plan:plan-stage

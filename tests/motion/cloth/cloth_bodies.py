@@ -89,7 +89,11 @@ def stretch(batch, places):
 
 def skinned(mesh, position, rotation):
     """Vertices and normals of a body mesh in a pose, by blended dual quaternions (Kavan et al. 2007) in numpy."""
-    rest, position, q = SKELETON.rest_positions().astype(np.float64), position.astype(np.float64), rotation.astype(float)
+    rest, position, q = (
+        SKELETON.rest_positions().astype(np.float64),
+        position.astype(np.float64),
+        rotation.astype(float),
+    )
     count = len(rest)
     move = position - turned(q, rest)
     dual = 0.5 * product(np.concatenate([np.zeros((count, 1)), move], axis=1), q)

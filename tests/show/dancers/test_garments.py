@@ -17,8 +17,12 @@ from tests.motion.cloth.cloth_bodies import grid, stretch
 from tests.show.made_show import GRAPH, PATCH
 from tests.show.state.test_snapshot import capture_from, run
 
-DRESSED = PATCH.replace('name = "front"', 'name = "front"\ndraw = { costume = "skirt", hair = "long", fabric = "silk" }')
-DRESSED = DRESSED.replace('name = "back"', 'name = "back"\ndraw = { hair = "ponytail", extras = "sleeves and ribbons" }')
+DRESSED = PATCH.replace(
+    'name = "front"', 'name = "front"\ndraw = { costume = "skirt", hair = "long", fabric = "silk" }'
+)
+DRESSED = DRESSED.replace(
+    'name = "back"', 'name = "back"\ndraw = { hair = "ponytail", extras = "sleeves and ribbons" }'
+)
 SHOW = LoadedShow(Path("test.toml"), parse_patch(DRESSED.replace("reserve = 0", "reserve = 1"), "test.toml"), GRAPH)
 SCRIPT = {
     90: events.SetParameter(time=1.4, source="osc", address="/dance/draw/costume", value=(8.0,), group="back"),
@@ -57,7 +61,8 @@ def test_patch_says_who_wears_what():
 def test_show_without_garments_has_none_and_its_hash_does_not_change():
     show = LoadedShow(Path("test.toml"), parse_patch(PATCH, "test.toml"), GRAPH).start()
     ticked(show, 30)
-    assert not show.garments.any and not show.garments.hashed()
+    assert not show.garments.any
+    assert not show.garments.hashed()
 
 
 def test_clothes_change_live():
