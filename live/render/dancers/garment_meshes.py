@@ -20,7 +20,7 @@ _SHIFT: Final = 10
 """Binary logarithm of the texture's width."""
 _INSTANCE: Final = np.dtype([("dancer", "i4"), ("first", "i4")])
 _KINDS: Final = {"cloth": (CLOTH, 0), "hair": (HAIR, 1), "ribbon": (CLOTH, 2)}
-"""Material of the dancer's colours and number in `garment_surface.glsl`, by the kind of a pattern."""
+"""Material of the dancer's colours and number in the shader of their surface, by the kind of a pattern."""
 _NEARER: Final = {"cloth": 0.018, "hair": 0.010, "ribbon": 0.0}
 """How much nearer the depth of a garment is than its place [m], by kind."""
 GARMENT_LISTS: Final = ("shadow", "mirror", "near", "far", "styled near", "styled far", "ink near", "ink far")
