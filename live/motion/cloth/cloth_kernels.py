@@ -368,8 +368,7 @@ def step_garments(
             if s == substeps - 1:
                 keep_out(flat, more_contacts, limb, thickness)
                 project_runs(flat, last_runs, last_limits, per_step)
-                keep_out(flat, contacts, limb, thickness)
-                project_runs(flat, last_runs, last_limits, per_step)
+                keep_out(flat, contacts, limb, thickness)  # pictures limit lengths once more
             else:
                 project_runs(flat, limit_runs, limits, per_step)
             _keep_above_floor(own, old, matter[FLOOR], matter[FLOOR_FRICTION])

@@ -98,7 +98,6 @@ def reference(steps, substeps, matter, runs, limits, last, start, pins, wind=(0.
             project(runs)
             if s == substeps - 1:
                 project(last)
-                project(last)
             else:
                 project(limits)
             v = (x - old) / h
