@@ -12,7 +12,7 @@ from typing import Final
 
 from live.base.errors import PersonError
 
-PASSES: Final = ("shadow", "mirror", "trails", "bloom", "ink", "grade", "vignette")
+PASSES: Final = ("shadow", "mirror", "focus", "blur", "trails", "bloom", "ink", "grade", "vignette")
 """The built-in passes in drawing order."""
 MAX_PASSES: Final = 4
 """Maximum number of custom passes in a patch."""

@@ -6,6 +6,7 @@ the controls under /dance/motion, are made from the rows.
 
 from typing import Final
 
+from live.base.body.hand_shapes import AUTO, NO_SHAPE, SHAPE_NAMES
 from live.base.parameter import Kind, Parameter
 
 MOTION_PREFIX: Final = "/dance/motion/"
@@ -15,11 +16,12 @@ _ROWS: list[Parameter] = []
 
 def _row(
     name: str, kind: Kind, low: float, high: float, start: float, *, unit: str = "", words: str, text: str,
-    patch: str = "", patch_text: str = "", choices: dict[str, float] | None = None,
+    patch: str = "", patch_text: str = "", choices: dict[str, float] | None = None, address: str = "",
 ) -> Parameter:  # fmt: skip
-    """Add a row: its address under /dance/motion, kind, range, start; `patch`: its key, `name` if it is the same."""
+    """Add a row: its address, under /dance/motion if none is given, kind, range, start; `patch`: its key, `name` if it
+    is the same."""
     row = Parameter(
-        f"{MOTION_PREFIX}{name}", kind, low, high, (start,), unit, text, len(_ROWS), True, words,
+        address or f"{MOTION_PREFIX}{name}", kind, low, high, (start,), unit, text, len(_ROWS), True, words,
         patch or f"motion.{name}", patch_text, choices or {}, ("value",),
     )  # fmt: skip
     _ROWS.append(row)
@@ -109,6 +111,36 @@ ARM_CLEARANCE: Final = _row(
     "arm_clearance", "number", 0, 1, 1.0, words="0: as danced, 1: never through anybody",
     text="How far arms keep off the own body, and off others' arms and bodies.",
     patch_text="How far arms are kept out of the own trunk and off other dancers; hands that are held stay together.",
+)  # fmt: skip
+
+HAND_SHAPE: Final = _row(
+    "hand_shape", "choice", NO_SHAPE, len(SHAPE_NAMES) - 1, NO_SHAPE,
+    choices={AUTO: float(NO_SHAPE), **{name: float(index) for index, name in enumerate(SHAPE_NAMES)}},
+    words=", ".join(f"{index}: {name}" for index, name in enumerate((AUTO, *SHAPE_NAMES), NO_SHAPE)),
+    text="Shape of the hands where a step says none; auto: relaxed, straighter in wide and energetic movements.",
+    patch_text="Shape of the hands where a step says none; `auto`: relaxed, straighter in wide and energetic "
+    "movements.",
+)  # fmt: skip
+FOOT_POINT: Final = _row(
+    "foot_point", "number", -1, 1, 0.35, address="/dance/feet/point", words="-1: flexed, 0: as danced, 1: pointed",
+    text="How far feet in the air are pointed or flexed beyond what the step does.",
+    patch_text="How far feet in the air are pointed beyond what the step does: 1 as in ballet, 0 not at all; below 0 "
+    "they are flexed.",
+)  # fmt: skip
+SMILE: Final = _row(
+    "smile", "number", -1, 1, 0.25, address="/dance/face/smile", words="-1: sad, 1: beaming",
+    text="How much dancers smile; mood and music add to it.",
+    patch_text="How much dancers smile, from -1 to 1; mood and music add to it.",
+)  # fmt: skip
+FACE_EFFORT: Final = _row(
+    "face_effort", "number", 0, 2, 1.0, address="/dance/face/effort", words="0: none, 1: natural, 2: twice as much",
+    text="How much of the dance's effort faces show: brows, mouth, breath.",
+    patch_text="How much of the dance's effort faces show in brows and mouth: 0 nothing, 1 as people do.",
+)  # fmt: skip
+PUBLIC_GAZE: Final = _row(
+    "public_gaze", "number", 0, 2, 1.0, address="/dance/face/gaze", words="0: never, 1: often, 2: nearly always",
+    text="How often eyes look at the public while heads face it.",
+    patch_text="How often eyes look at the public while heads face it: 0 never, 1 often, 2 nearly always.",
 )  # fmt: skip
 
 

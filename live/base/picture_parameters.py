@@ -16,15 +16,17 @@ from live.base.arrays import Float64
 from live.base.body.appearance import COSTUMES, EXTRAS, FABRICS, HAIRS, MOVING, SHOES
 from live.base.custom_pass import MAX_PASSES, NUMBERS_PER_PASS, custom_pass_numbers
 from live.base.parameter import SPOT_COUNT, Parameter
-from live.base.stage_snapshot import Camera, Scene
+from live.base.stage_snapshot import BACKGROUND_CAPACITY, Camera, Scene
 
 STYLE_NAMES: Final = ("solid", "silhouette", "ink", "particles", "ribbons", "trails", "xray")
 """The styles; each group's amount of a style is at `/dance/draw/NAME`."""
 MAX_GHOSTS: Final = 8
 LONGEST_RIBBON: Final = 8.0
 """[beats]"""
-MAX_BACKGROUNDS: Final = 8
-"""Maximum number of background images and videos of a patch."""
+MAX_BACKGROUNDS: Final = BACKGROUND_CAPACITY
+"""Maximum number of background images, videos and live inputs of a patch."""
+MAX_SCENERY: Final = 8
+"""Maximum number of set pieces from files of a patch."""
 PART_COUNT: Final = 64
 """Number of groups, and of parts of groups, with their own colour and style; the groups come first."""
 MAX_GROUPS: Final = 16
@@ -201,6 +203,10 @@ _ROWS: Final = (
         for number in range(1, MAX_BACKGROUNDS + 1)
     ),
     *(row for number in range(1, SPOT_COUNT + 1) for row in _spot(number)),
+    *(
+        _number(f"/dance/scenery/{number}", 0, 1, 0.0, f"How much of [[scenery]] {number} is seen.")
+        for number in range(1, MAX_SCENERY + 1)
+    ),
     _number("/dance/pass/shadow", 0, 1, 1.0, "How dark the dancers' shadows are; 0: none."),
     _number("/dance/pass/mirror", 0, 1, 1.0, "Brightness of the dancers' reflections in the floor; 0: none."),
     _number("/dance/pass/trails", 0, 1, 0.0, "Trails behind bright moving parts; less is shorter, 0: none."),
@@ -219,6 +225,13 @@ _ROWS: Final = (
     _colour("/dance/pass/grade/gain", (1.0, 1.0, 1.0), "Factor of the grade for bright tones.", low=0, high=4),
     _number("/dance/pass/grade/contrast", 0, 2, 1.0, "Contrast about mid grey."),
     _number("/dance/pass/grade/temperature", -1, 1, 0.0, "Colder below 0, warmer above."),
+    _number("/dance/pass/blur", 0, 1, 0.0, "Motion blur: share of the time between pictures with an open shutter."),
+    _number("/dance/pass/focus", 0, 1, 0.0, "Depth of field: how unsharp it is off the focus; 0: all is sharp."),
+    _number(
+        "/dance/pass/focus/distance", 0, 120, 0.0,
+        "Distance of the focus; 0: on the follow spot, else on what the camera looks at.", unit="m",
+    ),
+    _number("/dance/pass/focus/aperture", 0.01, 2, 0.3, "Diameter of the lens: wider is less deep.", unit="m"),
     _number("/dance/pass/vignette", 0, 1.5, 1.0, "How much darker the picture's corners are; 0: not at all."),
 )  # fmt: skip
 _STYLE_ROWS: Final = (

@@ -33,6 +33,8 @@ GUIDE_CAPACITY: Final = 8192
 LIGHT_CAPACITY: Final = 32
 """Maximum number of phone lights drawn."""
 """Number of follow spots."""
+BACKGROUND_CAPACITY: Final = 8
+"""Maximum number of backgrounds of a patch."""
 FLOOR_MARGIN: Final = 2.5
 """Margin of the floor's shadow and element map around the scene's stage [m]."""
 
@@ -56,19 +58,77 @@ class Camera:
 
 @dataclass(frozen=True, slots=True)
 class Background:
-    """An image or a video behind the dancers."""
+    """A plane with an image, a video, an image sequence or a live input: behind, below or in front of the dancers."""
 
     file: str
-    """Absolute path; empty if the file was lost during the show: nothing is drawn."""
+    """Absolute path; empty if the file was lost during the show, or for a live input: nothing is drawn without it."""
     fit: str = "wall"
-    """On the `wall` behind the stage, or over the whole `picture`."""
+    """On the `wall` behind the stage (or where its place is), or over the whole `picture`."""
     beats: float | None = None
     """Loop length of a video in beats; None: its own speed."""
     width: float | None = None
-    """Width on the wall [m]; None: 1.5 times the stage width."""
+    """Width [m]; None: 1.5 times the stage width, on the floor the stage width."""
     bottom: float = 0.0
     """Height of its lower edge above the floor [m]."""
     brightness: float = 1.0
+    place: str = "behind"
+    """`behind`, `floor` or `front`."""
+    at: tuple[float, float] | None = None
+    """Its centre (x, z) [m]; None: at the back wall, in the middle of the floor, or at the stage's front edge."""
+    turn_deg: float = 0.0
+    """Rotation on the floor, as a dancer's heading [degrees]."""
+    blend: str = "over"
+    """`over` what is behind it, or `add` its light, as a projection on a gauze does."""
+    end: str = "loop"
+    """What a video does at its end: `loop` or `hold` its last picture."""
+    fps: float = 25.0
+    """Pictures per second of an image sequence."""
+    input: str = ""
+    """Live input instead of a file: `camera:0`, `shm:NAME` or the address of a stream."""
+
+
+@dataclass(frozen=True, slots=True)
+class SceneryFile:
+    """A set piece from a glTF file that stands on the stage."""
+
+    file: str
+    """Absolute path; empty if the file was lost during the show: nothing is drawn."""
+    at: tuple[float, float] = (0.0, 0.0)
+    """Where the middle of its underside stands (x, z) [m]."""
+    turn_deg: float = 0.0
+    """Rotation, as a dancer's heading [degrees]."""
+    lift: float = 0.0
+    """Height of its underside above the floor [m]."""
+    scale: float = 1.0
+    """Factor of the file's metres."""
+    height: float | None = None
+    """Its height [m] instead of `scale`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Title:
+    """Letters of a moment: a title, or a word of the audience."""
+
+    text: str
+    """`|` begins a new line."""
+    place: str = "picture"
+    """Over the `picture`, or standing in the `stage`, where dancers hide it and are hidden by it."""
+    at: tuple[float, float, float] = (0.5, 0.5, 0.0)
+    """Its middle: shares of the picture's width and height from the upper left corner, or x, y, z [m]."""
+    size: float = 0.1
+    """Height of a capital letter: share of the picture's height, or [m]."""
+    tracking: float = 0.0
+    """Space added between letters, in ems."""
+    colour: Colour = (1.0, 1.0, 1.0)
+    """Linear RGB; above 1 it glows."""
+    entrance: str = "fade"
+    """`cut`, `fade`, `rise`, `wipe` or `type`."""
+    font: str = ""
+    """Name of a font among those of the scene; empty: the usual font."""
+    progress: float = 1.0
+    """How far its entrance is, 0 to 1."""
+    level: float = 1.0
+    """Opacity, 0 to 1."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,8 +149,12 @@ class Scene:
     defaults."""
     backgrounds: tuple[Background, ...] = ()
     """Images and videos behind the dancers; `/dance/background/1` is the amount of the first one."""
+    scenery: tuple[SceneryFile, ...] = ()
+    """Set pieces from files; `/dance/scenery/1` is the amount of the first one."""
     items: tuple[SetItem, ...] = ()
     """Boxes, cylinders and steps that stand on the stage."""
+    fonts: tuple[tuple[str, str], ...] = ()
+    """Fonts of titles and words: names, and absolute paths of their files."""
     passes: tuple[str, ...] = PASSES
     """The passes in drawing order; passes left out are never drawn."""
     custom_passes: tuple[CustomShader, ...] = ()
@@ -186,6 +250,10 @@ class StageView:
     """Lines for the audience: a text, and a share from 0 to 1 that a bar shows; -1: no bar. Empty = hidden."""
     caption_level: float = 1.0
     """Opacity of the caption, 0 to 1."""
+    background_age: Float64 = field(default_factory=lambda: np.zeros((BACKGROUND_CAPACITY, 2)))
+    """Seconds and beats since each background was last dark, shape (8, 2): a video that holds its end runs so long."""
+    titles: tuple[Title, ...] = ()
+    """Titles and words that are seen, in drawing order."""
     overlay: tuple[str, ...] = ()
     """Lines of the operator's overlay; empty = hidden."""
     guide: Float32 = field(default_factory=lambda: np.zeros((GUIDE_CAPACITY, 10), np.float32))

@@ -15,7 +15,7 @@ from live.show.patch.patch_search_path import find_resource
 from live.show.score.step_names import UnknownStep
 from live.show.selection.show_clips import NO_TEMPO, ShowTempo
 from live.show.show import Show
-from live.show.view.render_scene import make_backgrounds
+from live.show.view.render_scene import make_backgrounds, make_scenery
 
 MAX_FAULTS: Final = 8
 """Maximum number of faults that are looked for."""
@@ -93,6 +93,8 @@ class ShowCheck:
             check_characters(patch, self._path)
         if former is None or patch.background != former.background:
             make_backgrounds(patch, self._path)
+        if former is None or patch.scenery != former.scenery:
+            make_scenery(patch, self._path)
         file = patch.music.file
         if file is not None and find_resource(file, self._path) is None:
             raise PersonError(f"there is no file {file!r}", "put it next to the patch", ("music", "file"))

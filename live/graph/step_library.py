@@ -2,11 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
-from live.base.arrays import Bool, Float32, Float64, Int32
+from live.base.arrays import Bool, Float32, Float64, Int8, Int32
+from live.base.body.hand_shapes import AUTO, NO_SHAPE, shape_index
 from live.graph.mean_poses import mean_poses
 from live.graph.storage_kernels import align_signs
 from live.motion.pose.foot_lock import LEG_JOINTS, foot_heights
@@ -57,6 +58,9 @@ class StepLibrary:
     """Earliest sample of the node's clip, where its lead-in begins, shape (N,)."""
     node_travel: Float64
     """Displacement of the hips over the measure in the clip's own axes (x, z) [m], shape (N, 2)."""
+    node_hands: Int8
+    """Shapes of the left and the right hand (`live.base.body.hand_shapes`) in each quarter of a beat of the node's
+    measure, NO_SHAPE where the step says none, shape (N, 4 beats_per_measure, 2)."""
     beats_per_measure: int
     moods: MoodEnds = PARAMETRIC
     """The ends of the moods, learnt from clips that are examples where there are some (T143)."""
@@ -176,6 +180,7 @@ def build_library(clips: Sequence[StepClip], refused: Mapping[str, str] | None =
         node_last=ends,
         node_lead=np.ascontiguousarray(node[6]),
         node_travel=travel_of(root, begins, ends),
+        node_hands=np.concatenate([shapes_of(clip) for clip in clips]),
         beats_per_measure=metres[0],
         moods=learnt_ends(clips),
         refused=dict(refused or {}),
@@ -222,10 +227,24 @@ def joined_library(first: StepLibrary, second: StepLibrary) -> StepLibrary:
         node_last=both("node_last", samples),
         node_lead=both("node_lead", samples),
         node_travel=both("node_travel"),
+        node_hands=both("node_hands"),
         beats_per_measure=first.beats_per_measure,
         moods=learnt_ends(first.clips + second.clips),
         refused={step: why for step, why in first.refused.items() if step not in second.steps},
     )
+
+
+SHAPE_PARTS: Final = 4
+"""Hand shapes may change so often in a beat."""
+
+
+def shapes_of(clip: StepClip) -> Int8:
+    """Return the hand shapes of each measure of a step, as `StepLibrary.node_hands` has them."""
+    shapes = np.full((SHAPE_PARTS * clip.beats, 2), NO_SHAPE, np.int8)
+    for beat, *words in clip.hands:
+        found = [shape_index(word or AUTO) for word in words]
+        shapes[round(SHAPE_PARTS * beat) :] = [NO_SHAPE if index is None else index for index in found]
+    return shapes.reshape(clip.measures, -1, 2)
 
 
 def travel_of(root: Float32, first: Float64, last: Float64) -> Float64:

@@ -11,7 +11,7 @@ from live.base.arrays import Float, Float32
 from live.library.recording_file import RecordingEntry, RecordingError
 from live.motion import quaternion
 from live.motion.clip import Clip
-from live.motion.sketch.sketch_attributes import mood_values
+from live.motion.sketch.sketch_attributes import hand_shapes, mood_values
 from live.motion.step_clip import StepClip, measured_direction, measured_distance
 
 TAIL_SAMPLES: Final = 8
@@ -53,6 +53,7 @@ def cut_step(entry: RecordingEntry, clip: Clip) -> StepClip:
         style=recording.style or "",
         tags=tuple(recording.tags),
         mood=mood_values(recording.mood),
+        hands=hand_shapes(recording.hand_shape),
         recorded=True,
     )
     return replace(

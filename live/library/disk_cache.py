@@ -72,7 +72,9 @@ def clips_from_arrays(arrays: dict[str, Any]) -> list[StepClip]:
     for row in json.loads(arrays["rows"].tobytes()):
         end = at + row["samples"]
         clip = Clip(row["name"], root[at:end], rotation[at:end], row["sample_rate"], contact[at:end])
-        clips.append(StepClip(clip=clip, **row["step"] | {name: tuple(row["step"][name]) for name in ("tags", "mood")}))
+        own = row["step"] | {name: tuple(row["step"][name]) for name in ("tags", "mood")}
+        own["hands"] = tuple((float(beat), str(left), str(right)) for beat, left, right in own.get("hands", ()))
+        clips.append(StepClip(clip=clip, **own))
         at = end
     return clips
 

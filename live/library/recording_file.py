@@ -10,13 +10,15 @@ from pathlib import Path
 from types import NoneType, UnionType
 from typing import Annotated, Any, Final, Literal, Union, get_args, get_origin, get_type_hints
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, field_validator
 
+from live.base.body.hand_shapes import AUTO, SHAPE_NAMES
 from live.base.errors import PersonError
 from live.base.motion_parameters import MOOD_NAMES
 from live.base.toml import KeyPath, error_line, line_of, parse_toml, toml_line_numbers, toml_remedy
 from live.library.disk_cache import read_regular_file
 from live.library.motion_formats import is_readable_name
+from live.motion.sketch.sketch_attributes import hand_shapes
 from live.motion.sketch.sketch_notation import PAIRS, PARTS
 from live.motion.step_clip import DIRECTIONS
 
@@ -74,10 +76,18 @@ class Recording(BaseModel):
     tags: Annotated[list[Word], Field(max_length=64)] = []
     mood: dict[Literal[MOOD_NAMES], Annotated[float, Field(ge=-1, le=1)]] = {}  # type: ignore[valid-type]
     """The mood in which it is danced: an example from which moods are learnt, never danced itself (T143)."""
+    hand_shape: str | list[dict[str, Any]] = []
+    """Shape of both hands, as in `"ballet"`, or changes on beats, from 1: `[{ beat = 1, left = "fist" }]`."""
     unstructured: bool = False
     """Whether it is a stream not cut into steps: each measure is a clip, joined by similarity alone (T037)."""
     mirror: bool = False
     """Whether the mirror image is added as a variation."""
+
+    @field_validator("hand_shape")
+    @classmethod
+    def _shapes_are_known(cls, value: str | list[dict[str, Any]]) -> str | list[dict[str, Any]]:
+        hand_shapes(value)
+        return value
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,6 +195,8 @@ def value_text(value: object) -> str:
 
 def expected_text(field: str, *, inside: bool = False) -> str:
     """Return a description of the values allowed for a field; `inside`: for one element of its list."""
+    if field == "hand_shape":
+        return f'"ballet", or changes as [{{ beat = 1, left = "fist" }}], of {", ".join((AUTO, *SHAPE_NAMES))},'
     if field == "mood":
         return f"moods as in {{ energy = -1.0 }}, {', '.join(MOOD_NAMES)}, each from -1 to 1"
     return _type_text(_TYPE_HINTS.get(field), inside)

@@ -61,4 +61,5 @@ def mirror_step(step: StepClip) -> StepClip:
         leading_foot=_OTHER_FOOT[step.leading_foot],
         begin_pose=swap_sides(step.begin_pose),
         end_pose=swap_sides(step.end_pose),
+        hands=tuple((beat, right, left) for beat, left, right in step.hands),
     )

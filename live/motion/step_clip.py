@@ -77,6 +77,9 @@ class StepClip:
     """True for a measure of an unsegmented recording (T037): its neighbours are not takes of the same step."""
     variation: int = 0
     """Number of the made variation (T142) that it is: a take that is only mixed into its step; 0 for a step itself."""
+    hands: tuple[tuple[float, str, str], ...] = ()
+    """Hand shapes (`live.base.body.hand_shapes`): beat from its start, shape of the left and of the right hand, in the
+    order of beats; each stays until the next, "" is no shape of its own."""
 
     def __post_init__(self) -> None:
         end = self.first + self.measures * self.samples_per_measure
@@ -97,6 +100,18 @@ class StepClip:
     def beats(self) -> int:
         """Length in beats."""
         return self.measures * self.beats_per_measure
+
+
+def moved_shapes(
+    hands: tuple[tuple[float, str, str], ...], *, scale: float = 1.0, by: float = 0.0
+) -> tuple[tuple[float, str, str], ...]:
+    """Return hand shapes at `scale` times their beats and `by` beats later.
+
+    One that would begin before beat 0 begins there, unless the next one has begun by then.
+    """
+    moved = [(scale * beat + by, left, right) for beat, left, right in hands]
+    begun = [(0.0, *shapes) for beat, *shapes in moved if beat <= 0.0][-1:]
+    return (*begun, *(each for each in moved if each[0] > 0.0))  # type: ignore[arg-type]
 
 
 IN_PLACE_DISTANCE: Final = 0.15

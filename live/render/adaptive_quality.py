@@ -11,7 +11,7 @@ from typing import Final
 
 import moderngl
 
-from live.render.body.body_mesh import DISTANT, FINE, LIGHT
+from live.render.body.body_mesh import CLOSE, DISTANT, FINE, LIGHT
 from live.render.headless import is_software
 
 _MEDIUM_ABOVE: Final = 120
@@ -46,9 +46,19 @@ class Quality:
     """Drawn pieces of each ribbon; fewer make it shorter."""
     ghost_level: int = LIGHT
     """Body of the ghosts of trails."""
+    close_level: int = FINE
+    """Body for close-ups."""
+    close_count: int = 0
+    """Maximum number of dancers with that body."""
+    close_within: float = 4.5
+    """Dancers farther from the camera than this [m] never get it."""
+
+    def level_of(self, where: str) -> int:
+        """Return the body of the dancers that are `close`, `near` or `far`."""
+        return {"close": self.close_level, "near": self.near_level, "far": self.far_level}[where]
 
 
-SOFTWARE: Final = Quality(0, LIGHT, 12, DISTANT, 256, 3, ("bloom",))
+SOFTWARE: Final = Quality(0, LIGHT, 12, DISTANT, 256, 3, ("bloom", "focus", "blur"), close_level=CLOSE, close_count=6)
 """Without a graphics card: 50 dancers at 1280x720 in real time on two cores."""
 HARDWARE: Final = Quality(4, FINE, 120, LIGHT, 768, 2)
 """For a graphics card, or for offline films."""
@@ -58,7 +68,7 @@ def choose_quality(ctx: moderngl.Context, dancer_count: int) -> Quality:
     """Return the tier for this driver, its multisampling limited to the driver's maximum."""
     quality = SOFTWARE if is_software(ctx) else HARDWARE
     if quality is HARDWARE and dancer_count > _MEDIUM_ABOVE:
-        quality = replace(quality, near_level=LIGHT, near_count=400, far_level=DISTANT)
+        quality = replace(quality, near_level=LIGHT, near_count=400, far_level=DISTANT, close_count=80)
     return replace(quality, samples=min(quality.samples, int(ctx.max_samples)))
 
 
@@ -101,7 +111,7 @@ def quality_steps(best: Quality) -> tuple[QualityStep, ...]:
     left_out = best.left_out
     if best.samples > 2:
         changes.append(("half the samples", "", {"samples": 2}))
-    for name in ("trails", "bloom", "mirror"):
+    for name in ("blur", "focus", "trails", "bloom", "mirror"):
         if name not in left_out:
             left_out = (*left_out, name)
             changes.append((f"no {name}", name, {"left_out": left_out}))
@@ -125,7 +135,10 @@ def quality_steps(best: Quality) -> tuple[QualityStep, ...]:
 
 def _lighter(best: Quality) -> dict[str, object]:
     if best.near_level == LIGHT:
-        return {"near_count": best.near_count // 4, "far_level": DISTANT, "far_from": min(8.0, best.far_from)}
+        return {
+            "near_count": best.near_count // 4, "far_level": DISTANT, "far_from": min(8.0, best.far_from),
+            "close_count": best.close_count // 3,
+        }  # fmt: skip
     return {"near_count": 8, "far_level": LIGHT, "far_from": 5.0}  # within 5 m no body changes
 
 

@@ -5,6 +5,7 @@ from typing import Final, Protocol
 
 import moderngl
 
+from live.base.arrays import Float64
 from live.base.stage_snapshot import Scene, StageView
 from live.render.adaptive_quality import Quality
 from live.render.dancers.dancer_batch import DancerBatch
@@ -65,6 +66,14 @@ class ScenePass:
 
     The methods are in the order of calls within a frame. They are only called while `active`, unless stated.
     """
+
+    box: Float64 | None = None
+    """Box around its opaque surfaces, shape (2, 3): lowest and highest x, y, z [m]; None: it has none now."""
+
+    @property
+    def problems(self) -> list[str]:
+        """Messages about failed files; the last good state is drawn."""
+        return []
 
     def active(self, moment: Moment) -> bool:
         """Whether the pass draws anything now."""

@@ -22,24 +22,30 @@ from live.render.pass_context import HDR, Moment, PassSetup, PicturePass, SceneP
 from live.render.pass_faults import PassFaults, pass_name
 from live.render.passes.alpha_pass import AlphaPass
 from live.render.passes.antialias_pass import AntialiasPass
-from live.render.passes.background_pass import BackgroundPass
+from live.render.passes.background_pass import BackgroundPass, FrontPass
 from live.render.passes.beam_pass import BeamPass
 from live.render.passes.bloom_pass import BloomPass
+from live.render.passes.blur_pass import BlurPass
 from live.render.passes.colour_pass import FinalPass, GradePass, VignettePass
 from live.render.passes.custom_pass import CustomPass
 from live.render.passes.dancer_pass import DancerPass, GBufferPass, MultisampleTarget
 from live.render.passes.floor_pass import FloorPass, ReflectionPass
+from live.render.passes.focus_pass import FocusPass
 from live.render.passes.garment_pass import GarmentPass
 from live.render.passes.ink_pass import InkPass
 from live.render.passes.plan_pass import PlanPass
+from live.render.passes.scenery_pass import SceneryPass
 from live.render.passes.set_pass import ItemPass
 from live.render.passes.stage_pass import BackdropPass, StagePass
 from live.render.passes.styled_pass import StylePasses
+from live.render.passes.title_pass import TitlePass
 from live.render.passes.trail_pass import TrailsPass
 from live.render.shader import Releasable, release_all
 from live.render.uniforms import WALL_DISTANCE
 
 PICTURE_PASSES: Final[Mapping[str, Callable[[PassSetup], PicturePass]]] = {
+    "focus": FocusPass,
+    "blur": BlurPass,
     "trails": TrailsPass,
     "bloom": BloomPass,
     "ink": InkPass,
@@ -135,11 +141,11 @@ class PassChain:
 
 
 SCENE_PASSES: Final[tuple[Callable[[PassSetup], ScenePass], ...]] = (
-    GarmentPass, ItemPass, BackgroundPass, StylePasses, BeamPass, PlanPass,
+    GarmentPass, ItemPass, SceneryPass, BackgroundPass, StylePasses, BeamPass, PlanPass, TitlePass, FrontPass,
 )  # fmt: skip
 """Scene passes, in drawing order."""
-_STAGE_PASSES: Final = (BackgroundPass, PlanPass)
-"""Scene passes behind or under the dancers, which pictures with alpha lack."""
+_STAGE_PASSES: Final = (SceneryPass, BackgroundPass, PlanPass, FrontPass)
+"""Scene passes of the stage around the dancers, which pictures with alpha lack."""
 SHARPENING: Final = 0.6
 """Strength of sharpening for a scene that is drawn smaller than the picture and stretched."""
 _BODY_REACH: Final = 0.25
@@ -171,6 +177,8 @@ class Pipeline:
         else:
             self._smooth = {hdr: AntialiasPass(ctx, self._surface.depth, size, hdr=hdr) for hdr in (False, True)}
         self._scene_passes = [make(setup) for make in SCENE_PASSES if not (setup.transparent and make in _STAGE_PASSES)]
+        self.titles = next(one for one in self._scene_passes if isinstance(one, TitlePass))
+        """Titles, which may also lie over the finished picture."""
         self.floor.casters = [one.draw_shadows for one in self._scene_passes]
         self._mirror.mirrored = [one.draw_mirrored for one in self._scene_passes]
         self.set_camera(scene.camera)
@@ -203,7 +211,7 @@ class Pipeline:
     @property
     def problems(self) -> list[str]:
         """Messages about failed files and passes; the last good state is drawn."""
-        of_files = [words for one in self._scene_passes if isinstance(one, BackgroundPass) for words in one.problems]
+        of_files = [words for one in self._scene_passes for words in one.problems]
         return of_files + self.faults.messages()
 
     def set_camera(self, camera: Camera) -> None:
@@ -306,7 +314,7 @@ class Pipeline:
         """Return the rectangle that dancers and items may cover; other pixels need no lighting or smoothing."""
         low, high = moment.batch.box.astype(np.float64)
         for one in self._scene_passes:
-            if isinstance(one, ItemPass) and one.box is not None:
+            if one.box is not None:
                 low, high = np.minimum(low, one.box[0]), np.maximum(high, one.box[1])
         if low[0] > high[0]:
             return 0, 0, 0, 0

@@ -15,7 +15,9 @@ NEAR = 8
 """… the dancer gets the near body, or the far one, …"""
 FAR = 16
 PRESENT = 32
-"""… the dancer is on the stage."""
+"""… the dancer is on the stage, …"""
+CLOSE = 64
+"""… the dancer gets the body for close-ups."""
 
 Bool = npt.NDArray[np.bool_]
 Float32 = npt.NDArray[np.float32]
@@ -155,13 +157,32 @@ def _nth_smallest(values: Float32, count: int, at: int) -> np.float32:
     return found
 
 
-@kernel("void(f4[:,:,::1], f4[::1], f4, i8, u1[::1], f4[::1])")
+@inline_kernel
+def _nearest_limit(scratch: Float32, count: int, wanted: int) -> np.float32:
+    """Return a limit below which the `wanted` smallest of the first `count` values lie; reorders them."""
+    limit = np.float32(np.inf)
+    if wanted <= 0:
+        limit = np.float32(-np.inf)
+    elif wanted < count:
+        limit = np.nextafter(_nth_smallest(scratch, count, wanted - 1), np.float32(np.inf))
+    return limit
+
+
+@kernel("void(f4[:,:,::1], f4[::1], f4, i8, f4, i8, u1[::1], f4[::1])")
 def choose_detail(
-    position: Float32, forward: Float32, near_to: float, near_count: int, visibility: Uint8, scratch: Float32
+    position: Float32,
+    forward: Float32,
+    near_to: float,
+    near_count: int,
+    close_to: float,
+    close_count: int,
+    visibility: Uint8,
+    scratch: Float32,
 ) -> None:
-    """Choose the near or the far body for each dancer (bits NEAR and FAR of `visibility`).
+    """Choose the body of each dancer: for close-ups, near, or far (bits CLOSE, NEAR and FAR of `visibility`).
 
     Near are the `near_count` nearest along `forward` (3,), and all whose distance along it is less than `near_to` [m].
+    Close are those of the `close_count` nearest whose distance is less than `close_to` [m].
     position (A, J, 3), sight (A,), scratch (A or more,).
     """
     count = 0
@@ -170,24 +191,77 @@ def choose_detail(
             way = position[a, 0, 0] * forward[0] + position[a, 0, 1] * forward[1] + position[a, 0, 2] * forward[2]
             scratch[count] = way
             count += 1
-    limit = np.float32(near_to)
-    if near_count >= count:
-        limit = np.float32(np.inf)
-    elif near_count > 0:
-        limit = max(limit, np.nextafter(_nth_smallest(scratch, count, near_count - 1), np.float32(np.inf)))
+    limit = max(np.float32(near_to), _nearest_limit(scratch, count, near_count))
+    closest = min(np.float32(close_to), _nearest_limit(scratch, count, close_count))
     for a in range(position.shape[0]):
         way = position[a, 0, 0] * forward[0] + position[a, 0, 1] * forward[1] + position[a, 0, 2] * forward[2]
-        visibility[a] |= NEAR if way < limit else FAR
+        visibility[a] |= CLOSE if way < closest else NEAR if way < limit else FAR
+
+
+@inline_kernel
+def _count_skins(lists: int, piece: Int32, skin_bits: Int32, vertices: Int32, places: Int32) -> None:
+    """Count a dancer in the skins of all kinds of their pieces."""
+    for s in range(vertices.shape[0]):
+        if lists & skin_bits[s]:
+            for p in range(piece.shape[0]):
+                if piece[p] >= 0 and vertices[s, piece[p]] > 0:
+                    places[s, piece[p], 0] += 1
+
+
+@inline_kernel
+def _lay_out_skins(first_vertex: Int32, vertices: Int32, width: int, places: Int32, rows: Int32) -> int:
+    """Replace the numbers in `places` by the first texel and the first place in the list of each skin; return rows."""
+    row = 0
+    listed = 0
+    for s in range(vertices.shape[0]):
+        for k in range(vertices.shape[1]):
+            number = places[s, k, 0]
+            places[s, k, 0] = row * width
+            places[s, k, 1] = listed
+            used = -(-number * vertices[s, k] // width)
+            for r in range(used):
+                rows[row + r, 0] = first_vertex[s, k]
+                rows[row + r, 1] = vertices[s, k]
+                rows[row + r, 2] = r * width
+                rows[row + r, 3] = listed
+            row += used
+            listed += number
+    return row
+
+
+@inline_kernel
+def _list_piece(
+    dancer: int, kind: int, lists: int, skin_of: Int32, vertices: Int32, places: Int32, out: Int32, counts: Int32
+) -> None:
+    """Put a dancer's piece on all lists that draw it."""
+    for at in range(skin_of.shape[0]):
+        s = skin_of[at]
+        if lists >> at & 1 and (s < 0 or vertices[s, kind] > 0):
+            out[at, kind, counts[at, kind], 0] = dancer
+            out[at, kind, counts[at, kind], 1] = places[s, kind, 0] if s >= 0 else 0
+            counts[at, kind] += 1
+
+
+@inline_kernel
+def _list_skin(
+    dancer: int, kind: int, lists: int, skin_bits: Int32, vertices: Int32, places: Int32, skinned: Int32
+) -> None:
+    """Put a dancer's piece into all of its skins."""
+    for s in range(skin_bits.shape[0]):
+        if lists & skin_bits[s] and vertices[s, kind] > 0:
+            places[s, kind, 0] += vertices[s, kind]
+            skinned[places[s, kind, 1]] = dancer
+            places[s, kind, 1] += 1
 
 
 @kernel(
-    "i8(u1[::1], i4[::1], i4[::1], i4[::1], i4[::1], i4[::1], i4[::1], i4[:,::1], i4[:,::1], i8, i4[:,:,:,::1],"
+    "i8(u1[::1], i4[::1], i4[:,::1], i4[::1], i4[::1], i4[::1], i4[::1], i4[:,::1], i4[:,::1], i8, i4[:,:,:,::1],"
     " i4[:,::1], i4[::1], i4[:,:,::1], i4[::1], i4[:,::1])"
 )
 def fill_lists(
     visibility: Uint8,
     group: Int32,
-    body: Int32,
+    piece: Int32,
     list_bits: Int32,
     allowed: Int32,
     skin_of: Int32,
@@ -202,59 +276,33 @@ def fill_lists(
     skinned: Int32,
     rows: Int32,
 ) -> int:
-    """Fill the lists of dancers to draw, by body, and lay out the texture of their skinned vertices; return its rows.
+    """Fill the lists of dancers to draw, by piece, and lay out the texture of their skinned vertices; return its rows.
 
-    A dancer has a *skin* for each level of detail in which any list draws them, once for all of those lists.
+    A dancer is drawn in pieces (body, head, hair), each of some kind. A piece has a *skin* for each level of detail in
+    which any list draws it, once for all of those lists.
 
-    visibility (A,): bits; group and body (A or more,); list_bits (G,): bit l is set if a group's dancers are on list l;
-    allowed (64,): for each visibility the bits of the lists that it allows; skin_of (L,): skin that list l draws, -1:
-    none; skin_bits (S,): bits of the lists that draw skin s; first_vertex, vertices (S, K): place of the first vertex
-    of that skin's mesh of a body, and their number; width of the texture.
+    visibility (A,): bits; group (A or more,); piece (A or more, P): kinds of each dancer's pieces, -1: none; list_bits
+    (G,): bit l is set if a group's dancers are on list l; allowed (128,): for each visibility the bits of the lists
+    that it allows; skin_of (L,): skin that list l draws, -1: none; skin_bits (S,): bits of the lists that draw skin s;
+    first_vertex, vertices (S, K): place of the first vertex of that skin's mesh of a kind, and their number; width of
+    the texture.
 
     out (L, K, A or more, 2): numbers of dancers, and the texel of the first vertex of their skin; counts (L, K); lists
-    (A or more,) and places (S, K, 2) are scratch; skinned (S A or more,): the dancers of all skins; rows (R, 4): for
+    (A or more,) and places (S, K, 2) are scratch; skinned (S P A or more,): the dancers of all skins; rows (R, 4): for
     each row of the texture the first vertex in the mesh, the number of vertices, the number of vertices of the same
-    skin and body in earlier rows, and the place of their first dancer in `skinned`.
+    skin and kind in earlier rows, and the place of their first dancer in `skinned`.
     """
-    skins, bodies = vertices.shape
     places[:] = 0
     counts[:] = 0
     for a in range(visibility.shape[0]):
         lists[a] = list_bits[group[a] % list_bits.shape[0]] & allowed[visibility[a]]
-        for s in range(skins):
-            places[s, body[a], 0] += (lists[a] & skin_bits[s]) != 0
-    row = 0
-    listed = 0
-    for s in range(skins):
-        for k in range(bodies):
-            number = places[s, k, 0]
-            places[s, k, 0] = row * width
-            places[s, k, 1] = listed
-            used = -(-number * vertices[s, k] // width)
-            for r in range(used):
-                rows[row + r, 0] = first_vertex[s, k]
-                rows[row + r, 1] = vertices[s, k]
-                rows[row + r, 2] = r * width
-                rows[row + r, 3] = listed
-            row += used
-            listed += number
+        _count_skins(lists[a], piece[a], skin_bits, vertices, places)
+    row = _lay_out_skins(first_vertex, vertices, width, places, rows)
     for a in range(visibility.shape[0]):
-        left = lists[a]
-        k = body[a]
-        at = 0
-        while left:
-            if left & 1:
-                number = counts[at, k]
-                counts[at, k] += 1
-                out[at, k, number, 0] = a
-                out[at, k, number, 1] = places[skin_of[at], k, 0] if skin_of[at] >= 0 else 0
-            left >>= 1
-            at += 1
-        for s in range(skins):
-            if lists[a] & skin_bits[s]:
-                places[s, k, 0] += vertices[s, k]
-                skinned[places[s, k, 1]] = a
-                places[s, k, 1] += 1
+        for p in range(piece.shape[1]):
+            if piece[a, p] >= 0:
+                _list_piece(a, piece[a, p], lists[a], skin_of, vertices, places, out, counts)
+                _list_skin(a, piece[a, p], lists[a], skin_bits, vertices, places, skinned)
     return row
 
 

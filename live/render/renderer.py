@@ -11,7 +11,7 @@ from live.base.custom_pass import CustomShader
 from live.base.element_kinds import PATH
 from live.base.picture_parameters import BY_ADDRESS, STYLE_ADDRESS_PREFIX, STYLE_NAMES, group_parameter, picture_row
 from live.base.set_geometry import SetItem
-from live.base.stage_snapshot import Camera, Scene, StageView
+from live.base.stage_snapshot import Camera, Scene, StageView, Title
 from live.render.adaptive_quality import HARDWARE, Quality, QualityStep, choose_quality, quality_steps
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.pass_context import Moment, PassSetup
@@ -97,6 +97,7 @@ class Renderer:
         view.element_radius[1], view.obstacle[0, 2] = 1.0, 1.0
         view.element_kind[2], view.element_corners[2] = PATH, 2
         view.guide_count, view.caption = 1, (("Warm up", 0.5),)
+        view.titles = Title("Aa"), Title("Aa", "stage", (0.0, 2.0, 0.0))
         self._pipeline.set_stage(self._scene.stage_size, self._scene.items or _WARM_UP_ITEMS)
         for step in (*reversed(range(len(self.steps))), 0) if len(self.steps) > 1 else (0,):
             self.set_step(step)
@@ -146,9 +147,11 @@ class Renderer:
         self._pipeline.faults.record_success()
 
     def _draw_caption(self, view: StageView, target: moderngl.Framebuffer) -> None:
-        """Draw the audience's caption, which belongs to the picture."""
+        """Draw titles and the audience's caption, which belong to the picture."""
         faults = self._pipeline.faults
         try:
+            if faults.begin("title"):
+                self._pipeline.titles.draw_over(view, target, self._size)
             if faults.begin("caption"):
                 self._caption.draw(view, target)
         except Exception as error:
@@ -286,9 +289,12 @@ def _warm_up_row(scene: Scene, *, passes: bool) -> Float64:
     """Return a parameter row that draws the first group in all styles at once, with all `passes` if set."""
     row = picture_row(scene)
     if passes:
-        for name in ("trails", "ink", "vignette", "bloom"):
+        for name in ("trails", "ink", "vignette", "bloom", "focus", "blur"):
             row[BY_ADDRESS[f"/dance/pass/{name}"].first] = 0.5
         row[BY_ADDRESS["/dance/pass/grade/contrast"].first] = 1.1
+    for kind, files in (("background", scene.backgrounds), ("scenery", scene.scenery)):
+        for number in range(1, len(files) + 1):
+            row[BY_ADDRESS[f"/dance/{kind}/{number}"].first] = 0.5
     for name in STYLE_NAMES:
         row[group_parameter(STYLE_ADDRESS_PREFIX + name, 0).row_slice] = 0.5
     return row

@@ -30,6 +30,8 @@ VERSION: Final = "#version 410 core"
 """The newest GLSL version of macOS."""
 WORN: Final = (("WORN", 1),)
 """Constants of programs that draw characters with their images."""
+HEAD: Final = (("HEAD", 1),)
+"""Constants of programs that draw heads and hair."""
 FRAME_BINDING: Final = 0
 """Binding of the uniform block that all programs share."""
 STYLES_BINDING: Final = 1

@@ -10,9 +10,11 @@ from live.motion.step_clip import StepClip
 from live.motion.texture.live_bank import TextureBank
 from live.show.audience.audience import Audience
 from live.show.audience.voting import VoteNames
+from live.show.audience.words import Words
 from live.show.capture.capture_manager import CaptureManager
 from live.show.circuit_breakers import CircuitBreakers
 from live.show.dancers.dancers import Dancers
+from live.show.dancers.expression import Expression
 from live.show.dancers.garments import Garments
 from live.show.dancers.live_texture import LiveTexture
 from live.show.dancers.step_requests import StepRequests
@@ -99,6 +101,7 @@ def assemble(
     node = initial_nodes(graph, scheduler, motion.partners.mirrored, clock.span.number, measure_s)
     dancers.start(node, motion.state.position.astype(np.float64), motion.starting_heading)
     scheduler.targets.headings.reset(motion.starting_heading)
+    expression = Expression(dancers, motion, seed=seed)
     mocap = CaptureManager(patch, motion, dancers, scheduler)
     launcher = Launcher(
         patch, Pads(patch, dancers, motion.evolutions), refusals, seed=seed, casting=casting,
@@ -109,13 +112,14 @@ def assemble(
         "ripples": variation, "set": commands, "mocap": mocap, "launches": launcher,
     }  # fmt: skip
     desk = LightDesk(patch, score_runner, motion, variation, editable)
-    audience = Audience(patch.audience, motion.elements, VoteNames(patch, dancers, desk.scenes), seed=seed)
+    audience = Audience(patch.audience, motion.elements, VoteNames(patch, dancers, desk.scenes),
+        Words(patch, seed=seed), seed=seed)  # fmt: skip
     directions = StepRequests(motion, dancers, variation, scheduler, interrupts)
     light = LightStage(breakers)
     appearances = Appearances(seed, variation.division, desk.parameters)
     garments = Garments(patch, variation.division, desk.parameters, appearances, seed=seed)
     view_builder = ViewBuilder(
-        dancers, motion, variation.division, desk, audience, light, clock.follower, appearances, garments
+        dancers, motion, variation.division, desk, audience, light, clock.follower, appearances, expression, garments
     )
     hot_swap = HotSwap(
         patch, graph, dancers, scheduler, motion, refusals, assemble=assemble, seed=seed,
@@ -130,7 +134,7 @@ def assemble(
     router = EventRouter(
         (
             clock, motion.elements, commands, desk, view_builder, mocap, directions, score, audience, light, hot_swap,
-            tripped, launcher, garments,
+            tripped, launcher, expression, garments,
         ),
         clock, motion, desk.undo_history, refusals,
     )  # fmt: skip
@@ -156,7 +160,7 @@ def assemble(
         crowd=CrowdStage(breakers, motion, scheduler, dancers),
         dancers=DancersStage(
             breakers, dancers=dancers, scheduler=scheduler, mocap=mocap, motion=motion, reactions=reactions,
-            score_runner=score_runner,
+            score_runner=score_runner, expression=expression,
         ),
         garments=GarmentsStage(breakers, garments, dancers, motion),
         light=light,
@@ -170,7 +174,8 @@ def assemble(
         seed=seed, breakers=breakers, refusals=refusals, clock=clock, casting=casting, reactions=reactions,
         score_runner=score_runner, motion=motion, variation=variation, dancers=dancers, garments=garments,
         scheduler=scheduler, interrupts=interrupts, directions=directions, mocap=mocap, desk=desk, audience=audience,
-        light=light, hot_swap=hot_swap, view_builder=view_builder, launcher=launcher, frame=frame,
+        light=light, hot_swap=hot_swap, view_builder=view_builder, expression=expression, launcher=launcher,
+        frame=frame,
     )  # fmt: skip
 
 

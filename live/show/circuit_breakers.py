@@ -34,7 +34,8 @@ class Stage(IntEnum):
     LIGHT = 16
     TICK = 17
     """The whole tick. Its breaker is tripped last; then the show stands still and only its clock runs."""
-    CLOTH = 18
+    EXPRESSION = 18
+    CLOTH = 19
     DRAWING = 32
     """A frame is drawn and no tick is running. The supervisor handles failures here."""
 
@@ -56,6 +57,7 @@ EFFECTS: Final = {
     Stage.VARIATION: "all dancers dance a step alike",
     Stage.REACTIONS: "nothing reacts to the music",
     Stage.LIGHT: "the blackout does not fade",
+    Stage.EXPRESSION: "faces and hands keep still",
     Stage.CLOTH: "skirts, sleeves, ribbons and long hair are fixed to the body",
     Stage.TICK: "the dance stands still",
 }

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from live.show.audience.audience import Audience
     from live.show.capture.capture_manager import CaptureManager
     from live.show.dancers.dancers import Dancers
+    from live.show.dancers.expression import Expression
     from live.show.dancers.garments import Garments
     from live.show.dancers.step_requests import StepRequests
     from live.show.dancers.variation import Variation
@@ -76,6 +77,7 @@ class Show:
     light: "LightStage"
     hot_swap: "HotSwap"
     view_builder: "ViewBuilder"
+    expression: "Expression"
     launcher: "Launcher"
     frame: "Frame"
     """The stages, in their order."""

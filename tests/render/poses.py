@@ -133,7 +133,8 @@ def _turn(degrees: tuple[float, float, float]) -> Float64:
     return np.asarray(about_z @ about_y @ about_x)
 
 
-def _quaternion(matrix: Float64) -> Float64:
+def quaternion(matrix: Float64) -> Float64:
+    """Unit quaternion w, x, y, z of a rotation matrix."""
     values, vectors = np.linalg.eigh(
         np.array(
             [
@@ -177,7 +178,7 @@ def pose(turns: Turns, place: tuple[float, float] = (0.0, 0.0), heading_deg: flo
     lowest = min(float((position[ankles, 1] - 0.085).min()), float((position[toes, 1] - 0.02).min()))
     position[:, 1] -= lowest
     position[:, [0, 2]] += np.array(place) - position[0, [0, 2]]
-    return position.astype(np.float32), np.array([_quaternion(m) for m in world], np.float32)
+    return position.astype(np.float32), np.array([quaternion(m) for m in world], np.float32)
 
 
 def stage_view(dancers: list[tuple[Turns, tuple[float, float], float, int]]) -> StageView:

@@ -3,7 +3,7 @@
 import numpy as np
 from PIL import ImageFont
 
-from live.render.lettering import bake_atlas, without_accents
+from live.render.lettering.glyph_atlas import bake_atlas, without_accents
 
 
 def test_every_printable_glyph_has_ink_in_its_cell() -> None:

@@ -8,6 +8,7 @@ from live.render.camera import world_to_clip
 from live.render.dancers.instance_lists import BODY_REACH, HIP_REACH, ViewVolume
 from live.render.render_kernels import (
     CASTING,
+    CLOSE,
     FAR,
     MIRRORED,
     NEAR,
@@ -87,20 +88,36 @@ def test_near_body_goes_to_nearest_and_all_within_distance() -> None:
     way = position[:, 0] @ forward
     for near_to, count in ((-100.0, 40), (-100.0, 0), (5.0, 10), (-100.0, 1000), (-100.0, 1)):
         here = bits.copy()
-        choose_detail(position, forward, near_to, count, here, scratch)
+        choose_detail(position, forward, near_to, count, -100.0, 5, here, scratch)
         near = {int(who) for who in seen if here[who] & NEAR}
         nearest = {int(who) for who in seen[np.argsort(way[seen])][:count]}
         assert near == nearest | {int(who) for who in seen if way[who] < near_to}
         assert ((here & (NEAR | FAR) == NEAR) ^ (here & (NEAR | FAR) == FAR)).all()
 
 
+def test_close_body_goes_to_nearest_few_within_distance() -> None:
+    random = np.random.default_rng(6)
+    position = random.uniform(-20.0, 20.0, (200, 22, 3)).astype(np.float32)
+    bits = np.where(random.random(200) < 0.7, VISIBLE | PRESENT, PRESENT).astype(np.uint8)
+    forward, scratch = np.array([0.0, 0.6, 0.8], np.float32), np.zeros(200, np.float32)
+    seen = np.flatnonzero(bits & VISIBLE)
+    way = position[:, 0] @ forward
+    for close_to, count in ((-10.0, 6), (100.0, 6), (-10.0, 1000), (100.0, 0)):
+        here = bits.copy()
+        choose_detail(position, forward, -5.0, 12, close_to, count, here, scratch)
+        nearest = {int(who) for who in seen[np.argsort(way[seen])][:count] if way[who] < close_to}
+        assert {int(who) for who in seen if here[who] & CLOSE} == nearest
+        chosen = [(here & bit) > 0 for bit in (NEAR, FAR, CLOSE)]
+        assert (np.sum(chosen, axis=0) == 1).all()
+
+
 def test_draw_lists_contain_matching_dancers_by_body_with_their_skins() -> None:
     sight = np.array([VISIBLE, VISIBLE | NEAR, 0, VISIBLE | NEAR, NEAR], np.uint8)
-    group, body = np.array([0, 1, 0, 17, 1], np.int32), np.array([0, 1, 0, 1, 0], np.int32)
+    group, body = np.array([0, 1, 0, 17, 1], np.int32), np.array([[0], [1], [0], [1], [0]], np.int32)
     ways = np.zeros(16, np.int32)
     ways[0], ways[1] = 0b001, 0b111
     needs = np.array([VISIBLE, NEAR, NEAR])
-    allowed = (((np.arange(64)[:, None] & needs) == needs) @ (1, 2, 4)).astype(np.int32)
+    allowed = (((np.arange(128)[:, None] & needs) == needs) @ (1, 2, 4)).astype(np.int32)
     # the lists 0 and 1 share a skin, list 2 has none; a body of 3 or 5 vertices, in rows of 8
     skin_of, skin_bits = np.array([0, 0, -1], np.int32), np.array([0b011], np.int32)
     first, vertices = np.array([[100, 200]], np.int32), np.array([[3, 5]], np.int32)
@@ -119,3 +136,25 @@ def test_draw_lists_contain_matching_dancers_by_body_with_their_skins() -> None:
     assert skinned.tolist() == [0, 4, 1, 3, -1, -1, -1, -1]
     assert used == 3
     assert rows.tolist() == [[100, 3, 0, 0], [200, 5, 0, 2], [200, 5, 8, 2], [-1] * 4]
+
+
+def test_every_piece_of_a_dancer_has_its_own_list_and_skin() -> None:
+    """Two dancers: a body (kind 0) with or without hair (kind 1, none of it at the second level)."""
+    sight, group = np.full(2, VISIBLE | NEAR, np.uint8), np.zeros(2, np.int32)
+    piece = np.array([[0, 1], [0, -1]], np.int32)
+    allowed = np.full(128, 0b11, np.int32)
+    skin_of, skin_bits = np.array([0, 1], np.int32), np.array([0b01, 0b10], np.int32)
+    first, vertices = np.array([[0, 7], [20, 30]], np.int32), np.array([[3, 2], [4, 0]], np.int32)
+    out, counts = np.zeros((2, 2, 2, 2), np.int32), np.zeros((2, 2), np.int32)
+    skinned, rows = np.full(8, -1, np.int32), np.full((4, 4), -1, np.int32)
+    used = fill_lists(
+        sight, group, piece, np.array([0b11], np.int32), allowed, skin_of, skin_bits, first, vertices, 8,
+        out, counts, np.zeros(2, np.int32), np.zeros((2, 2, 2), np.int32), skinned, rows,
+    )  # fmt: skip
+    assert counts.tolist() == [[2, 1], [2, 0]]
+    assert out[0, 0].tolist() == [[0, 0], [1, 3]]  # two skins of three vertices in the first row
+    assert out[0, 1, :1].tolist() == [[0, 8]]  # the hair's begins the second
+    assert out[1, 0].tolist() == [[0, 16], [1, 20]]
+    assert used == 3
+    assert rows[:3].tolist() == [[0, 3, 0, 0], [7, 2, 0, 2], [20, 4, 0, 3]]
+    assert skinned[:5].tolist() == [0, 1, 0, 0, 1]

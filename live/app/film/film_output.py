@@ -18,7 +18,8 @@ from live.motion.clip import Clip
 from live.motion.formats.stage_motion import DancerMotion, FigureMesh, StageFormation, StageMotion
 from live.motion.forward_kinematics import local_rotations
 from live.motion.skeleton import JOINT_COUNT
-from live.render.body.body_mesh import build_body
+from live.render.body.body_lookup import build_figure
+from live.render.body.body_mesh import skeleton_weights
 from live.render.film.film_writer import FilmError, Picture, PictureWriter
 from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
@@ -100,12 +101,13 @@ def _formations(show: Show) -> Iterator[StageFormation]:
 @cache
 def _figure(name: str) -> FigureMesh:
     """Return a built-in body at its finest level, for other programs."""
-    body = build_body(FINEST_LEVEL, name)
+    body = build_figure(FINEST_LEVEL, name)
+    joints, weights = skeleton_weights(body)
     return FigureMesh(
         positions=np.ascontiguousarray(body.position, np.float32),
         normals=np.ascontiguousarray(body.normal, np.float32),
-        joints=np.where(body.weight > 0.0, body.joint, 0).astype(np.uint8),
-        weights=np.ascontiguousarray(body.weight, np.float32),
+        joints=joints.astype(np.uint8),
+        weights=weights,
         indices=body.triangle.ravel().astype(np.uint16),
     )
 

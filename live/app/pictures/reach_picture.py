@@ -155,7 +155,7 @@ class PngCanvas:
     def text(self, at: Point, words: str, size: int, colour: str, anchor: str = "start") -> None:
         from PIL import ImageFont
 
-        from live.render.lettering import without_accents
+        from live.render.lettering.glyph_atlas import without_accents
 
         font, words = ImageFont.load_default(self.FINE * size), without_accents(words)
         place = {"start": "ls", "middle": "ms", "end": "rs"}[anchor]

@@ -8,7 +8,7 @@ import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
 from live.app.offline.sheet_moments import SheetMoment
-from live.render.lettering import without_accents
+from live.render.lettering.glyph_atlas import without_accents
 
 Picture = npt.NDArray[np.uint8]
 Colour = tuple[int, int, int]

@@ -178,13 +178,14 @@ def prefork_engine(
         importlib.import_module(f"live.app.{name}")  # imports all that a standby needs
     import_late_modules()
     if not options.headless:
-        from live.render.body.body_mesh import COARSE, FINE, LIGHT, build_body
+        from live.render.body.body_lookup import build_figure
+        from live.render.body.body_mesh import LEVELS
         from live.render.window.monitors import load_glfw
 
         with contextlib.suppress(ImportError):
             load_glfw()
-        for level in (COARSE, LIGHT, FINE):
-            build_body(level)
+        for level in LEVELS:
+            build_figure(level)
     loaded = options.load(whole=False)
     show = loaded.start(seed=options.seed)  # fills the values cached in the graph
     raise_priority(0, processors)

@@ -31,5 +31,5 @@ EXTRAS: Final = ("none", "sleeves", "ribbons", "sleeves and ribbons")
 """What dancers wear on their arms or carry; the first is the default."""
 MOVING: Final = ("auto", "skinned")
 """How skirts, sleeves, ribbons and long hair move: by simulation as far as there is time, or fixed to the body."""
-SHOES: Final = ("barefoot", "ballet", "heels", "sneakers", "boots")
+SHOES: Final = ("barefoot", "ballet", "pumps", "sneakers", "boots")
 """What dancers have on their feet; the first is the default."""

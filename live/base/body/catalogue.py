@@ -8,8 +8,15 @@ from typing import Final
 
 DEFAULT_BODY: Final = "dancer"
 """The default body."""
-BODIES: Final = (DEFAULT_BODY, "slim", "strong", "round", "child")
-"""The built-in bodies. Joints are the same in each, so feet and hands reach the same places."""
+BODIES: Final = (
+    DEFAULT_BODY, "woman", "man", "slim", "strong", "round", "child", "older woman", "older man",
+)  # fmt: skip
+"""The built-in bodies. Joints are the same in each, so feet and hands reach the same places. `dancer`, `slim` and
+`round` are women too, `strong` is a man."""
+MEN: Final = ("strong", "man", "older man")
+"""Bodies of men."""
+OLDER: Final = ("older woman", "older man")
+"""Bodies of old people."""
 
 
 MAX_CHARACTERS: Final = 12

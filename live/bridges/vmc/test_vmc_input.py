@@ -13,8 +13,8 @@ from live.clock.time_source import ManualClock
 from live.control.registry.rejections import Reason, Tally
 from live.control.udp_input import MAX_PER_WINDOW
 from live.motion import quaternion
+from live.motion.capture.packed_pose import unpack_pose
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.packed_pose import unpack_pose
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from tests.control.waiting import wait_for
 

@@ -13,8 +13,8 @@ from live.bridges.vmc.vmc_output import AvatarTarget, VmcOutput, pack_dancers
 from live.bridges.vmc.vmc_output_service import parse_avatars
 from live.clock.time_source import SystemClock
 from live.control.helper_process import HelperProcess
+from live.motion.capture.packed_pose import unpack_pose
 from live.motion.forward_kinematics import forward_kinematics
-from live.motion.packed_pose import unpack_pose
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
 

@@ -13,8 +13,8 @@ from live.bridges.vmc import VmcOptions, services
 from live.bridges.vmc.test_vmc_input import poses, stream
 from live.bridges.vmc.vmc_output import play_clip
 from live.clock.time_source import ManualClock
+from live.motion.capture.packed_pose import unpack_pose
 from live.motion.clip import Clip
-from live.motion.packed_pose import unpack_pose
 from live.show.patch.patch_reader import parse_patch
 from live.show.venue.venue import Venue
 from tests.cli.command import run_live

@@ -89,7 +89,7 @@ class BanPhone(ControlEvent):
 class AskVote(ControlEvent):
     """Starts a vote until a measure line (the patch's vote_measures), where the winner is called."""
 
-    what: Annotated[str, Argument.label("step, scene, look or cue")]
+    what: Annotated[str, Argument.label("step, scene, look, cue or word")]
     first: Annotated[str, Argument.label("a choice, by its name in the patch")]
     second: Annotated[str, Argument.label("another one")]
     third: Annotated[str, Argument.label("another one; - is none")] = NO_CHOICE
@@ -112,6 +112,43 @@ class ShowTally(ControlEvent):
     """Whether projectors show how a vote stands, and its winner for some measures; phones always do."""
 
     on: Annotated[bool, Argument.switch("1: projectors show the tally and the winner, 0: phones alone do")]
+
+
+Word = Annotated[str, Argument.label("a word of at most 24 letters")]
+WaitingWord = Annotated[str, Argument.label("a word that waits; *: all that wait")]
+
+
+@command("/dance/word", "operator")
+class AddWord(ControlEvent):
+    """Shows a word among those of the audience."""
+
+    word: Word
+
+
+@command("/dance/word/offer", "audience")
+class OfferWord(ControlEvent):
+    """Offers a word to the operator; it is shown once it is approved."""
+
+    word: Word
+
+
+@command("/dance/word/approve", "operator")
+class ApproveWord(ControlEvent):
+    """Shows words that wait."""
+
+    word: WaitingWord
+
+
+@command("/dance/word/reject", "operator")
+class RejectWord(ControlEvent):
+    """Forgets words that wait."""
+
+    word: WaitingWord
+
+
+@command("/dance/word/clear", "operator")
+class ClearWords(ControlEvent):
+    """Lets all words fade, and forgets those that wait."""
 
 
 @command("/dance/audience/invite", "operator")

@@ -22,8 +22,8 @@ class MocapFrame(ControlEvent):
     performer: str
     """The name in the patch's `[[mocap]]`."""
     pose: str
-    """Hip position [m] and rotations on the engine's skeleton, as packed by `live.motion.packed_pose`; quantised on
-    receipt, so that live and replayed shows get the same bits."""
+    """Hip position [m] and rotations on the engine's skeleton, as packed by `live.motion.capture.packed_pose`;
+    quantised on receipt, so that live and replayed shows get the same bits."""
 
 
 @command("/dance/mocap/dancer", "operator", value=1, named=True, edits="mocap")

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Annotated
 
+from live.base.body.hand_shapes import SHAPE_NAMES
 from live.control.events.event import ControlEvent
 from live.control.registry.command import Dancers, Measures, StepName, command
 from live.control.registry.control import Argument
@@ -48,6 +49,15 @@ class SetFacing(ControlEvent):
 
     facing: Annotated[str, Argument.text("public, path, centre, attractor, degrees as `30`, `dancer 3`, or a group")]
     group: Dancers = "*"
+
+
+@command("/dance/hands", "musician")
+class SetHands(ControlEvent):
+    """Dancers' hands take this shape for a while, whatever their steps say."""
+
+    group: Dancers
+    shape: Annotated[str, Argument.label(f"the shape: {', '.join(SHAPE_NAMES)}; auto: that of the step again")]
+    measures: Measures = 4.0
 
 
 @command("/dance/why", "operator")

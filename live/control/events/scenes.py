@@ -10,7 +10,7 @@ from live.control.registry.control import Argument
 
 @command("/dance/pass", "operator", "Switches a pass of the picture on or off, or fades it.", fixed={"parameter": ""},
          arguments={
-             "name": Argument.label("a pass of the picture: shadow, mirror, trails, bloom, ink, grade, vignette"),
+             "name": Argument.label("a pass: shadow, mirror, focus, blur, trails, bloom, ink, grade, vignette"),
              "amount": Argument.number("its strength; 0 is off", 0, 4),
          })  # fmt: skip
 @command("/dance/pass/set", "operator", required=("parameter",), edits="parameters")
@@ -53,10 +53,28 @@ class FollowSpot(ControlEvent):
 
 @command("/dance/background", "operator", edits="parameters")
 class ShowBackground(ControlEvent):
-    """Shows an image or a video behind the dancers instead of the others."""
+    """Shows an image, a video or a live input instead of the others at its place: behind the dancers, on the floor, or
+    in front of them."""
 
     name: Annotated[str, Argument.label("a [[background]] of the patch, or `none`", "background")]
     measures: FadeMeasures = 0.0
+
+
+@command("/dance/title", "operator")
+class ShowTitle(ControlEvent):
+    """Shows a title from the next beat on, instead of the one before of the same style."""
+
+    text: Annotated[str, Argument.text("a [[title]] of the patch, or any text; | begins a new line", "title")]
+    style: Annotated[
+        str, Argument.text("the [[title]] whose style it has; *: its own, else the first one", "title")
+    ] = "*"
+
+
+@command("/dance/title/hide", "operator")
+class HideTitle(ControlEvent):
+    """Lets a title fade out from the next beat on."""
+
+    name: Annotated[str, Argument.text("a [[title]] of the patch, or the text; *: all titles", "title")] = "*"
 
 
 @command("/dance/look", "operator", edits="parameters")

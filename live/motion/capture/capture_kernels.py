@@ -22,7 +22,7 @@ QUANTIZATION_STEPS = 16383
 
 @kernel("void(f4[:,::1], u1[::1])")
 def read_rotations(rotation: Float32, data: UInt8) -> None:
-    """Decode `rotation` (J, 4) from six bytes of `data` per joint (see `live.motion.packed_pose`)."""
+    """Decode `rotation` (J, 4) from six bytes of `data` per joint (see `live.motion.capture.packed_pose`)."""
     scale = 1.0 / (math.sqrt(2.0) * QUANTIZATION_STEPS)
     kept = np.empty(3)
     for j in range(rotation.shape[0]):

@@ -6,8 +6,8 @@ import numpy as np
 
 from live.base.arrays import Bool, Float64
 from live.motion.capture.capture_kernels import retarget_pose
+from live.motion.capture.packed_pose import pack_pose
 from live.motion.foot_contact import TOES_OVER_SOLE
-from live.motion.packed_pose import pack_pose
 from live.motion.skeleton import JOINT_COUNT, SKELETON, SOLE_BELOW_ANKLE
 
 FLOOR_WINDOW: Final = 2.0

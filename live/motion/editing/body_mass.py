@@ -10,6 +10,7 @@ the way from the hips. So with r = X a and v = Ẋ a of all mass points, Σ m r 
 K = Σ m a aᵀ, and the angular momentum is the axial vector of that.
 """
 
+import math
 from typing import Final
 
 import numpy as np
@@ -100,3 +101,26 @@ def axial(matrix: Float64) -> Float64:
         ),
         axis=-1,
     )
+
+
+def joint_inertias() -> Float64:
+    """Return the moments of inertia that rotations of each joint move, per kilogram of the body [m²], shape (J,).
+
+    In the rest pose with the arms lowered halfway, averaged over all axes; the root's is that of the whole body about
+    the hips. With them the kinetic energy of a dance is found without forward kinematics, up to the coupling of joints.
+    """
+    place = SKELETON.rest_positions().astype(np.float64)
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        shoulder = place[SKELETON.index(f"{side}UpperArm")].copy()
+        for name in ("LowerArm", "Hand"):
+            joint = SKELETON.index(side + name)
+            way = abs(place[joint, 0] - shoulder[0]) * math.sqrt(0.5)
+            place[joint] = shoulder + np.array((sign * way, -way, 0.0))
+    inertia = np.zeros(SKELETON.joint_count)
+    for joint, (share, at, radii) in SEGMENTS.items():
+        own = share * float(np.square(radii).sum()) / 3.0
+        moved = joint
+        while moved >= 0:
+            inertia[moved] += own + share * 2.0 / 3.0 * float(np.square(place[joint] + at - place[moved]).sum())
+            moved = int(SKELETON.parents[moved])
+    return inertia

@@ -18,7 +18,7 @@ from live.motion.clip import Clip, read_clip
 from live.motion.editing.facing import heading_of
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import MIRRORED_SUFFIX, mirror_step, unmirrored_name
-from live.motion.step_clip import StepClip, measured_direction, measured_distance
+from live.motion.step_clip import StepClip, measured_direction, measured_distance, moved_shapes
 
 TEMPO_LIMITS: Final = (0.7, 1.4)
 """Least and most tempo of the music, as shares of that of a form."""
@@ -56,7 +56,7 @@ def half_time(step: StepClip) -> StepClip:
     return _measured(
         replace(
             step, clip=clip, measures=2 * step.measures, samples_per_measure=0.5 * step.samples_per_measure,
-            bpm=2.0 * step.bpm, tempo_form=HALF_TIME,
+            bpm=2.0 * step.bpm, tempo_form=HALF_TIME, hands=moved_shapes(step.hands, scale=2.0),
         )
     )  # fmt: skip
 
@@ -72,7 +72,7 @@ def double_time(step: StepClip) -> StepClip:
     return _measured(
         replace(
             whole, clip=clip, measures=whole.measures // 2, samples_per_measure=2.0 * whole.samples_per_measure,
-            bpm=0.5 * step.bpm, tempo_form=DOUBLE_TIME,
+            bpm=0.5 * step.bpm, tempo_form=DOUBLE_TIME, hands=moved_shapes(whole.hands, scale=0.5),
         )
     )  # fmt: skip
 
@@ -114,7 +114,10 @@ def danced_twice(step: StepClip) -> StepClip:
         step.clip.sample_rate,
         np.concatenate([step.clip.contact[kept], contact]),
     )
-    return replace(step, clip=clip, measures=2 * step.measures, end_pose=again.end_pose, weight_transfer=False)
+    return replace(
+        step, clip=clip, measures=2 * step.measures, end_pose=again.end_pose, weight_transfer=False,
+        hands=step.hands + moved_shapes(again.hands, by=float(step.beats)),
+    )  # fmt: skip
 
 
 def _moved(root: Float, rotation: Float, turn: Float, place: Float) -> tuple[Float, Float]:

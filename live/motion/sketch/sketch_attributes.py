@@ -1,13 +1,17 @@
-"""Step attributes in a sketch besides the motion: structure (T135, T136), author, style, tags (T040), mood (T143)."""
+"""Step attributes in a sketch besides the motion: structure (T135, T136), author, style, tags (T040), mood (T143), hand
+shapes."""
 
 from collections.abc import Callable, Mapping
 from typing import Any, Final
 
+from live.base.body.hand_shapes import AUTO, SHAPE_NAMES
 from live.base.motion_parameters import MOOD_NAMES
 from live.base.toml import KeyPath
 
 WORDS: Final = ("begin_pose", "end_pose", "author", "style")
-ATTRIBUTES: Final = ("leading_foot", "weight_transfer", "begin_pose", "end_pose", "author", "style", "tags", "mood")
+ATTRIBUTES: Final = (
+    "leading_foot", "weight_transfer", "begin_pose", "end_pose", "author", "style", "tags", "mood", "hand_shape",
+)  # fmt: skip
 MAX_WORD: Final = 64
 MAX_TAGS: Final = 64
 
@@ -35,6 +39,12 @@ def read_attributes(table: Mapping[str, Any], error: Callable[[KeyPath, str, str
             value = tuple(value)
         if name == "mood":
             value = _mood(value, error)
+        if name == "hand_shape":
+            try:
+                values["hands"] = hand_shapes(value)
+            except ValueError as problem:
+                raise error((name,), str(problem), SHAPE_HELP) from None
+            continue
         values[name] = value
     return values
 
@@ -42,6 +52,38 @@ def read_attributes(table: Mapping[str, Any], error: Callable[[KeyPath, str, str
 def mood_values(mood: Mapping[str, float]) -> tuple[float, ...]:
     """Return a mood in the order of MOOD_NAMES, () for none."""
     return tuple(float(mood.get(name, 0.0)) for name in MOOD_NAMES) if any(mood.values()) else ()
+
+
+SHAPE_HELP: Final = (
+    f'write hand_shape = "ballet", or what changes on a beat: [{{ beat = 1, left = "fist" }}, {{ beat = 3, both = '
+    f'"open" }}]; shapes are {", ".join(SHAPE_NAMES)}, and {AUTO} for no shape'
+)
+MAX_SHAPES: Final = 64
+
+
+def hand_shapes(value: object) -> tuple[tuple[float, str, str], ...]:
+    """Return what a step's `hand_shape` says as `StepClip.hands`: a shape of both hands, or a list of changes.
+
+    Each change has a `beat`, from 1, and a shape of the `left`, the `right` hand or `both`. ValueError if it is wrong.
+    """
+    rows = [{"beat": 1, "both": value}] if isinstance(value, str) else value
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows) or len(rows) > MAX_SHAPES:
+        raise ValueError(f"read {value!r:.60}")
+    known, now = {AUTO: "", **{name: name for name in SHAPE_NAMES}}, ["", ""]
+    found: list[tuple[float, str, str]] = []
+    for row in rows:
+        for key, word in row.items():
+            if key not in ("beat", "left", "right", "both") or (key != "beat" and word not in known):
+                raise ValueError(f"read {key} = {word!r:.40}")
+        beat = row.get("beat", 1)
+        if isinstance(beat, bool) or not isinstance(beat, int | float) or not 1.0 <= beat <= 1000.0:
+            raise ValueError(f"read beat = {beat!r:.40}, a number from 1 expected")
+        if found and beat - 1.0 <= found[-1][0]:
+            raise ValueError(f"beat {beat:g} does not come after beat {found[-1][0] + 1.0:g}")
+        for side, key in enumerate(("left", "right")):
+            now[side] = known[row.get(key, row.get("both", now[side] or AUTO))]
+        found.append((float(beat) - 1.0, now[0], now[1]))
+    return tuple(found)
 
 
 def _mood(value: object, error: Callable[[KeyPath, str, str], Exception]) -> tuple[float, ...]:

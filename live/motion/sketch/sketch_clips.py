@@ -16,7 +16,7 @@ from live.motion.sketch.phrase_takes import Take
 from live.motion.sketch.sketch_file import Sketch
 from live.motion.sketch.sketch_pose import pose_body
 from live.motion.sketch.upper_body import SAMPLES_PER_BEAT, FootSupport, facing
-from live.motion.step_clip import DIRECTIONS, StepClip, measured_distance
+from live.motion.step_clip import DIRECTIONS, StepClip, measured_distance, moved_shapes
 
 TAIL_SAMPLES: Final = 8
 """Samples after the last measure, so that reading at its end needs no special case."""
@@ -63,7 +63,11 @@ def cut_take(step: StepClip, take: Take) -> StepClip:
         sample_rate=clip.sample_rate,
         contact=np.ascontiguousarray(clip.contact[part]),
     )
-    own = replace(step, clip=cut, measures=take.measures, **take.attributes)
+    beats = step.beats_per_measure
+    shown = [
+        each for each in moved_shapes(step.hands, by=-float(take.first * beats)) if each[0] < take.measures * beats
+    ]
+    own = replace(step, clip=cut, measures=take.measures, **{"hands": tuple(shown), **take.attributes})
     return replace(own, distance_m=measured_distance(own))
 
 

@@ -139,6 +139,7 @@ class _Reader:
         parts = self._parts(sketch.beats / 2 if alternate else float(sketch.beats))
         if alternate:
             parts = _alternate_sides(parts, sketch.beats / 2)
+            sketch = replace(sketch, attributes=_alternate_shapes(sketch.attributes, sketch.beats / 2))
         sketch = replace(sketch, parts={part: _merge_keys(keys) for part, keys in parts.items() if keys})
         self._check_keys(sketch)
         return sketch
@@ -286,6 +287,15 @@ def _merge_keys(keys: list[Key]) -> tuple[Key, ...]:
         else:
             merged.append(key)
     return tuple(merged)
+
+
+def _alternate_shapes(attributes: Mapping[str, Any], half: float) -> dict[str, Any]:
+    """Return the attributes with the hand shapes of the first half followed by the same mirrored, unless the second
+    half has its own."""
+    hands = attributes.get("hands", ())
+    if not hands or hands[-1][0] >= half:
+        return dict(attributes)
+    return {**attributes, "hands": hands + tuple((beat + half, right, left) for beat, left, right in hands)}
 
 
 def _alternate_sides(parts: dict[str, list[Key]], half: float) -> dict[str, list[Key]]:

@@ -1,78 +1,34 @@
-"""Coarse cage of the dancer's body: quadrilaterals that follow the skeleton, with skin weights at the corners.
+"""Coarse cage of the dancer's body: polygons that follow the skeleton, with skin weights at the corners.
 
-Edge loops across every limb let joints bend softly, and every subdivision of the cage is closed.
+Edge loops of six corners across every limb let joints bend softly, and every subdivision of the cage is closed.
 The left half (x >= 0) is built and mirrored; corners at x = 0 are shared by both halves.
 """
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
-from live.base.arrays import Float64, Int64
-from live.render.body.drawn_joints import DRAWN_COUNT, DRAWN_MIRROR, DRAWN_NAMES
+from live.render.body.cage_builder import Cage, HalfBuilder, JointWeights, Point, mirrored
+from live.render.body.hand_cage import add_hand
+from live.render.body.implicit_surface import Loft
 
-Point = tuple[float, float, float]
-JointWeights = dict[str, float]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Cage:
-    """A closed mesh of quadrilaterals, counter-clockwise seen from outside (V corners, F faces, J drawn joints)."""
-
-    points: Float64
-    """Corners [m], shape (V, 3)."""
-    weights: Float64
-    """Skin weights of each corner, rows sum to 1, shape (V, J)."""
-    faces: Int64
-    """Corner indices, shape (F, 4)."""
-
-
-class _HalfBuilder:
-    """Builder of the left half; rings are lists of four corners, ordered around the direction of extrusion."""
-
-    def __init__(self) -> None:
-        self.points: list[Point] = []
-        self.weights: list[Float64] = []
-        self.faces: list[tuple[int, int, int, int]] = []
-
-    def ring(self, points: list[Point], weights: JointWeights | list[JointWeights]) -> list[int]:
-        bonds = weights if isinstance(weights, list) else [weights] * len(points)
-        first = len(self.points)
-        self.points += points
-        self.weights += [_weights(one) for one in bonds]
-        return list(range(first, first + len(points)))
-
-    def bridge(self, a: list[int], b: list[int], skip: int | None = None, *, open_: bool = False) -> None:
-        """Faces between two rings; `open_` leaves the seam at x = 0, `skip` leaves a hole for a limb."""
-        count = len(a)
-        for i in range(count - 1 if open_ else count):
-            if i != skip:
-                j = (i + 1) % count
-                self.faces.append((a[i], a[j], b[j], b[i]))
-
-    def cap(self, ring: list[int]) -> None:
-        self.faces.append((ring[0], ring[1], ring[2], ring[3]))
-
-
-def _weights(bond: JointWeights) -> Float64:
-    row = np.zeros(DRAWN_COUNT)
-    for name, weight in bond.items():
-        row[DRAWN_NAMES.index(name)] = weight
-    return np.asarray(row / row.sum())
-
-
-# Torso, neck and head from the hip crease up: y [m], half-width, front, back, shift in z, weights.
+# Torso and neck from the hip crease up: y [m], half-width, front, back, weights at the middle and at the side.
 _TRUNK: Final[tuple[tuple[float, float, float, float, JointWeights], ...]] = (
-    (0.940, 0.140, 0.085, -0.100, {"hips": 0.90, "leftUpperLeg": 0.10}),
-    (1.045, 0.100, 0.082, -0.065, {"hips": 0.28, "spine": 0.62, "chest": 0.10}),
-    (1.140, 0.108, 0.085, -0.070, {"spine": 0.35, "chest": 0.60, "upperChest": 0.05}),
-    (1.240, 0.122, 0.102, -0.082, {"chest": 0.50, "upperChest": 0.50}),
+    (0.940, 0.140, 0.085, -0.100, {"hips": 0.92, "leftUpperLeg": 0.08}),
+    (1.000, 0.118, 0.084, -0.078, {"hips": 0.60, "spine": 0.40}),
+    (1.060, 0.104, 0.082, -0.065, {"hips": 0.18, "spine": 0.70, "chest": 0.12}),
+    (1.125, 0.107, 0.085, -0.068, {"spine": 0.45, "chest": 0.51, "upperChest": 0.04}),
+    (1.190, 0.116, 0.094, -0.076, {"spine": 0.12, "chest": 0.66, "upperChest": 0.22}),
+    (1.250, 0.123, 0.102, -0.084, {"chest": 0.42, "upperChest": 0.58}),
     (1.310, 0.128, 0.088, -0.090, {"chest": 0.08, "upperChest": 0.84, "leftShoulder": 0.08}),
+    (1.362, 0.126, 0.060, -0.086, {"upperChest": 0.68, "leftShoulder": 0.32}),
     (1.415, 0.105, 0.030, -0.072, {"upperChest": 0.55, "leftShoulder": 0.45}),
     (1.450, 0.046, 0.034, -0.064, {"upperChest": 0.42, "neck": 0.58}),
 )
-_SHOULDER_ROW: Final = 5
+_ARMPIT_ROW: Final = 7
+"""The arm grows from the side of the two bands above this row."""
+_BREATHING: Final = {1.190: 0.45, 1.250: 0.80, 1.310: 0.80, 1.362: 0.45}
+"""Share of the front of these rows that breath moves."""
 
 # Head rows: the four corners (front middle, front, back, back middle).
 _HEAD: Final[tuple[tuple[tuple[Point, Point, Point, Point], JointWeights], ...]] = (
@@ -85,147 +41,165 @@ _HEAD: Final[tuple[tuple[tuple[Point, Point, Point, Point], JointWeights], ...]]
     (((0.0, 1.655, 0.080), (0.048, 1.662, 0.055), (0.052, 1.670, -0.052), (0.0, 1.672, -0.075)), {"head": 1.0}),
 )
 
+# Where a body without a head ends: rows as above.
+_NECK_END: Final[tuple[tuple[tuple[Point, Point, Point, Point], JointWeights], ...]] = (
+    (((0.0, 1.478, 0.030), (0.034, 1.478, 0.018), (0.034, 1.478, -0.044), (0.0, 1.478, -0.056)), {"neck": 1.0}),
+)
+
 # Arm rings along x: x, half-height, half-depth, weights; centre line at the height of the shoulder joint.
 _ARM_LINE: Final = (1.380, -0.010)
 _ARM: Final[tuple[tuple[float, float, float, JointWeights], ...]] = (
-    (0.215, 0.042, 0.040, {"leftShoulder": 0.14, "leftUpperArm": 0.86}),
-    (0.335, 0.028, 0.029, {"leftUpperArm": 1.0}),
-    (0.430, 0.025, 0.026, {"leftUpperArm": 0.50, "leftLowerArm": 0.50}),
-    (0.515, 0.025, 0.027, {"leftLowerArm": 1.0}),
-    (0.655, 0.015, 0.019, {"leftLowerArm": 0.80, "leftHand": 0.20}),
-    (0.705, 0.013, 0.026, {"leftLowerArm": 0.02, "leftHand": 0.98}),
-    (0.765, 0.011, 0.030, {"leftHand": 1.0}),
-    (0.848, 0.005, 0.014, {"leftHand": 1.0}),
+    (0.215, 0.046, 0.044, {"leftShoulder": 0.14, "leftArmRoll": 0.86}),
+    (0.335, 0.037, 0.038, {"leftArmRoll": 0.35, "leftUpperArm": 0.65}),
+    (0.388, 0.033, 0.034, {"leftUpperArm": 0.84, "leftLowerArm": 0.16}),
+    (0.430, 0.031, 0.033, {"leftUpperArm": 0.50, "leftLowerArm": 0.50}),
+    (0.475, 0.034, 0.037, {"leftUpperArm": 0.15, "leftLowerArm": 0.85}),
+    (0.600, 0.026, 0.029, {"leftLowerArm": 0.40, "leftForearmRoll": 0.60}),
+    (0.660, 0.019, 0.025, {"leftForearmRoll": 0.85, "leftHand": 0.15}),
 )
-_THUMB_RING: Final = 6
-"""The thumb grows from the front of the band that ends with this ring."""
+
+_SHOULDER: Final = (0.168, 0.046, 0.044, {"upperChest": 0.15, "leftShoulder": 0.30, "leftArmRoll": 0.55})
+"""A ring that subdivision makes of itself."""
 
 # Leg rings down y: y, half-width, front, back, weights; centre line under the hip joint.
 _LEG_X: Final = 0.090
 _LEG: Final[tuple[tuple[float, float, float, float, JointWeights], ...]] = (
-    (0.760, 0.062, 0.066, -0.068, {"hips": 0.08, "leftUpperLeg": 0.92}),
-    (0.590, 0.042, 0.050, -0.046, {"leftUpperLeg": 1.0}),
-    (0.475, 0.035, 0.039, -0.036, {"leftUpperLeg": 0.50, "leftLowerLeg": 0.50}),
-    (0.365, 0.035, 0.030, -0.050, {"leftLowerLeg": 1.0}),
-    (0.165, 0.021, 0.023, -0.026, {"leftLowerLeg": 1.0}),
-    (0.085, 0.022, 0.034, -0.034, {"leftLowerLeg": 0.42, "leftFoot": 0.58}),
+    (0.760, 0.070, 0.080, -0.082, {"hips": 0.08, "leftThighRoll": 0.92}),
+    (0.630, 0.058, 0.070, -0.066, {"leftThighRoll": 0.35, "leftUpperLeg": 0.65}),
+    (0.533, 0.049, 0.056, -0.053, {"leftUpperLeg": 0.86, "leftLowerLeg": 0.14}),
+    (0.475, 0.046, 0.052, -0.049, {"leftUpperLeg": 0.50, "leftLowerLeg": 0.50}),
+    (0.420, 0.046, 0.045, -0.056, {"leftUpperLeg": 0.14, "leftLowerLeg": 0.86}),
+    (0.345, 0.047, 0.040, -0.064, {"leftLowerLeg": 1.0}),
+    (0.200, 0.031, 0.033, -0.040, {"leftLowerLeg": 1.0}),
+    (0.100, 0.027, 0.031, -0.036, {"leftLowerLeg": 0.45, "leftFoot": 0.55}),
 )
-_HEEL: Final[tuple[Point, ...]] = (
-    (0.066, 0.004, 0.030),
-    (0.066, 0.004, -0.056),
-    (0.114, 0.004, -0.056),
-    (0.114, 0.004, 0.030),
-)
+_SOLE: Final = (0.004, 0.034, 0.048, -0.058)
+"""The heel on the floor: y, half-width, front, back [m]."""
 # Foot rings forward z: z, low y, high y, inner x, outer x, weights.
 _FOOT: Final[tuple[tuple[float, float, float, float, float, JointWeights], ...]] = (
-    (0.120, 0.002, 0.038, 0.056, 0.126, {"leftFoot": 0.52, "leftToes": 0.48}),
-    (0.184, 0.003, 0.020, 0.066, 0.110, {"leftToes": 1.0}),
+    (0.124, 0.002, 0.038, 0.052, 0.128, {"leftFoot": 0.50, "leftToes": 0.50}),
+    (0.158, 0.003, 0.028, 0.056, 0.122, {"leftToes": 1.0}),
+    (0.182, 0.004, 0.018, 0.066, 0.106, {"leftToes": 1.0}),
 )
-_BUN: Final = ((0.0, 1.668, -0.094), 0.030)
+_COLUMNS: Final = np.radians([0.0, 34.0, 70.0, 110.0, 146.0, 180.0])
+"""Directions of the corners of the trunk's rows, from the front to the back."""
+_AROUND: Final = np.radians([-30.0, 30.0, 90.0, 150.0, 210.0, 270.0])
+"""Directions of the corners of rings."""
 
 
-def _trunk(half: _HalfBuilder) -> list[list[int]]:
-    crease: list[Point] = [(0.0, 0.812, 0.034), (0.150, 0.862, 0.060), (0.140, 0.828, -0.085), (0.0, 0.808, -0.050)]
-    side = {"hips": 0.50, "leftUpperLeg": 0.50}
-    rows = [half.ring(crease, [{"hips": 1.0}, side, {"hips": 0.42, "leftUpperLeg": 0.58}, {"hips": 1.0}])]
+def _row(y: float, width: float, front: float, back: float) -> list[Point]:
+    centre, deep = 0.5 * (front + back), 0.5 * (front - back)
+    points = [(width * float(np.sin(a)), y, centre + deep * float(np.cos(a))) for a in _COLUMNS]
+    return [(0.0, *points[0][1:]), *points[1:-1], (0.0, *points[-1][1:])]
+
+
+def _six(corners: tuple[Point, ...]) -> list[Point]:
+    """Add a corner in the middle of the front and of the back."""
+    a, b, c, d = corners
+    front, back = (tuple(0.5 * (p + q) for p, q in zip(one, two, strict=True)) for one, two in ((a, b), (c, d)))
+    return [a, (front[0], front[1], front[2] + 0.01), b, c, (back[0], back[1], back[2] - 0.01), d]
+
+
+def _trunk(half: HalfBuilder, *, head: bool) -> list[list[int]]:
+    crease: list[Point] = [
+        (0.0, 0.812, 0.034), (0.078, 0.838, 0.072), (0.152, 0.868, 0.045),
+        (0.150, 0.850, -0.060), (0.085, 0.802, -0.100), (0.0, 0.808, -0.050),
+    ]  # fmt: skip
+    middle, side = {"hips": 1.0}, {"hips": 0.50, "leftThighRoll": 0.50}
+    seat = {"hips": 0.42, "leftThighRoll": 0.58}
+    rows = [half.ring(crease, [middle, side, side, seat, seat, middle])]
     for y, width, front, back, bond in _TRUNK:
-        middle = {name: weight for name, weight in bond.items() if not name.startswith("left")}
-        corners: list[Point] = [(0.0, y, front), (width, y, front * 0.72), (width, y, back * 0.72), (0.0, y, back)]
-        rows.append(half.ring(corners, [middle, bond, bond, middle]))
-    for corners_, bond in _HEAD:
-        rows.append(half.ring(list(corners_), bond))
+        inner = {name: weight for name, weight in bond.items() if not name.startswith("left")}
+        breath = _BREATHING.get(y, 0.0)
+        bonds = [
+            _breathing(one, breath * part) for one, part in zip((inner, inner, bond), (1.0, 1.0, 0.6), strict=True)
+        ]
+        rows.append(half.ring(_row(y, width, front, back), [*bonds, bond, inner, inner]))
+    for corners_, bond in _HEAD if head else _NECK_END:
+        rows.append(half.ring(_six(corners_), bond))
     for index in range(len(rows) - 1):
-        socket = 1 if index == _SHOULDER_ROW else None
+        socket = (2,) if index in (_ARMPIT_ROW, _ARMPIT_ROW + 1) else ()
         half.bridge(rows[index], rows[index + 1], socket, open_=True)
     half.cap(rows[-1])
     return rows
 
 
-def _arm(half: _HalfBuilder, low: list[int], high: list[int]) -> None:
+def _breathing(bond: JointWeights, share: float) -> JointWeights:
+    moved = {name: weight * (1.0 - share) for name, weight in bond.items() if name in ("chest", "upperChest")}
+    return {**bond, **moved, "breath": sum(bond[name] for name in moved) * share} if share else bond
+
+
+def _arm(half: HalfBuilder, low: list[int], middle: list[int], high: list[int], *, round_: bool) -> list[int]:
+    """Add the arm as far as the wrist, with a ring for round shoulders if need be; return its last ring, from the top
+    to the front."""
     y, z = _ARM_LINE
-    previous = [high[2], high[1], low[1], low[2]]
-    for number, (x, tall, deep, bond) in enumerate(_ARM):
-        drop = 0.012 * max(0.0, (x - 0.76) / 0.09)  # fingers hang a little
-        corners: list[Point] = [
-            (x, y + tall - drop, z - deep),
-            (x, y + tall - drop, z + deep),
-            (x, y - tall - drop, z + deep),
-            (x, y - tall - drop, z - deep),
-        ]
-        ring = half.ring(corners, bond)
-        half.bridge(previous, ring, 1 if number == _THUMB_RING else None)
-        if number == _THUMB_RING:
-            _thumb(half, previous, ring)
-        previous = ring
-    half.cap(previous)
-
-
-def _thumb(half: _HalfBuilder, near: list[int], far: list[int]) -> None:
-    base = [far[2], far[1], near[1], near[2]]
-    tip: list[Point] = [
-        (0.782, 1.356, 0.050),
-        (0.778, 1.368, 0.054),
-        (0.762, 1.368, 0.066),
-        (0.764, 1.356, 0.066),
-    ]
-    ring = half.ring(tip, {"leftHand": 1.0})
-    half.bridge(base, ring)
-    half.cap(ring)
-
-
-def _leg(half: _HalfBuilder, crease: list[int]) -> None:
-    previous = [crease[0], crease[3], crease[2], crease[1]]
-    for y, width, front, back, bond in _LEG:
-        inner, outer = _LEG_X - width, _LEG_X + width
-        corners: list[Point] = [(inner, y, front), (inner, y, back), (outer, y, back), (outer, y, front)]
-        ring = half.ring(corners, bond)
+    previous = [high[3], high[2], middle[2], low[2], low[3], middle[3]]
+    for x, tall, deep, bond in (_SHOULDER, *_ARM) if round_ else _ARM:
+        turned = _AROUND + np.radians(30.0) * min(max((x - 0.43) / 0.22, 0.0), 1.0)  # a corner on top of the hand
+        ring = half.ring(
+            [(x, y + tall * float(np.cos(a)) * 1.1, z + deep * float(np.sin(a)) * 1.1) for a in turned], bond
+        )
         half.bridge(previous, ring)
         previous = ring
-    heel = half.ring(list(_HEEL), {"leftFoot": 1.0})
-    half.bridge(previous, heel, 3)
+    return previous
+
+
+def _leg(half: HalfBuilder, crease: list[int]) -> None:
+    previous = [crease[0], *crease[:0:-1]]
+    for y, width, front, back, bond in _LEG:
+        ring = half.ring(_leg_ring(y, width, front, back), bond)
+        half.bridge(previous, ring)
+        previous = ring
+    heel = half.ring(_leg_ring(*_SOLE), {"leftFoot": 1.0})
+    half.bridge(previous, heel, (4, 5))
     half.cap(heel)
-    across = [heel[3], previous[3], previous[0], heel[0]]
+    across = [heel[4], previous[4], previous[5], previous[0], heel[0], heel[5]]
     for z, low, high, inner, outer, bond in _FOOT:
-        ring = half.ring([(outer, low, z), (outer, high, z), (inner, high, z), (inner, low, z)], bond)
+        middle = 0.5 * (inner + outer)
+        corners = [
+            (outer, low, z), (outer, high * 0.85, z), (middle, high, z),
+            (inner, high * 0.95, z), (inner, low, z), (middle, low, z + 0.004),
+        ]  # fmt: skip
+        ring = half.ring(corners, bond)
         half.bridge(across, ring)
         across = ring
     half.cap(across)
 
 
-def _mirrored(half: _HalfBuilder) -> Cage:
-    points = np.array(half.points)
-    weights = np.array(half.weights)
-    faces = np.array(half.faces, np.int64)
-    middle = points[:, 0] == 0.0
-    other = np.arange(len(points))
-    other[~middle] = len(points) + np.arange(int((~middle).sum()))
-    swapped = weights[:, list(DRAWN_MIRROR)]
-    weights[middle] = 0.5 * (weights[middle] + swapped[middle])
-    reflected = points[~middle] * np.array([-1.0, 1.0, 1.0])
-    # reversed, and turned so that a face and its mirror image start at the same corner
-    mirrored_faces = other[faces][:, [0, 3, 2, 1]]
-    return Cage(
-        np.concatenate([points, reflected]),
-        np.concatenate([weights, swapped[~middle]]),
-        np.concatenate([faces, mirrored_faces]),
-    )
+def _leg_ring(y: float, width: float, front: float, back: float) -> list[Point]:
+    """Six corners around a leg: inside, behind, outside, in front."""
+    centre, deep = 0.5 * (front + back), 0.5 * (front - back)
+    angles = np.radians([30.0, -30.0, -90.0, -150.0, 150.0, 90.0])
+    return [(_LEG_X - width * float(np.cos(a)), y, centre + deep * float(np.sin(a))) for a in angles]
 
 
-def build_cage() -> Cage:
-    """Return the cage of the body without its hair bun, in the rest pose."""
-    half = _HalfBuilder()
-    rows = _trunk(half)
+def build_cage(*, fingers: bool = True, tips: bool = True, head: bool = True) -> Cage:
+    """Return the cage of the body in the rest pose; without `fingers` they are one mitten, without `tips` they end
+    bluntly; without a `head` its neck ends inside one."""
+    half = HalfBuilder()
+    rows = _trunk(half, head=head)
     _leg(half, rows[0])
-    _arm(half, rows[_SHOULDER_ROW], rows[_SHOULDER_ROW + 1])
-    return _mirrored(half)
+    low, middle, high = rows[_ARMPIT_ROW : _ARMPIT_ROW + 3]
+    wrist = _arm(half, low, middle, high, round_=not fingers)
+    add_hand(half, wrist, fingers=fingers, tips=tips)
+    return mirrored(half)
 
 
-def build_bun_cage() -> Cage:
-    """Return the cage of the hair bun: a cube on the back of the head."""
-    (x, y, z), r = _BUN
-    signs = np.array(
-        [[-1, -1, -1], [1, -1, -1], [1, 1, -1], [-1, 1, -1], [-1, -1, 1], [1, -1, 1], [1, 1, 1], [-1, 1, 1]]
-    )
-    faces = np.array([[0, 3, 2, 1], [4, 5, 6, 7], [0, 4, 7, 3], [1, 2, 6, 5], [0, 1, 5, 4], [3, 7, 6, 2]], np.int64)
-    weights = np.tile(_weights({"head": 1.0}), (8, 1))
-    return Cage(np.array([x, y, z]) + signs * r, weights, faces)
+def build_toe_cage(toe: Loft) -> Cage:
+    """Return the cage of a toe and of its opposite: a box along its bone."""
+    half = HalfBuilder()
+    start, end = np.array(toe.start), np.array(toe.end)
+    previous: list[int] = []
+    for t in (-0.05, 0.5, 1.1):
+        x, y, z = (start + (end - start) * t).tolist()
+        wide = 1.1 * float(np.interp(t, [row[0] for row in toe.rows], [row[1] for row in toe.rows]))
+        tall = 0.011
+        corners = [(x + wide, y - tall, z), (x + wide, y + tall, z), (x - wide, y + tall, z), (x - wide, y - tall, z)]
+        ring = half.ring(corners, {"leftToes": 1.0})
+        if previous:
+            half.bridge(previous, ring)
+        else:
+            half.cap(ring[::-1])
+        previous = ring
+    half.cap(previous)
+    return mirrored(half)

@@ -1,8 +1,7 @@
-"""Implicit surface of the dancer's body in the rest pose: smoothly blended lofts and ellipsoids.
+"""Implicit surfaces: smoothly blended lofts and ellipsoids, and hollows.
 
-The field is zero on the skin, positive outside, about the distance [m] near it. The body is symmetric, so only the
-left half is described (left = +x) and points are mirrored into it. All lengths are in metres, for a dancer 1.7 m tall
-(eight heads). Lofts follow the bones of `live.motion.skeleton`.
+The field is zero on the skin, positive outside, about the distance [m] near it. A body is symmetric, so only the left
+half is described (left = +x) and points are mirrored into it.
 """
 
 from dataclasses import dataclass
@@ -18,12 +17,15 @@ _TINY: Final = 1e-9
 
 @dataclass(frozen=True, slots=True)
 class Ellipsoid:
-    """An ellipsoid: centre, radii, and blend width with the parts before it [m]; `pitch_deg` rotates it about x."""
+    """An ellipsoid: centre, radii, and blend width with the parts before it [m]; `pitch_deg` rotates it about x, after
+    `roll_deg` about z. A hollow one is cut out of the parts before it."""
 
     centre: tuple[float, float, float]
     radii: tuple[float, float, float]
     blend: float
     pitch_deg: float = 0.0
+    roll_deg: float = 0.0
+    hollow: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,175 +41,21 @@ class Loft:
     across: tuple[float, float, float]
     rows: tuple[tuple[float, float, float, float, float], ...]
     blend: float
+    hollow: bool = False
 
 
-def _upright(x: float, z: float, rows: tuple[tuple[float, float, float, float, float], ...], blend: float) -> Loft:
+def upright(x: float, z: float, rows: tuple[tuple[float, float, float, float, float], ...], blend: float) -> Loft:
     """Return a vertical loft whose rows have heights y [m] from the top down instead of t."""
     top, bottom = rows[0][0], rows[-1][0]
     scaled = tuple(((top - y) / (top - bottom), *rest) for y, *rest in rows)
     return Loft((x, top, z), (x, bottom, z), (1.0, 0.0, 0.0), scaled, blend)  # type: ignore[arg-type]
 
 
-TORSO: Final = _upright(
-    0.0,
-    0.0,
-    (
-        (1.415, 0.070, 0.036, 0.050, -0.018),
-        (1.380, 0.122, 0.058, 0.070, -0.014),
-        (1.330, 0.140, 0.083, 0.086, -0.008),
-        (1.270, 0.138, 0.096, 0.090, -0.004),
-        (1.200, 0.128, 0.093, 0.085, 0.000),
-        (1.120, 0.113, 0.083, 0.074, 0.004),
-        (1.060, 0.108, 0.079, 0.070, 0.006),
-        (1.000, 0.117, 0.081, 0.076, 0.005),
-        (0.940, 0.135, 0.085, 0.090, 0.002),
-        (0.890, 0.146, 0.083, 0.098, 0.000),
-        (0.850, 0.140, 0.074, 0.092, 0.000),
-        (0.815, 0.100, 0.052, 0.068, 0.000),
-    ),
-    0.0,
-)
-NECK: Final = _upright(
-    0.0,
-    0.0,
-    (
-        (1.540, 0.042, 0.042, 0.046, 0.000),
-        (1.480, 0.041, 0.041, 0.046, -0.005),
-        (1.420, 0.047, 0.045, 0.052, -0.014),
-        (1.380, 0.060, 0.046, 0.056, -0.022),
-    ),
-    0.045,
-)
-LEG: Final = _upright(
-    0.09,
-    0.0,
-    (
-        (0.920, 0.062, 0.066, 0.070, 0.0),
-        (0.860, 0.075, 0.078, 0.084, 0.0),
-        (0.790, 0.077, 0.084, 0.086, 0.0),
-        (0.710, 0.070, 0.082, 0.077, 0.0),
-        (0.620, 0.060, 0.071, 0.066, 0.0),
-        (0.540, 0.050, 0.058, 0.055, 0.0),
-        (0.495, 0.047, 0.053, 0.050, 0.0),
-        (0.465, 0.046, 0.051, 0.049, 0.0),
-        (0.425, 0.045, 0.044, 0.054, 0.0),
-        (0.365, 0.048, 0.040, 0.066, 0.0),
-        (0.305, 0.045, 0.038, 0.062, 0.0),
-        (0.225, 0.034, 0.034, 0.044, 0.0),
-        (0.150, 0.027, 0.030, 0.033, 0.0),
-        (0.100, 0.028, 0.031, 0.035, 0.0),
-        (0.055, 0.030, 0.032, 0.038, 0.0),
-    ),
-    0.040,
-)
-_VERTICAL: Final = (0.0, 1.0, 0.0)
-ARM: Final = Loft(
-    (0.130, 1.378, -0.010),
-    (0.690, 1.380, -0.010),
-    _VERTICAL,
-    (
-        (0.000, 0.044, 0.045, 0.045, 0.0),
-        (0.100, 0.045, 0.044, 0.044, 0.0),
-        (0.220, 0.042, 0.042, 0.043, 0.0),
-        (0.350, 0.038, 0.039, 0.039, 0.0),
-        (0.470, 0.032, 0.034, 0.034, 0.0),
-        (0.536, 0.031, 0.033, 0.034, 0.0),
-        (0.610, 0.034, 0.037, 0.036, 0.0),
-        (0.740, 0.030, 0.033, 0.032, 0.0),
-        (0.880, 0.021, 0.025, 0.024, 0.0),
-        (1.000, 0.018, 0.025, 0.024, 0.0),
-    ),
-    0.050,
-)
-PALM: Final = Loft(
-    (0.680, 1.380, -0.010),
-    (0.765, 1.377, -0.008),
-    _VERTICAL,
-    (
-        (0.00, 0.018, 0.025, 0.024, 0.0),
-        (0.45, 0.018, 0.037, 0.034, 0.0),
-        (1.00, 0.014, 0.039, 0.037, 0.0),
-    ),
-    0.018,
-)
-FINGERS: Final = Loft(
-    (0.765, 1.377, -0.008),
-    (0.850, 1.362, -0.008),
-    _VERTICAL,
-    (
-        (0.00, 0.013, 0.038, 0.036, 0.0),
-        (0.40, 0.011, 0.033, 0.031, 0.0),
-        (1.00, 0.0075, 0.015, 0.015, 0.0),
-    ),
-    0.010,
-)
-THUMB: Final = Loft(
-    (0.700, 1.374, 0.012),
-    (0.772, 1.362, 0.060),
-    _VERTICAL,
-    ((0.0, 0.014, 0.014, 0.014, 0.0), (0.5, 0.012, 0.012, 0.012, 0.0), (1.0, 0.008, 0.008, 0.008, 0.0)),
-    0.014,
-)
-FOOT: Final = Loft(
-    (0.090, 0.052, 0.000),
-    (0.092, 0.022, 0.130),
-    (1.0, 0.0, 0.0),
-    (
-        (0.00, 0.030, 0.040, 0.052, 0.0),
-        (0.40, 0.034, 0.034, 0.038, 0.0),
-        (0.80, 0.042, 0.023, 0.028, 0.0),
-        (1.00, 0.043, 0.018, 0.022, 0.0),
-    ),
-    0.030,
-)
-TOES: Final = Loft(
-    (0.092, 0.020, 0.128),
-    (0.088, 0.013, 0.180),
-    (1.0, 0.0, 0.0),
-    ((0.0, 0.043, 0.018, 0.020, 0.0), (0.5, 0.040, 0.014, 0.016, 0.0), (1.0, 0.024, 0.010, 0.012, 0.0)),
-    0.012,
-)
-
-CHEST: Final = Ellipsoid((0.060, 1.250, 0.058), (0.064, 0.058, 0.048), 0.050)
-SEAT: Final = Ellipsoid((0.072, 0.872, -0.058), (0.078, 0.084, 0.062), 0.050)
-DELTOID: Final = Ellipsoid((0.168, 1.380, -0.010), (0.050, 0.045, 0.049), 0.045)
-HEEL: Final = Ellipsoid((0.090, 0.036, -0.026), (0.031, 0.038, 0.040), 0.030)
-
-BODY: Final[tuple[Loft | Ellipsoid, ...]] = (
-    TORSO,
-    CHEST,
-    SEAT,
-    NECK,
-    Loft(  # trapezius: from the neck to the shoulder
-        (0.020, 1.440, -0.026),
-        (0.142, 1.392, -0.014),
-        _VERTICAL,
-        ((0.0, 0.032, 0.032, 0.032, 0.0), (1.0, 0.024, 0.030, 0.032, 0.0)),
-        0.045,
-    ),
-    DELTOID,
-    ARM,
-    PALM,
-    FINGERS,
-    THUMB,
-    LEG,
-    Ellipsoid((0.0, 0.842, 0.006), (0.075, 0.040, 0.062), 0.040),  # between the legs
-    HEEL,
-    FOOT,
-    TOES,
-    Ellipsoid((0.0, 1.617, -0.006), (0.070, 0.084, 0.087), 0.015),  # skull
-    Ellipsoid((0.0, 1.575, 0.034), (0.050, 0.073, 0.052), 0.035),  # face
-    Ellipsoid((0.0, 1.512, 0.056), (0.026, 0.020, 0.024), 0.035),  # chin
-    Ellipsoid((0.0, 1.577, 0.084), (0.009, 0.026, 0.010), 0.026, 14.0),  # nose
-)
-"""The left half of the body, in blending order."""
-
-BUN: Final[tuple[Loft | Ellipsoid, ...]] = (Ellipsoid((0.0, 1.668, -0.094), (0.043, 0.040, 0.038), 0.0),)
-"""The hair bun, a separate closed surface that intersects the head."""
-
-
 def _ellipsoid_distance(part: Ellipsoid, points: Float64) -> Float64:
     local = points - np.array(part.centre)
+    if part.roll_deg:
+        c, s = np.cos(np.deg2rad(part.roll_deg)), np.sin(np.deg2rad(part.roll_deg))
+        local = np.stack([c * local[:, 0] + s * local[:, 1], c * local[:, 1] - s * local[:, 0], local[:, 2]], axis=1)
     if part.pitch_deg:
         c, s = np.cos(np.deg2rad(part.pitch_deg)), np.sin(np.deg2rad(part.pitch_deg))
         local = np.stack([local[:, 0], c * local[:, 1] - s * local[:, 2], s * local[:, 1] + c * local[:, 2]], axis=1)
@@ -230,6 +78,7 @@ class _LoftTable:
     length: float
     samples: Float64  # (_SAMPLES, 4): across, front, back, shift
     blend: float
+    hollow: bool
 
 
 def _prepare(loft: Loft) -> _LoftTable:
@@ -247,7 +96,7 @@ def _prepare(loft: Loft) -> _LoftTable:
         front *= np.sign(front[1])  # feet: the front is the instep
     rows = np.array(loft.rows)
     samples = PchipInterpolator(rows[:, 0], rows[:, 1:])(np.linspace(0.0, 1.0, _SAMPLES))
-    return _LoftTable(start, np.stack([along, across, front]), length, samples, loft.blend)
+    return _LoftTable(start, np.stack([along, across, front]), length, samples, loft.blend, loft.hollow)
 
 
 def _loft_distance(table: _LoftTable, points: Float64) -> Float64:
@@ -271,26 +120,42 @@ def _blend(a: Float64, b: Float64, width: float) -> Float64:
     return np.minimum(a, b) - overlap * overlap * width * 0.25
 
 
+def _box(part: Ellipsoid | _LoftTable) -> Float64:
+    """Return a box around a part, shape (2, 3): lowest and highest x, y, z [m]."""
+    if isinstance(part, Ellipsoid):
+        turned = part.pitch_deg or part.roll_deg
+        reach = np.full(3, max(part.radii)) if turned else np.array(part.radii)
+        return np.array([part.centre - reach, part.centre + reach])
+    end = part.start + part.axes[0] * part.length
+    reach = part.samples[:, :3].max() + np.abs(part.samples[:, 3]).max()
+    return np.array([np.minimum(part.start, end) - reach, np.maximum(part.start, end) + reach])
+
+
 class Shape:
     """Distance field of a list of parts, evaluated for many points at once."""
 
     def __init__(self, parts: tuple[Loft | Ellipsoid, ...]) -> None:
         self._parts = [(part if isinstance(part, Ellipsoid) else _prepare(part)) for part in parts]
+        self._boxes = [_box(part) for part in self._parts]
+        if not parts:
+            raise ValueError("a shape needs at least one part")
 
     def distance(self, points: Float64) -> Float64:
         """Return the approximate distance from the skin [m], negative inside; points (N, 3) in the rest pose."""
         mirrored = points.copy()
         mirrored[:, 0] = np.abs(mirrored[:, 0])
-        total: Float64 | None = None
-        for part in self._parts:
-            if isinstance(part, Ellipsoid):
-                distance = _ellipsoid_distance(part, mirrored)
+        total = np.full(len(points), np.inf)
+        for part, (low, high) in zip(self._parts, self._boxes, strict=True):
+            beyond = np.linalg.norm(np.maximum(np.maximum(low - mirrored, mirrored - high), 0.0), axis=1)
+            # a part whose box is farther than what is there changes nothing
+            near = np.flatnonzero(beyond < (part.blend + 1e-3 if part.hollow else total + part.blend))
+            here = mirrored[near]
+            own = _ellipsoid_distance(part, here) if isinstance(part, Ellipsoid) else _loft_distance(part, here)
+            if part.hollow:
+                total[near] = -_blend(-total[near], own, part.blend)
             else:
-                distance = _loft_distance(part, mirrored)
-            total = distance if total is None else _blend(total, distance, part.blend)
-        if total is None:
-            raise ValueError("a shape needs at least one part")
-        return np.maximum(total, -points[:, 1])  # soles are flat
+                total[near] = _blend(total[near], own, part.blend)
+        return np.asarray(np.maximum(total, -points[:, 1]))  # soles are flat
 
     def normal(self, points: Float64, step: float = 2e-3) -> Float64:
         """Return unit outward normals (N, 3) from central differences over `step` [m]."""

@@ -11,9 +11,9 @@ from typing import Final
 
 import numpy as np
 
-from live.base.arrays import Float64, Int64
+from live.base.arrays import Bool, Float64, Int64
 
-_DATA_COST: Final = 3e-5
+_DATA_COST: Final = 1.5e-4
 """Cost of a full change of weights along a metre [m^4]."""
 _FLIP: Final = 0.25
 """A triangle must not rotate by more than the angle with this cosine."""
@@ -104,8 +104,8 @@ def _normal(corners: Float64) -> Float64:
 class _CollapseQueue:
     """Priority queue of possible collapses, cheapest first; entries of changed vertices are stale."""
 
-    def __init__(self, mesh: _Mesh, partner: list[int]) -> None:
-        self._mesh, self._partner = mesh, partner
+    def __init__(self, mesh: _Mesh, partner: list[int], fixed: Bool) -> None:
+        self._mesh, self._partner, self._fixed = mesh, partner, fixed.tolist()
         self._heap: list[tuple[float, int, int, int, int]] = []
         self._version = [0] * len(mesh.points)
 
@@ -113,6 +113,8 @@ class _CollapseQueue:
         """Add every collapse along the edges of a vertex."""
         for other in self._mesh.neighbours(vertex):
             for gone, kept in ((vertex, other), (other, vertex)):
+                if self._fixed[gone]:
+                    continue
                 if self._partner[gone] != gone or self._partner[kept] == kept:  # vertices at x = 0 stay there
                     versions = self._version[gone], self._version[kept]
                     heapq.heappush(self._heap, (self._mesh.cost(gone, kept), gone, kept, *versions))
@@ -132,15 +134,18 @@ class _CollapseQueue:
             self._version[one] += 1
 
 
-def simplify(points: Float64, triangles: Int64, vertex_data: Float64, target_count: int) -> tuple[Int64, Int64]:
+def simplify(
+    points: Float64, triangles: Int64, vertex_data: Float64, target_count: int, fixed: Bool | None = None
+) -> tuple[Int64, Int64]:
     """Return kept vertices (indices into `points`), and about `target_count` triangles among them, or more if needed.
 
-    `vertex_data` (V, C): vertex data (joint weights); collapses between different values cost more.
+    `vertex_data` (V, C): vertex data (joint weights); collapses between different values cost more; `fixed` (V,): these
+    vertices stay.
     The mesh [m] must be closed and symmetric about x = 0.
     """
     mesh = _Mesh(points, triangles, vertex_data)
     partner = mirror_partners(points).tolist()
-    queue = _CollapseQueue(mesh, partner)
+    queue = _CollapseQueue(mesh, partner, np.zeros(len(points), np.bool_) if fixed is None else fixed)
     for vertex in np.flatnonzero(points[:, 0] >= -1e-9).tolist():
         queue.push(vertex)
     while len(mesh.faces) > target_count and (pair := queue.pop()) is not None:
@@ -158,35 +163,57 @@ def simplify(points: Float64, triangles: Int64, vertex_data: Float64, target_cou
     return used, np.searchsorted(used, left)
 
 
-def subdivide(values: Float64, faces: Int64) -> tuple[Float64, Int64]:
-    """Split each face into four; `values` (V, C): positions and other vertex data.
+def subdivide(values: Float64, faces: Int64, chosen: Bool | None = None) -> tuple[Float64, Int64]:
+    """Split each face of n corners into n; `values` (V, C): positions and other vertex data; `faces` (F, N): a face
+    with fewer than N corners ends with -1.
 
-    Returns the new values, old vertices first, and the new faces (4F, 4) with the same orientation.
+    Returns the new values, old vertices first, and the new faces (-, 4) with the same orientation. With `chosen` (F,)
+    only these are split; the others follow with up to 2N corners, those on a split edge included, and vertices without
+    a face may be among the values.
     Raises ValueError if the mesh is not closed (an edge with other than two faces).
     """
     count = len(values)
-    start, stop = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
+    there = faces >= 0
+    corners = there.sum(axis=1)
+    column = np.arange(faces.shape[1])
+    following = np.take_along_axis(faces, (column + 1) % corners[:, None], axis=1)
+    start, stop = faces[there], following[there]
     pairs = np.stack([np.minimum(start, stop), np.maximum(start, stop)], axis=1)
-    edges, edge_of = np.unique(pairs, axis=0, return_inverse=True)
-    edge_of = edge_of.reshape(faces.shape)
-    uses = np.bincount(edge_of.ravel(), minlength=len(edges))
+    edges, edge_number = np.unique(pairs, axis=0, return_inverse=True)
+    edge_of = np.zeros_like(faces)
+    edge_of[there] = edge_number.reshape(-1)
+    uses = np.bincount(edge_of[there], minlength=len(edges))
     if not np.all(uses == 2):
         raise ValueError(f"the mesh is not closed: {int((uses != 2).sum())} edges without exactly two faces")
 
-    face_value = values[faces].mean(axis=1)
+    face_value = (values[faces] * there[:, :, None]).sum(axis=1) / corners[:, None]
+    each = np.repeat(face_value, corners, axis=0)
     edge_faces = np.zeros((len(edges), values.shape[1]))
-    np.add.at(edge_faces, edge_of.ravel(), np.repeat(face_value, 4, axis=0))
+    np.add.at(edge_faces, edge_of[there], each)
     middle = values[edges].mean(axis=1)
     edge_value = 0.5 * middle + 0.25 * edge_faces
 
     valence = np.bincount(edges.ravel(), minlength=count)[:, None].astype(np.float64)
     face_sum = np.zeros_like(values)
-    np.add.at(face_sum, faces.ravel(), np.repeat(face_value, 4, axis=0))
+    np.add.at(face_sum, start, each)
     edge_sum = np.zeros_like(values)
     np.add.at(edge_sum, edges.ravel(), np.repeat(middle, 2, axis=0))
     vertex_value = (face_sum / valence + 2.0 * edge_sum / valence + (valence - 3.0) * values) / valence
 
     edge_index = count + edge_of
+    before = np.take_along_axis(edge_index, (column - 1) % corners[:, None], axis=1)
     centre = count + len(edges) + np.arange(len(faces))
-    quads = [np.stack([faces[:, i], edge_index[:, i], centre, edge_index[:, i - 1]], axis=1) for i in range(4)]
-    return np.concatenate([vertex_value, edge_value, face_value]), np.concatenate(quads)
+    part = there if chosen is None else there & chosen[:, None]
+    quads = np.concatenate(
+        [np.stack([faces[:, i], edge_index[:, i], centre, before[:, i]], axis=1)[part[:, i]] for i in column.tolist()]
+    )
+    new_values = np.concatenate([vertex_value, edge_value, face_value])
+    if chosen is None:
+        return new_values, quads
+    split = np.zeros(len(edges), np.bool_)
+    split[edge_of[chosen]] = True
+    left = faces[~chosen]
+    around = np.stack([left, np.where((split[edge_of] & there)[~chosen], edge_index[~chosen], -1)], axis=2)
+    around = around.reshape(len(left), 2 * faces.shape[1])
+    around = np.take_along_axis(around, np.argsort(around < 0, axis=1, kind="stable"), axis=1)
+    return new_values, np.concatenate([np.pad(quads, ((0, 0), (0, around.shape[1] - 4)), constant_values=-1), around])

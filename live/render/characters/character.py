@@ -14,9 +14,10 @@ from live.base.body.catalogue import DEFAULT_BODY, MAX_CHARACTERS, CharacterFile
 from live.base.errors import PersonError
 from live.motion.formats.file_error import MotionFileError
 from live.motion.skeleton import SKELETON
-from live.render.body.body_mesh import COARSE, DISTANT, FINE, LIGHT, BodyMesh, strongest_weights
+from live.render.body.body_mesh import CLOSE, COARSE, DISTANT, FINE, LIGHT, BodyMesh, strongest_weights
 from live.render.body.body_variants import parts_of
 from live.render.body.implicit_surface import Shape
+from live.render.body.surface_parts import BODY
 from live.render.characters.lod import simplify_to
 from live.render.characters.materials import EXTRAS, Layers, extras_of, layers_of
 from live.render.characters.model import Material, Model
@@ -95,7 +96,7 @@ def _load(character_file: CharacterFile, stamp: tuple[int, int]) -> Character:
     )
     openness = _openness(fitted)
     levels = {level: _level(fitted, surface, openness, triangle, wanted) for level, wanted in TRIANGLES.items()}
-    levels[DISTANT] = levels[LIGHT]
+    levels[DISTANT] = levels[CLOSE] = levels[LIGHT]
     two_sided = any(materials[part.material][0].two_sided for part in model.parts)  # type: ignore[index]
     return Character(model, joints, fitted, levels, layers, two_sided, _reach(fitted), extras)
 
@@ -153,8 +154,9 @@ def _level(fitted: FittedCharacter, surface: Float64, openness: Float64, triangl
     normal = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
     joint, share = strongest_weights(weight)
     body = BodyMesh(
-        _as_float32(position), _as_float32(normal), joint, share, _as_float32(openness), triangle.astype(np.int32)
-    )
+        _as_float32(position), _as_float32(normal), joint, share, _as_float32(openness), triangle.astype(np.int32),
+        _as_float32(position), np.full(len(position), BODY, np.int32),
+    )  # fmt: skip
     return CharacterMesh(body, _as_float32(surface[:, :2]), _as_float32(surface[:, 2:6]), _as_float32(surface[:, 6:10]))
 
 

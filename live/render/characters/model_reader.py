@@ -41,6 +41,11 @@ def read_bytes(path: Path) -> bytes:
 
 def read_model(path: Path) -> Model:
     """Return the character in a .glb, .gltf or .vrm file, which may only refer to files below its folder."""
+    return parse_model(read_bytes(path), str(path), file_resolver(path))
+
+
+def file_resolver(path: Path) -> Resolve:
+    """Return a function that reads the files that a file refers to, if they lie below its folder."""
 
     def beside(name: str) -> bytes:
         found, folder = (path.parent / name).resolve(), path.parent.resolve()
@@ -50,18 +55,20 @@ def read_model(path: Path) -> Model:
             raise MotionFileError(str(path), None, f"{quoted(name)} is missing", f"put it into {folder}")
         return read_bytes(found)
 
-    return parse_model(read_bytes(path), str(path), beside)
+    return beside
 
 
 def parse_model(data: bytes, file: str, resolve: Resolve | None = None) -> Model:
     """Return the character in a file's bytes; `resolve` returns the files that it refers to."""
     try:
-        return _Reader(open_gltf(data, file), resolve).read()
+        return ModelReader(open_gltf(data, file), resolve).read()
     except MemoryError:
         raise MotionFileError(file, None, "not enough memory", _SMALLER) from None
 
 
-class _Reader:
+class ModelReader:
+    """Reader of one character; `live.render.media.set_model` reads set pieces with it."""
+
     def __init__(self, gltf: GltfFile, resolve: Resolve | None) -> None:
         self._gltf = gltf
         self._root = JsonObject(gltf.json, "", gltf.file)
@@ -82,6 +89,10 @@ class _Reader:
         parts = list(self._parts())
         if not parts:
             raise self._root.error("meshes", "hold no triangles that move with a skin", "export mesh and armature")
+        return self._model(parts)
+
+    def _model(self, parts: list[Part]) -> Model:
+        """Return the file's content with these parts."""
         used = set().union(*(self._materials[part.material].images for part in parts))
         images = self._root.length("images")
         if images > IMAGE_LIMIT:

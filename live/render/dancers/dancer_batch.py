@@ -1,4 +1,4 @@
-"""Instanced drawing of all dancers: poses, skins, body meshes, colours and instance lists."""
+"""Instanced drawing of all dancers: poses, skins, meshes of their pieces, colours and instance lists."""
 
 from typing import Any, Final, Protocol
 
@@ -7,11 +7,11 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Float32
-from live.base.body.appearance import APPEARANCE_SIZE
+from live.base.body.appearance import APPEARANCE_SIZE, BY_CHANCE
 from live.base.stage_snapshot import Camera, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT
 from live.render.adaptive_quality import Quality
-from live.render.body.body_lookup import bodies_of, characters_of, mesh_of
+from live.render.body.body_lookup import FAMILIES, characters_of, kinds_of, mesh_of, pieces_of
 from live.render.body.body_mesh import BodyMesh
 from live.render.characters.character_buffers import CharacterBuffers
 from live.render.dancers.group_styles import GroupStyles
@@ -30,6 +30,7 @@ _ATTRIBUTES: Final = (
     ("in_openness", "1f", 4),
     ("in_joint", "4u1", 4),
     ("in_weight", "4f1", 4),
+    ("in_rest", "4f", 16),
 )
 
 
@@ -38,13 +39,14 @@ def vertex_bytes(mesh: BodyMesh) -> bytes:
     data = np.zeros(len(mesh.position), layout)
     data["in_position"], data["in_normal"], data["in_openness"] = mesh.position, mesh.normal, mesh.openness
     data["in_joint"], data["in_weight"] = mesh.joint, np.rint(mesh.weight * 255.0)
+    data["in_rest"][:, :3], data["in_rest"][:, 3] = mesh.place, mesh.part
     return data.tobytes()
 
 
-_NUMPY: Final = {"3f": ("f4", 3), "1f": ("f4",), "4u1": ("u1", 4), "4f1": ("u1", 4)}
+_NUMPY: Final = {"3f": ("f4", 3), "4f": ("f4", 4), "1f": ("f4",), "4u1": ("u1", 4), "4f1": ("u1", 4)}
 
 
-VERTEX_BYTES: Final = 36
+VERTEX_BYTES: Final = 52
 MAX_SHORT_VERTICES: Final = 65_535
 """Maximum number of vertices for 16-bit indices."""
 
@@ -74,9 +76,10 @@ class DancerBatch:
             raise ValueError(f"scene: joint_count {scene.joint_count}: the body has {JOINT_COUNT} joints")
         self._ctx, self.quality = ctx, quality
         self.styles = GroupStyles(ctx)
-        self.body_names = bodies_of(scene)
-        """Names of the bodies in this scene."""
+        self.kinds = kinds_of(scene)
+        """Kinds of the pieces that this scene's dancers are drawn with, those of bodies first."""
         self._scene = scene
+        self._bodies = [kind for kind in self.kinds if kind.family in ("body", "character")]
         self._characters = {name: CharacterBuffers(ctx, one) for name, one in characters_of(scene).items()}
         self.reach = max((one.reach for one in self._characters.values()), default=0.0)
         """Maximum distance of characters' surfaces from their joints [m]."""
@@ -84,9 +87,10 @@ class DancerBatch:
         self._vertex_arrays: dict[tuple[Any, ...], moderngl.VertexArray] = {}
         self._bound_programs: set[int] = set()
         self._poses, self._skin = PoseTexture(ctx), SkinTexture(ctx)
-        self._mesh_texture = MeshTexture(ctx, lambda level, name: mesh_of(scene, name, level), self.body_names)
+        self._mesh_texture = MeshTexture(
+            ctx, lambda level, kind: mesh_of(scene, self.kinds[kind], level), len(self.kinds)
+        )
         self._capacity = 0
-        self._bodies = scene.bodies
         self.set_scene(scene)
         self.set_camera(scene.camera, size)
 
@@ -100,7 +104,12 @@ class DancerBatch:
         """Draw bodies as detailed as this quality says."""
         self.quality = quality
         self._places = self._mesh_texture.places(skin_levels(quality))
-        self._skin.reserve(self._places[1])
+        vertices = self._places[1]
+        families = {kind.family for kind in self.kinds} - {"character"}
+        members = [[at for at, kind in enumerate(self.kinds) if kind.family == family] for family in families]
+        most = sum(vertices[:, which].max(axis=1) for which in members)
+        characters = [at for at, kind in enumerate(self.kinds) if kind.family == "character"]
+        self._skin.reserve(np.max([most, *vertices[:, characters].T], axis=0), vertices.size)
         self._bound_programs.clear()
 
     def set_camera(self, camera: Camera, size: tuple[int, int]) -> None:
@@ -125,17 +134,14 @@ class DancerBatch:
         self._capacity = capacity
         self._poses.allocate(capacity)
         width, self.rows = self._poses.texture.size
-        self._skin.allocate(capacity, self.rows)
+        self._skin.allocate(capacity, self.rows, len(FAMILIES))
         self.set_quality(self.quality)
         blocks = width // POSE_TEXELS
         self._wardrobe = self._ctx.texture((WARDROBE_TEXELS * blocks, self.rows), 4)
         self._wardrobe.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._group = np.full(capacity, -1, np.int32)
-        self._appearance = np.zeros((capacity, APPEARANCE_SIZE), np.int32)
-        body = np.zeros(capacity, np.int32)
-        known = self._bodies[:capacity]
-        body[: len(known)] = [self.body_names.index(name) for name in known]
-        self._instances = InstanceLists(self._ctx, capacity, body, len(self.body_names))
+        self._instances = InstanceLists(self._ctx, capacity, len(self.kinds), len(FAMILIES))
+        self._appearance = np.full((capacity, APPEARANCE_SIZE), BY_CHANCE - 1, np.int32)
 
     @property
     def box(self) -> Float32:
@@ -160,11 +166,14 @@ class DancerBatch:
         count = len(view.joint_position)
         if count > self._capacity:
             self._allocate(count)
+        changed = not np.array_equal(view.appearance, self._appearance[:count])
+        if changed:
+            self._appearance[:count] = view.appearance
+            self._instances.piece[:count] = pieces_of(self.kinds, self._scene, view.appearance)
         meshes, skin = self._places, self._skin
         self._instances.fill(view, self._view_volume, light, self.quality, self.styles, self.reach, meshes, skin)
         self._poses.upload(view)
-        same = np.array_equal(view.group, self._group[:count])
-        if not (same and np.array_equal(view.appearance, self._appearance[:count])):
+        if changed or not np.array_equal(view.group, self._group[:count]):
             self._upload_colours(view, count)
 
     def skin(self) -> None:
@@ -177,7 +186,7 @@ class DancerBatch:
 
     def _upload_colours(self, view: StageView, count: int) -> None:
         """Upload the dancers' colours; only needed if groups or their colours have changed."""
-        self._group[:count], self._appearance[:count] = view.group, view.appearance
+        self._group[:count] = view.group
         blocks, rows = self._wardrobe.width // WARDROBE_TEXELS, self.rows
         padded = np.zeros((blocks * rows, WARDROBE_TEXELS, 4), np.uint8)
         padded[:count] = dancer_colours(view.group, self._colours, self.styles.clothes, view.appearance)
@@ -186,16 +195,13 @@ class DancerBatch:
 
     def count(self, which: str) -> int:
         """Return the number of dancers on a list."""
-        return sum(self._instances.count(which, body) for body in range(len(self.body_names)))
+        return sum(self._instances.count(which, body) for body in range(len(self._bodies)))
 
-    def _mesh(self, key: tuple[Any, ...]) -> tuple[moderngl.Buffer, moderngl.Buffer]:
-        level, name = key
+    def _mesh(self, level: int, kind: int) -> tuple[moderngl.Buffer, moderngl.Buffer]:
+        key = level, kind
         if key not in self._meshes:
-            mesh = mesh_of(self._scene, name, level)
-            self._meshes[key] = (
-                self._ctx.buffer(vertex_bytes(mesh)),
-                self._ctx.buffer(index_bytes(mesh)),
-            )
+            mesh = mesh_of(self._scene, self.kinds[kind], level)
+            self._meshes[key] = self._ctx.buffer(vertex_bytes(mesh)), self._ctx.buffer(index_bytes(mesh))
         return self._meshes[key]
 
     def draw(
@@ -205,22 +211,25 @@ class DancerBatch:
         which: str = "all",
         poses: moderngl.Texture | None = None,
         character_program: moderngl.Program | None = None,
+        head_program: moderngl.Program | None = None,
     ) -> None:
-        """Draw the bodies of the dancers on a list (`live.render.dancers.group_styles.LISTS`) with a program that
-        includes `skin.glsl`, in the current poses or in those of the texture `poses`; characters with
-        `character_program`, which shows their images, if it is given."""
-        for body, name in enumerate(self.body_names):
-            count = self._instances.count(which, body)
+        """Draw the dancers on a list (`live.render.dancers.group_styles.LISTS`) with a program that includes
+        `skin.glsl`, in the current poses or in those of the texture `poses`; heads and hair with `head_program`, which
+        paints faces, and characters with `character_program`, which shows their images, if they are given."""
+        programs = {"head": head_program, "hair": head_program, "character": character_program}
+        for at, kind in enumerate(self.kinds):
+            count = self._instances.count(which, at)
             if count == 0:
                 continue
-            character = self._characters.get(name) if character_program is not None else None
-            linked = program if character is None or character_program is None else character_program
-            key = (linked.glo, level, which, body)
+            own = programs.get(kind.family)
+            linked = program if own is None else own
+            character = self._characters[kind.body] if kind.family == "character" and own is not None else None
+            key = (linked.glo, level, which, at)
             if key not in self._vertex_arrays:
-                vertices, indices = self._mesh((level, name))
+                vertices, indices = self._mesh(level, at)
                 form, names = attribute_layout(linked)
                 content = [(vertices, form, *names)] if names else []
-                content.append(self.instances(linked, which, body))
+                content.append(self.instances(linked, which, at))
                 content += [] if character is None else [character.content(linked, level)]
                 size = 4 if vertices.size // VERTEX_BYTES > MAX_SHORT_VERTICES else 2
                 self._vertex_arrays[key] = self._ctx.vertex_array(linked, content, indices, index_element_size=size)
@@ -232,25 +241,25 @@ class DancerBatch:
             else:
                 character.render(linked, self._vertex_arrays[key], count)
 
-    def instances(self, program: moderngl.Program, which: str, body: int) -> tuple[Any, ...]:
-        """Return buffer, format and attribute name of the dancers on a list, for a program's vertex arrays."""
+    def instances(self, program: moderngl.Program, which: str, kind: int) -> tuple[Any, ...]:
+        """Return buffer, format and attribute name of the pieces of a kind on a list, for a program's vertex arrays."""
         skinned = "in_instance" in program
         form, name = ("2i/i", "in_instance") if skinned else ("1i 4x/i", "in_dancer")
-        return self._instances.buffer(which, body), form, name
+        return self._instances.buffer(which, kind), form, name
 
     def draw_geometry(
         self, program: moderngl.Program, which: str, make: "VertexFactory", mode: int, vertices: int = -1
     ) -> None:
         """Draw other geometry for each dancer on a list: `make(body)` returns its buffer, format and attribute names,
         and is called once per body; `vertices` of it are drawn, all if -1."""
-        for body, name in enumerate(self.body_names):
-            count = self._instances.count(which, body)
+        for at, body in enumerate(self._bodies):
+            count = self._instances.count(which, at)
             if count == 0:
                 continue
-            key = (program.glo, which, body)
+            key = (program.glo, which, at)
             if key not in self._vertex_arrays:
                 self._vertex_arrays[key] = self._ctx.vertex_array(
-                    program, [make(name), self.instances(program, which, body)]
+                    program, [make(body.body), self.instances(program, which, at)]
                 )
             self.bind_program(program)
             self._vertex_arrays[key].render(mode, vertices=vertices, instances=count)

@@ -19,11 +19,13 @@ from live.render.shader import STYLE_VECTORS, STYLES_BINDING
 
 LISTS: Final = (
     "all", "mirrored", "near", "far", "bodies near", "bodies far", "ink near", "ink far", "particles", "ribbons",
-    "trails", "xray",
+    "trails", "xray", "close", "bodies close", "ink close",
 )  # fmt: skip
-"""Draw lists: `all` cast shadows, `mirrored` are visible in the floor, `near` and `far` are plain lit bodies; the
-others are drawn in a style."""
-_PLAIN: Final = ("all", "mirrored", "near", "far")
+"""Draw lists: `all` cast shadows, `mirrored` are visible in the floor, `close`, `near` and `far` are plain lit bodies;
+the others are drawn in a style."""
+NEARNESS: Final = ("close", "near", "far")
+"""Lit bodies by level of detail, in drawing order: the near ones hide others."""
+_PLAIN: Final = ("all", "mirrored", *NEARNESS)
 _PLACES: Final = {
     name.removeprefix(STYLE_ADDRESS_PREFIX): known.first - STYLES_START for name, known in GROUP_PARAMETERS.items()
 }
@@ -87,7 +89,7 @@ class GroupStyles:
         masks, bits = self.masks, np.zeros(PART_COUNT, np.int32)
         of = {"all": masks["casting"], "mirrored": masks["casting"]}
         of |= {name: masks[name] for name in ("particles", "ribbons", "trails", "xray")}
-        for where in ("near", "far"):
+        for where in NEARNESS:
             of |= {where: self.plain, f"bodies {where}": masks["bodies"], f"ink {where}": masks["ink"]}
         for name, mask in of.items():
             bits |= mask.astype(np.int32) << LISTS.index(name)

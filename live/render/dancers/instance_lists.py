@@ -1,4 +1,4 @@
-"""Instance lists: the dancers to draw for each list and body, refilled for every picture.
+"""Instance lists: the dancers to draw for each list and kind of piece, refilled for every picture.
 
 Dancers outside the picture are culled, because their bodies would cost as many vertices as visible ones.
 """
@@ -17,6 +17,7 @@ from live.render.dancers.group_styles import LISTS, GroupStyles
 from live.render.dancers.skinning import SKINS, SkinTexture
 from live.render.render_kernels import (
     CASTING,
+    CLOSE,
     FAR,
     MIRRORED,
     NEAR,
@@ -35,20 +36,21 @@ HIP_REACH: Final = 1.35
 _REQUIRED_BITS: Final = {
     "all": CASTING, "mirrored": MIRRORED, "particles": PRESENT, "ribbons": PRESENT, "trails": PRESENT, "xray": VISIBLE,
 }  # fmt: skip
-"""Visibility bits required by each list; the others need VISIBLE and NEAR or FAR. Effects that leave their dancer are
-always drawn."""
+"""Visibility bits required by each list; the others need VISIBLE and CLOSE, NEAR or FAR. Effects that leave their
+dancer are always drawn."""
 INSTANCE_BYTES: Final = 8
 _SKIN_LISTS: Final = {
     "coarse": ("all", "mirrored"), "near": ("near", "bodies near", "ink near"), "far": ("far", "bodies far", "ink far"),
-    "xray": ("xray",),
+    "close": ("close", "bodies close", "ink close"), "xray": ("xray",),
 }  # fmt: skip
 """The lists that draw each skin."""
 
 
 def _allowed() -> Int32:
-    """Return for each visibility the bits of the lists that it allows, shape (64,)."""
-    needs = [_REQUIRED_BITS.get(name, VISIBLE | (NEAR if name.endswith("near") else FAR)) for name in LISTS]
-    visibility = np.arange(2 * PRESENT)[:, None]
+    """Return for each visibility the bits of the lists that it allows, shape (128,)."""
+    bits = {"close": CLOSE, "near": NEAR, "far": FAR}
+    needs = [_REQUIRED_BITS.get(name) or VISIBLE | bits[name.split()[-1]] for name in LISTS]
+    visibility = np.arange(2 * CLOSE)[:, None]
     return np.asarray(((visibility & needs) == needs) @ (1 << np.arange(len(LISTS))), np.int32)
 
 
@@ -83,28 +85,21 @@ class ViewVolume:
 
 
 class InstanceLists:
-    """Instance lists of at most `capacity` dancers, whose bodies are `body` (A,), 0 to `bodies` - 1."""
+    """Instance lists of at most `capacity` dancers, each in `pieces` pieces of `kinds` kinds."""
 
-    def __init__(self, ctx: moderngl.Context, capacity: int, body: Int32, bodies: int) -> None:
-        self._body = body
+    def __init__(self, ctx: moderngl.Context, capacity: int, kinds: int, pieces: int) -> None:
+        self._ctx, self._capacity = ctx, capacity
+        self.piece: Int32 = np.full((capacity, pieces), -1, np.int32)
+        """Kinds of each dancer's pieces, -1: none, shape (capacity, pieces); set it before `fill`."""
         self._visibility = np.zeros(capacity, np.uint8)
         self._seen = self._visibility[:0]
         self._joints = np.zeros((0, 1, 3), np.float32)
         self._box = np.zeros((2, 3), np.float32)
         self._scratch, self._lists = np.zeros(capacity, np.float32), np.zeros(capacity, np.int32)
-        self._instances = np.zeros((len(LISTS), bodies, capacity, 2), np.int32)
-        self._count = np.zeros((len(LISTS), bodies), np.int32)
-        self._places = np.zeros((len(SKINS), bodies, 2), np.int32)
-        self._buffers = {
-            (name, kind): ctx.buffer(reserve=capacity * INSTANCE_BYTES, dynamic=True)
-            for name in LISTS
-            for kind in range(bodies)
-        }
-        self._rows = [
-            (at, kind, self._instances[at, kind], self._buffers[name, kind])
-            for at, name in enumerate(LISTS)
-            for kind in range(bodies)
-        ]
+        self._instances = np.zeros((len(LISTS), kinds, capacity, 2), np.int32)
+        self._count = np.zeros((len(LISTS), kinds), np.int32)
+        self._places = np.zeros((len(SKINS), kinds, 2), np.int32)
+        self._buffers: dict[tuple[int, int], moderngl.Buffer] = {}
         self._at = {name: at for at, name in enumerate(LISTS)}
         self._counts: list[list[int]] = self._count.tolist()
 
@@ -113,13 +108,19 @@ class InstanceLists:
         """Bits of `render_kernels` for each dancer of this frame, shape (A,)."""
         return self._seen
 
-    def count(self, name: str, body: int) -> int:
-        """Return the number of dancers with a body on a list."""
-        return self._counts[self._at[name]][body]
+    def count(self, name: str, kind: int) -> int:
+        """Return the number of pieces of a kind on a list."""
+        return self._counts[self._at[name]][kind]
 
-    def buffer(self, name: str, body: int) -> moderngl.Buffer:
-        """Return the buffer of their numbers and the texels of their skins' first vertices, two int32 each."""
-        return self._buffers[name, body]
+    def buffer(self, name: str, kind: int) -> moderngl.Buffer:
+        """Return the buffer of their dancers and the texels of their skins' first vertices, two int32 each."""
+        return self._buffer(self._at[name], kind)
+
+    def _buffer(self, at: int, kind: int) -> moderngl.Buffer:
+        """Return that buffer, made when a list first needs it: most kinds are never on most lists."""
+        if (at, kind) not in self._buffers:
+            self._buffers[at, kind] = self._ctx.buffer(reserve=self._capacity * INSTANCE_BYTES, dynamic=True)
+        return self._buffers[at, kind]
 
     def box(self) -> Float32:
         """Return the box around the joints of visible dancers, shape (2, 3): lowest and highest x, y, z [m]; lowest
@@ -141,22 +142,23 @@ class InstanceLists:
         """Fill all lists for a moment and a view volume, and upload them.
 
         `light` (3,): direction towards the key light; `reach`: distance of surfaces from joints [m], if above usual;
-        `meshes`: first vertex and number of vertices of each skin and body.
+        `meshes`: first vertex and number of vertices of each skin and kind.
         """
         seen = self._seen = self._visibility[: len(view.present)]
         joints = self._joints = view.joint_position
         cull_dancers(joints, view.present, view_volume.planes, light, HIP_REACH + max(reach, BODY_REACH), seen)
         near_to = view_volume.eye_distance + quality.far_from
-        choose_detail(joints, view_volume.forward, near_to, quality.near_count, seen, self._scratch)
+        close_to = view_volume.eye_distance + quality.close_within
+        choose_detail(
+            joints, view_volume.forward, near_to, quality.near_count, close_to, quality.close_count, seen, self._scratch
+        )
         used = fill_lists(
-            seen, view.group, self._body, styles.list_bits, _ALLOWED, _SKIN_OF, _SKIN_BITS, *meshes, 1 << skin.shift,
+            seen, view.group, self.piece, styles.list_bits, _ALLOWED, _SKIN_OF, _SKIN_BITS, *meshes, 1 << skin.shift,
             self._instances, self._count, self._lists, self._places, skin.dancers, skin.rows,
         )  # fmt: skip
         self._counts = counts = self._count.tolist()
-        for at, kind, instances, buffer in self._rows:
-            count = counts[at][kind]
-            if count:
-                buffer.write(instances[:count])
+        for at, kind in np.argwhere(self._count).tolist():
+            self._buffer(at, kind).write(self._instances[at, kind, : counts[at][kind]])
         skin.upload(used)
 
     def release(self) -> None:

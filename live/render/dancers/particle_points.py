@@ -9,7 +9,8 @@ import numpy.typing as npt
 
 from live.base.arrays import Float32, Int32
 from live.base.body.catalogue import DEFAULT_BODY
-from live.render.body.body_mesh import LIGHT, BodyMesh, build_body, strongest_weights
+from live.render.body.body_lookup import build_figure
+from live.render.body.body_mesh import LIGHT, BodyMesh, strongest_weights
 from live.render.body.drawn_joints import DRAWN_COUNT
 
 _SEED: Final = 11
@@ -34,7 +35,7 @@ class BodyPoints:
 @cache
 def build_points(count: int, name: str = DEFAULT_BODY) -> BodyPoints:
     """Return `count` points on the body of that name; deterministic."""
-    return points_on(build_body(LIGHT, name), count)
+    return points_on(build_figure(LIGHT, name), count)
 
 
 def points_on(mesh: BodyMesh, count: int) -> BodyPoints:

@@ -17,11 +17,18 @@ from live.base.stage_snapshot import StageView
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.adaptive_quality import Quality
 from live.render.body.body_mesh import COARSE, BodyMesh
-from live.render.body.drawn_joints import DETAIL_JOINTS, DRAWN_COUNT, EXPRESSION_SIZE, shader_rows
+from live.render.body.drawn_joints import (
+    DETAIL_JOINTS,
+    DRAWN_COUNT,
+    DRIVERS,
+    EXPRESSION_SIZE,
+    driver_rows,
+    shader_rows,
+)
 from live.render.shader import Releasable, compile_program, release_all, set_uniform
 
-SKINS: Final = ("coarse", "near", "far", "xray")
-"""What is skinned: the bodies of shadows and mirror, of near and far dancers, and those around x-ray skeletons."""
+SKINS: Final = ("coarse", "near", "far", "close", "xray")
+"""What is skinned: the bodies of shadows and mirror, of near, far and close dancers, and around x-ray skeletons."""
 SKIN_UNIT: Final = 8
 """Texture unit of the skin."""
 _POSE_UNIT, _ROTATION_UNIT, _EXPRESSION_UNIT, _MESH_UNIT, _ROWS_UNIT, _LIST_UNIT = 0, 1, 2, 1, 2, 3
@@ -41,7 +48,7 @@ _WIDEST: Final = max(POSE_TEXELS, 3 * JOINT_COUNT)
 
 def skin_levels(quality: Quality) -> tuple[int, ...]:
     """Return the level of detail of each of `SKINS`."""
-    return COARSE, quality.near_level, quality.far_level, quality.ghost_level
+    return COARSE, quality.near_level, quality.far_level, quality.close_level, quality.ghost_level
 
 
 def pose_texture(ctx: moderngl.Context, capacity: int) -> moderngl.Texture:
@@ -54,7 +61,10 @@ def pose_texture(ctx: moderngl.Context, capacity: int) -> moderngl.Texture:
     return _texture(ctx, (width // _WIDEST * POSE_TEXELS, rows), 4, "f4")
 
 
-_CONSTANTS: Final = (("JOINTS", JOINT_COUNT), ("DETAILS", len(DETAIL_JOINTS)), ("EXPRESSION", EXPRESSION_SIZE))
+_CONSTANTS: Final = (
+    ("JOINTS", JOINT_COUNT), ("DETAILS", len(DETAIL_JOINTS)), ("DRIVERS", len(DRIVERS)),
+    ("EXPRESSION", EXPRESSION_SIZE),
+)  # fmt: skip
 
 
 class PoseTexture:
@@ -69,6 +79,7 @@ class PoseTexture:
         set_uniform(self._program, "joint_rotation", _ROTATION_UNIT)
         set_uniform(self._program, "expression", _EXPRESSION_UNIT)
         set_uniform(self._program, "detail", [tuple(row) for row in shader_rows().reshape(-1, 4).tolist()])
+        set_uniform(self._program, "driver", [tuple(row) for row in driver_rows().reshape(-1, 4).tolist()])
         set_uniform(self._program, "rest", [tuple(joint) for joint in SKELETON.rest_positions().tolist()])
         self._triangle = ctx.vertex_array(self._program, [])
         self._owned: list[Releasable] = []
@@ -115,30 +126,33 @@ class PoseTexture:
 
 
 class MeshTexture:
-    """The meshes of all bodies in one texture: two texels per vertex, position and joints, then normal and weights."""
+    """The meshes of all kinds in one texture: two texels per vertex, position and joints, then normal and weights."""
 
     texture: moderngl.Texture
 
-    def __init__(self, ctx: moderngl.Context, mesh_of: Callable[[int, str], BodyMesh], bodies: tuple[str, ...]) -> None:
-        """`mesh_of`: returns the mesh of a level of detail and a body."""
-        self._ctx, self._mesh_of, self._bodies = ctx, mesh_of, bodies
-        self._first: dict[tuple[int, str], tuple[int, int]] = {}
+    def __init__(self, ctx: moderngl.Context, mesh_of: Callable[[int, int], BodyMesh], kinds: int) -> None:
+        """`mesh_of`: returns the mesh of a level of detail and a kind, 0 to `kinds` - 1."""
+        self._ctx, self._mesh_of, self._kinds = ctx, mesh_of, kinds
+        self._first: dict[tuple[int, int], tuple[int, int]] = {}
         self._texels = np.zeros((0, 2, 4), np.uint32)
         self._owned: list[Releasable] = []
 
     def places(self, levels: tuple[int, ...]) -> tuple[Int32, Int32]:
-        """Return the first vertex and the number of vertices of each body at each level, both (len(levels), B); meshes
+        """Return the first vertex and the number of vertices of each kind at each level, both (len(levels), K); meshes
         that are not there yet are added."""
-        known = len(self._first)
+        fresh = []
+        end = len(self._texels)
         for level in levels:
-            for name in self._bodies:
-                if (level, name) not in self._first:
-                    texels = _mesh_texels(self._mesh_of(level, name))
-                    self._first[level, name] = len(self._texels), len(texels)
-                    self._texels = np.concatenate([self._texels, texels])
-        if len(self._first) != known:
+            for kind in range(self._kinds):
+                if (level, kind) not in self._first:
+                    texels = _mesh_texels(self._mesh_of(level, kind))
+                    self._first[level, kind] = end, len(texels)
+                    end += len(texels)
+                    fresh.append(texels)
+        if fresh:
+            self._texels = np.concatenate([self._texels, *fresh])
             self._upload()
-        found = np.array([[self._first[level, name] for name in self._bodies] for level in levels], np.int32)
+        found = np.array([[self._first[level, kind] for kind in range(self._kinds)] for level in levels], np.int32)
         return np.ascontiguousarray(found[..., 0]), np.ascontiguousarray(found[..., 1])
 
     def _upload(self) -> None:
@@ -188,22 +202,23 @@ class SkinTexture:
         self._lists: list[Releasable] = []
         self._owned: list[Releasable] = []
 
-    def allocate(self, capacity: int, pose_rows: int) -> None:
-        """Make room for the numbers of so many dancers, whose poses fill so many rows."""
+    def allocate(self, capacity: int, pose_rows: int, pieces: int) -> None:
+        """Make room for the numbers of so many dancers of so many pieces, whose poses fill so many rows."""
         set_uniform(self._program, "pose_layout", (pose_rows, POSE_TEXELS))
         release_all(*self._lists)
         self._capacity = capacity
-        rows = (len(SKINS) * capacity >> _LIST_SHIFT) + 2
+        rows = (len(SKINS) * pieces * capacity >> _LIST_SHIFT) + 2
         self.dancers = np.zeros(rows << _LIST_SHIFT, np.int32)
         """The dancers of all skins."""
         self._list = _texture(self._ctx, (1 << _LIST_SHIFT, rows), 1, "i4")
         self._lists = [self._list]
 
-    def reserve(self, vertices: Int32) -> None:
-        """Make room for bodies of so many vertices, shape (len(SKINS), B); ValueError if they cannot be held."""
-        coarse, near, far, xray = vertices.max(axis=1).tolist()
-        most = self._capacity * (coarse + max(near, far) + xray)
-        partly = vertices.size  # each skin of each body begins a row
+    def reserve(self, most_vertices: Int32, parts: int) -> None:
+        """Make room for dancers of at most so many vertices in each skin, (len(SKINS),), in so many pieces of the
+        texture; ValueError if they cannot be held."""
+        coarse, near, far, close, xray = most_vertices.tolist()
+        most = self._capacity * (coarse + max(near, far, close) + xray)
+        partly = parts  # each skin of each kind begins a row
         while (most >> self.shift) + partly > self._limit:
             self.shift += 1
         if 1 << self.shift > self._limit:

@@ -88,7 +88,7 @@ COSTUME_CUTS: Final[dict[str, CostumeCut]] = {
 SHOE_CUTS: Final[dict[str, ShoeCut]] = {
     "barefoot": ShoeCut(0.0, 0.0, 0.0, None, 0.14),
     "ballet": ShoeCut(0.072, 0.75, 0.0, (0.72, 0.42, 0.36), 0.55),
-    "heels": ShoeCut(0.066, 0.85, 0.0, (0.02, 0.016, 0.018), 0.9),
+    "pumps": ShoeCut(0.066, 0.85, 0.0, (0.02, 0.016, 0.018), 0.9),
     "sneakers": ShoeCut(0.094, 0.0, 0.024, None, 0.2),
     "boots": ShoeCut(0.330, 0.0, 0.012, (0.035, 0.024, 0.018), 0.5),
 }

@@ -101,6 +101,61 @@ class FrameRing:
                 self.path.unlink()
 
 
+class FrameRingReader:
+    """Reads the newest frames of a ring buffer that another program writes. Thread: one.
+
+    Raises OSError if there is none of this name, or if it is no ring buffer of frames.
+    """
+
+    def __init__(self, name: str) -> None:
+        self._memory: mmap.mmap | None = None
+        with ring_path(name).open("rb") as file:
+            self._memory = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+        size = len(self._memory)
+        if size < HEADER_SIZE or self._memory[: len(MAGIC)] != MAGIC:
+            self.close()
+            raise OSError(f"{name} is no ring buffer of frames")
+        header = np.frombuffer(self._memory[: _HEADER_TYPE.itemsize], _HEADER_TYPE)[0]
+        width, height, self._places = int(header["width"]), int(header["height"]), int(header["places"])
+        known = (int(header["header"]), int(header["channels"]), self._places) == (HEADER_SIZE, 3, SLOTS)
+        if not known or not width * height or size < HEADER_SIZE + SLOTS * width * height * 3:
+            self.close()
+            raise OSError(f"{name} is a ring buffer of another kind, or cut off")
+        self.size = width, height
+        """Width and height of the frames [pixels]."""
+        self._read_number = 0
+
+    @property
+    def is_open(self) -> bool:
+        """Whether the writer still runs."""
+        return self._memory is not None and self._number(28, 4) == 1
+
+    def _number(self, at: int, length: int) -> int:
+        assert self._memory is not None
+        return int.from_bytes(self._memory[at : at + length], "little")
+
+    def read(self) -> Picture | None:
+        """Return the newest frame, (height, width, 3), or None if there is no newer one than that read last."""
+        number = self._number(32, 8)
+        if number == 0 or number == self._read_number:
+            return None
+        place = (number - 1) % SLOTS
+        width, height = self.size
+        begin = HEADER_SIZE + place * width * height * 3
+        assert self._memory is not None
+        data = self._memory[begin : begin + width * height * 3]
+        if self._number(64 + 64 * place, 8) != number:  # it was overwritten meanwhile: the next one is whole
+            return None
+        self._read_number = number
+        return np.frombuffer(data, np.uint8).reshape(height, width, 3)
+
+    def close(self) -> None:
+        """Free the memory."""
+        if self._memory is not None:
+            self._memory.close()
+            self._memory = None
+
+
 def _mark_ended(path: Path) -> bool:
     """Mark a ring buffer as ended for its readers; False if the file is no ring buffer."""
     with path.open("r+b") as file:

@@ -10,7 +10,7 @@ from PIL import Image
 
 from live.base.arrays import Float32
 from live.base.errors import PersonError
-from live.render.lettering import bake_atlas
+from live.render.lettering.glyph_atlas import bake_atlas
 from live.render.outputs.output import Output, Point
 from live.render.outputs.test_card import CARDS, TINTS, Card, render_label
 from live.render.outputs.warp import MAX_VERTICES, vertices

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
-from live.render.lettering import without_accents
+from live.render.lettering.glyph_atlas import without_accents
 
 Card = Literal["off", "grid", "bars", "name", "safe", "focus", "qr"]
 CARDS: Final[tuple[Card, ...]] = get_args(Card)

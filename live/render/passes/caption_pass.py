@@ -10,7 +10,7 @@ import moderngl
 import numpy as np
 
 from live.base.stage_snapshot import StageView
-from live.render.lettering import GlyphAtlas, bake_atlas
+from live.render.lettering.glyph_atlas import GlyphAtlas, bake_atlas
 from live.render.shader import compile_program, release_all, set_uniform
 
 _TEXTS_PER_HEIGHT: Final = 19

@@ -5,8 +5,9 @@ import moderngl
 from live.render.adaptive_quality import Quality
 from live.render.camera import FAR, NEAR
 from live.render.dancers.dancer_batch import DancerBatch
+from live.render.dancers.group_styles import NEARNESS
 from live.render.pass_context import HDR, Surfaces
-from live.render.shader import WORN, compile_program, release_all, set_uniform
+from live.render.shader import HEAD, WORN, compile_program, release_all, set_uniform
 
 
 class DancerPass:
@@ -16,20 +17,24 @@ class DancerPass:
         self._ctx, self.quality = ctx, quality
         files = "dancer_vertex.glsl", "dancer_fragment.glsl"
         self._program = compile_program(ctx, *files, (("SOFT", 1),))
+        self._head_program = compile_program(ctx, *files, (("SOFT", 1), *HEAD))
         self._character_program = compile_program(ctx, *files, (("SOFT", 1), *WORN)) if characters else None
 
     def draw(self, crowd: DancerBatch, floor_map: moderngl.Texture) -> None:
         """Draw all dancers of this frame, the near ones first (they hide others)."""
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         floor_map.use(1)
-        for linked in filter(None, (self._program, self._character_program)):
+        for linked in filter(None, (self._program, self._head_program, self._character_program)):
             set_uniform(linked, "floor_map", 1)
-        crowd.draw(self._program, self.quality.near_level, "near", character_program=self._character_program)
-        crowd.draw(self._program, self.quality.far_level, "far", character_program=self._character_program)
+        for where in NEARNESS:
+            crowd.draw(
+                self._program, self.quality.level_of(where), where,
+                character_program=self._character_program, head_program=self._head_program,
+            )  # fmt: skip
 
     def release(self) -> None:
         """Free the programs."""
-        release_all(*filter(None, (self._program, self._character_program)))
+        release_all(*filter(None, (self._program, self._head_program, self._character_program)))
 
 
 class GBufferPass:
@@ -47,6 +52,10 @@ class GBufferPass:
             compile_program(ctx, "dancer_vertex.glsl", "gbuffer_fragment.glsl", (("SOFT", 0), ("WHO", who)))
             for who in (0, 1)
         )
+        self._head_programs = [
+            compile_program(ctx, "dancer_vertex.glsl", "gbuffer_fragment.glsl", (("SOFT", 0), ("WHO", who), *HEAD))
+            for who in (0, 1)
+        ]
         self._character_programs = [
             compile_program(ctx, "dancer_vertex.glsl", "gbuffer_fragment.glsl", (("SOFT", 0), ("WHO", who), *WORN))
             for who in (0, 1)
@@ -82,8 +91,9 @@ class GBufferPass:
         target.clear()
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         worn = self._character_programs[with_ids] if self._character_programs else None
-        crowd.draw(linked, self.quality.near_level, "near", character_program=worn)
-        crowd.draw(linked, self.quality.far_level, "far", character_program=worn)
+        head = self._head_programs[with_ids]
+        for where in NEARNESS:
+            crowd.draw(linked, self.quality.level_of(where), where, character_program=worn, head_program=head)
 
     def shade(self, floor_map: moderngl.Texture, *, hdr: bool = False, extra_lamps: bool = True) -> None:
         """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light;
@@ -110,7 +120,8 @@ class GBufferPass:
     def release(self) -> None:
         """Free everything."""
         self._release_target()
-        release_all(*self._triangles, self._surface, self._id_program, *self._character_programs, *self._shades)
+        release_all(*self._triangles, self._surface, self._id_program)
+        release_all(*self._head_programs, *self._character_programs, *self._shades)
 
 
 class MultisampleTarget:

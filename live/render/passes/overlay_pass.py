@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from live.base.stage_snapshot import GUIDE_CAPACITY, StageView
 from live.render.frame_stats import GRAPH_FRAMES
-from live.render.lettering import GlyphAtlas, bake_atlas
+from live.render.lettering.glyph_atlas import GlyphAtlas, bake_atlas
 from live.render.shader import compile_program, release_all, set_uniform
 
 _MAX_LETTERS: Final = 1024

@@ -7,7 +7,7 @@ import numpy as np
 
 from live.base.body.catalogue import BODIES
 from live.base.stage_snapshot import Scene, StageView
-from live.render.body.body_lookup import bodies_of, mesh_of
+from live.render.body.body_lookup import Kind, bodies_of, mesh_of
 from live.render.body.body_mesh import LIGHT
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.dancers.particle_points import BodyPoints, build_points, points_on
@@ -47,7 +47,11 @@ class ParticlePass:
 
 
 def _points(scene: Scene, name: str, count: int) -> BodyPoints:
-    return build_points(count, name) if name in BODIES else points_on(mesh_of(scene, name, LIGHT), count)
+    return (
+        build_points(count, name)
+        if name in BODIES
+        else points_on(mesh_of(scene, Kind("character", name), LIGHT), count)
+    )
 
 
 def _pack(points: BodyPoints) -> bytes:

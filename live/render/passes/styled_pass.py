@@ -12,12 +12,13 @@ import numpy as np
 from live.base.picture_parameters import MAX_GHOSTS, PART_COUNT
 from live.base.stage_snapshot import StageView
 from live.render.dancers.dancer_batch import DancerBatch
+from live.render.dancers.group_styles import NEARNESS
 from live.render.dancers.motion_trails import PoseHistory
 from live.render.dancers.xray_skeleton import bone_vertices
 from live.render.pass_context import Moment, PassSetup, ScenePass
 from live.render.passes.particle_pass import ParticlePass
 from live.render.passes.trail_pass import RibbonPass
-from live.render.shader import WORN, compile_program, release_all, set_uniform
+from live.render.shader import HEAD, WORN, compile_program, release_all, set_uniform
 
 
 class StyledPass:
@@ -31,6 +32,12 @@ class StyledPass:
                 compile_program(
                     ctx, "contour_vertex.glsl", "contour_fragment.glsl", (("SOFT", 1), ("SURFACE", surface))
                 ),
+            )
+            for surface in (0, 1)
+        ]
+        self._head_programs = [
+            compile_program(
+                ctx, "styled_vertex.glsl", "styled_fragment.glsl", (("SOFT", 1), ("SURFACE", surface), *HEAD)
             )
             for surface in (0, 1)
         ]
@@ -50,19 +57,22 @@ class StyledPass:
         ctx.depth_func = "<="
         floor_map.use(1)
         worn = self._character_programs[surface] if self._character_programs else None
-        for linked in filter(None, (body, worn)):
+        head = self._head_programs[surface]
+        for linked in filter(None, (body, head, worn)):
             set_uniform(linked, "floor_map", 1)
-        for where, level in (("near", quality.near_level), ("far", quality.far_level)):
-            crowd.draw(body, level, f"bodies {where}", character_program=worn)
+        for where in NEARNESS:
+            level = quality.level_of(where)
+            crowd.draw(body, level, f"bodies {where}", character_program=worn, head_program=head)
         ctx.front_face = "cw"  # draw the back faces of the enlarged body
-        for where, level in (("near", quality.near_level), ("far", quality.far_level)):
-            crowd.draw(ink, level, f"ink {where}")
+        for where in NEARNESS:
+            crowd.draw(ink, quality.level_of(where), f"ink {where}")
         ctx.front_face = "ccw"
         ctx.depth_func = "<"
 
     def release(self) -> None:
         """Free the programs."""
-        release_all(*(one for both in self._programs for one in both), *self._character_programs)
+        release_all(*(one for both in self._programs for one in both), *self._head_programs)
+        release_all(*self._character_programs)
 
 
 class XrayPass:
@@ -191,7 +201,7 @@ class StylePasses(ScenePass):
 
 
 def _has_bodies(moment: Moment) -> bool:
-    return moment.batch.count("bodies near") + moment.batch.count("bodies far") > 0
+    return any(moment.batch.count(f"bodies {where}") for where in NEARNESS)
 
 
 def _has_translucent(moment: Moment) -> bool:

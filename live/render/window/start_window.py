@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 from PIL import Image, ImageDraw, ImageFont
 
-from live.render.lettering import without_accents
+from live.render.lettering.glyph_atlas import without_accents
 from live.render.window.monitors import Monitor
 from live.render.window.window import Window
 from live.render.window.window_input import CloseRequested, KeyPressed

@@ -21,6 +21,7 @@ from live.control.events.elements import PlaceElement
 from live.control.events.events import ControlEvent
 from live.control.registry.element_controls import VOICE_MEASURES
 from live.show.audience.voting import NO_BAR, Turn, Vote, VoteNames, resolve_choices, winner_events
+from live.show.audience.words import WORD_EVENTS, Words
 from live.show.group.elements import SCORE, Elements
 from live.show.patch.section_io import AudienceSection
 from live.show.stages.now import Now
@@ -28,7 +29,7 @@ from live.show.stages.now import Now
 AUDIENCE_EVENTS: Final = (
     events.AudienceHeard, events.OpenAudience, events.SetAudienceGain, events.MuteAudience, events.WeighRegion,
     events.GiveTurn, events.BanPhone, events.AskVote, events.DropVote, events.ShowTally, events.RenewInvitation,
-    events.AllowShaking,
+    events.AllowShaking, *WORD_EVENTS,
 )  # fmt: skip
 """Events that `handle` handles."""
 _SWITCHES: Final[Mapping[type, str]] = {
@@ -71,8 +72,11 @@ class Audience:
 
     EVENTS = AUDIENCE_EVENTS
 
-    def __init__(self, section: AudienceSection, elements: Elements, names: VoteNames, *, seed: int) -> None:
-        """The audience moves the `elements` and votes on the `names`."""
+    def __init__(
+        self, section: AudienceSection, elements: Elements, names: VoteNames, words: Words, *, seed: int
+    ) -> None:
+        """The audience moves the `elements`, votes on the `names`, and says `words`."""
+        self.words = words
         self._elements, self._names = elements, names
         self._seed = seed
         self.regions: tuple[str, ...] = section.regions
@@ -118,6 +122,9 @@ class Audience:
 
     def handle(self, event: ControlEvent, now: Now) -> None:
         """Handle an event of `AUDIENCE_EVENTS`; raises PersonError if it names unknown parts."""
+        if type(event) in WORD_EVENTS:
+            self.words.handle(event, now)
+            return
         if isinstance(event, events.AudienceHeard):
             self._handle_input(event)
         else:
@@ -298,7 +305,7 @@ class Audience:
             "lights": [[int(self._number[row]), *(round(float(v), 1) for v in self._light[row, :2])]
                        for row in np.flatnonzero(self._number)],
             "vote": None if vote is None else {"what": vote.kind, "closes": vote.closes + 1} | vote.tally,
-            "won": self.result[1],
+            "won": self.result[1], "words": self.words.facts(),
         }  # fmt: skip
 
 

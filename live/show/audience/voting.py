@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from live.show.desk.scenes import Scenes
     from live.show.patch.patch import Patch
 
-VOTE_KINDS: Final = ("step", "scene", "look", "cue")
+VOTE_KINDS: Final = ("step", "scene", "look", "cue", "word")
 """Kinds of votes."""
 SOURCE: Final = "audience vote"
 NO_BAR: Final = -1.0
@@ -82,6 +82,7 @@ class VoteNames:
             "scene": tuple(self._scenes.names),
             "look": tuple(look.name for look in self._patch.looks),
             "cue": tuple(cue.name for cue in self._patch.cue),
+            "word": self._patch.words.vote,
         }
 
 
@@ -111,5 +112,7 @@ def winner_events(kind: str, winner: str, time: float) -> list[ControlEvent]:
             return [events.RecallScene(time=time, source=SOURCE, name=winner)]
         case "look":
             return [events.RecallLook(time=time, source=SOURCE, name=winner)]
+        case "word":
+            return [events.AddWord(time=time, source=SOURCE, word=winner)]
         case _:
             return [events.GiveCue(time=time, source=SOURCE, name=winner)]

@@ -19,7 +19,7 @@ from live.motion.capture.capture_kernels import (
     TIME,
     captured_hips,
 )
-from live.motion.packed_pose import unpack_pose
+from live.motion.capture.packed_pose import unpack_pose
 from live.motion.skeleton import SKELETON
 from live.show.capture.pose_buffer import GAP_S, MIRROR_JOINT, DriftCorrection, PoseBuffer
 from live.show.capture.stage_presence import CanonBounds

@@ -10,6 +10,7 @@ from live.base.motion_parameters import FOOT_LOCK
 from live.base.row_ranges import run_rows
 from live.graph.motion_graph import MotionGraph
 from live.motion.pose.gather_kernels import clip_hips, gather_dancers, plan_feet, standing_feet
+from live.motion.pose.pipeline_kernels import INTO_NEXT
 from live.motion.pose.pose_pipeline import RANGE, PosePipeline
 from live.show.dancers.measure_state import MeasureState
 from live.show.dancers.variation import Variation
@@ -64,6 +65,18 @@ class CurrentMeasures:
         phase = self.phases(fraction)
         which = 1 - ((phase < 0.0) & (self.past.node >= 0)) + ((phase > 1.0) & self.decided)
         return which.astype(np.int32), np.clip(phase - (which - 1.0), 0.0, 1.0)
+
+    @property
+    def requested_samples(self) -> tuple[Float64, Float64, Float32]:
+        """The samples (4, A) and placements (4, A, 4) of the clips that were requested last, and the share of the next
+        clip (A,), as in `PosePipeline`."""
+        pipeline = self._pipeline
+        return pipeline.sample, pipeline.placement, pipeline.share[INTO_NEXT]
+
+    @property
+    def requested_phase(self) -> Float64:
+        """Phase of each dancer in the present measure when samples of all were requested last, (A,)."""
+        return self._phase
 
     def predicted_hips(self, fraction: float, rows: Rows | None = None) -> Float64:
         """Hips at `fraction` of the measure as the clips have them [m], time warps and transitions included: of all

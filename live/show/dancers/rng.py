@@ -16,6 +16,8 @@ class Purpose(IntEnum):
     """The warp over the whole sequence (T056)."""
     FOLLOW = 4
     """The pad that follows a launched one."""
+    EXPRESSION = 5
+    """When each dancer's first blink, breath and glance are."""
 
 
 def generator_for(seed: int, purpose: Purpose, measure: int) -> np.random.Generator:

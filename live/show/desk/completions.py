@@ -21,6 +21,7 @@ def completion_names(patch: Patch, steps: Sequence[str]) -> dict[str, list[str]]
         "look": ["start", *(look.name for look in patch.looks)],
         "section": [section.name for section in patch.section],
         "signal": sorted({signal.name for signal in patch.signal}),
+        "title": [title.name for title in patch.title],
         "background": [background.name for background in patch.background],
         **{kind: list(names) for kind, names in NAME_CHOICES.items()},
         "performer": [performer.name for performer in patch.mocap],

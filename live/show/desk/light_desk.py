@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 import numpy.typing as npt
 
+from live.base.picture_parameters import BY_ADDRESS, MAX_BACKGROUNDS
 from live.base.scalar_kernels import damper
 from live.clock.ticks import TICK
 from live.clock.timeline import Timeline
@@ -21,6 +22,7 @@ from live.show.desk.cue_list import CueList
 from live.show.desk.parameter_table import ParameterTable
 from live.show.desk.parameters import Parameters
 from live.show.desk.scenes import SCENE_EVENTS, Scenes, start_row
+from live.show.desk.titles import TITLE_EVENTS, Titles
 from live.show.desk.undo_history import EditablePart, UndoHistory
 from live.show.patch.patch import Patch
 from live.show.score.score_runner import ScoreRunner
@@ -110,10 +112,13 @@ class Master:
 
 
 DESK_EVENTS: Final = (
-    *SCENE_EVENTS, events.Go, events.GiveCue, events.StandBy, events.StepBack, events.Panic, events.HoldShow,
-    events.Undo, events.Redo, events.FollowSpot, *MASTER_EVENTS,
+    *SCENE_EVENTS, *TITLE_EVENTS, events.Go, events.GiveCue, events.StandBy, events.StepBack, events.Panic,
+    events.HoldShow, events.Undo, events.Redo, events.FollowSpot, *MASTER_EVENTS,
 )  # fmt: skip
 """Events that `LightDesk.handle` handles."""
+_BACKGROUND_ROWS: Final = np.array(
+    [BY_ADDRESS[f"/dance/background/{number}"].first for number in range(1, MAX_BACKGROUNDS + 1)]
+)
 ENERGY_HALFLIFE: Final = 0.25
 """Half-life of the light's response to the energy of the music [s]."""
 PANIC_FADE_BEATS: Final = 2.0
@@ -146,7 +151,10 @@ class LightDesk:
         self.spots = Spots(self.parameters, motion)
         self.energy = 0.5
         """Smoothed energy of the music, 0 to 1."""
+        self.background_age = np.zeros((MAX_BACKGROUNDS, 2))
+        """Seconds and beats since each background was last dark, shape (8, 2)."""
         self.scenes = Scenes(patch, self.parameters, self.camera_rig)
+        self.titles = Titles(patch)
         self._score_runner = score_runner
         self.cues = CueList(patch.cue, score_runner.playhead, beats=patch.clock.beats_per_measure)
         self.undo_history = UndoHistory(
@@ -166,6 +174,12 @@ class LightDesk:
         if type(event) in SCENE_EVENTS:  # frequent events first
             self.scenes.handle(event, beats_per_measure=float(now.timeline.beats_per_measure))
             return []
+        if type(event) in TITLE_EVENTS:
+            self.titles.handle(event, now)
+            return []
+        return self._handle(event, now)
+
+    def _handle(self, event: ControlEvent, now: Now) -> list[ControlEvent]:
         match event:
             case events.Go():
                 return [*self._release_hold(event, now), *self.cues.go(event, now.danced_beats)]
@@ -176,6 +190,7 @@ class LightDesk:
             case events.StepBack():
                 return self.cues.step_back()
             case events.Panic():
+                self.titles.clear(now.beat)
                 return self._panic(event)
             case events.HoldShow():
                 return self._hold(event) if event.on else self._release_hold(event, now)
@@ -224,6 +239,8 @@ class LightDesk:
         self.master.tick(beats)
         self.camera_rig.tick(ticks * TICK, beats)
         self.spots.tick(ticks * TICK)
+        self.background_age += ticks * TICK, beats
+        self.background_age[self.parameters.picture[_BACKGROUND_ROWS] <= 0.0] = 0.0
         self.energy = damper(self.energy, self._score_runner.mood.value("energy"), ENERGY_HALFLIFE, ticks * TICK)
 
     def fire(self, danced_beats: float, time: float) -> list[ControlEvent]:
@@ -266,6 +283,7 @@ class LightDesk:
             "scenes": self.scenes.names,
             "fading": self.parameters.fading,
             "master": self.master.facts(),
+            "titles": self.titles.facts(),
             **self.camera_rig.facts(),
             **self.spots.facts(),
             **self.undo_history.facts(),

@@ -51,6 +51,7 @@ def start_row(patch: Patch) -> Float64:
     row = picture_parameters.picture_row(make_scene(patch))
     said = camera_settings(picture_parameters.camera_from_row(row), patch.camera)
     said |= {f"/dance/background/{number}": one.seen for number, one in enumerate(patch.background, start=1)}
+    said |= {f"/dance/scenery/{number}": one.seen for number, one in enumerate(patch.scenery, start=1)}
     for address, value in said.items():
         row[picture_parameters.BY_ADDRESS[address].row_slice] = value
     return row
@@ -132,6 +133,7 @@ class Scenes:
         self._views = {START: Scene(START, {place: float(start[place]) for place in camera}, 0.0)}
         self._looks = {START: Scene(START, {place: float(start[place]) for place in light}, 1.0)}
         self._backgrounds = [section.name for section in patch.background]
+        self._background_places = [section.place for section in patch.background]
         self._views[START] = replace(self._views[START], follow=patch.camera.follow)
         for name, (settings, whom) in view_settings(patch).items():
             self._views[_folded(name)] = self._scene(table, name, settings, 0.0, whom)
@@ -325,7 +327,12 @@ class Scenes:
         places = [
             picture_parameters.BY_ADDRESS[f"/dance/background/{number}"].first for number in range(1, len(names) + 1)
         ]
-        goals = {place: float(name == chosen) for place, name in zip(places, names, strict=True)}
+        where = {self._background_places[number] for number, name in enumerate(names) if name == chosen}
+        goals = {
+            row: float(name == chosen)
+            for row, name, place in zip(places, names, self._background_places, strict=True)
+            if chosen == "none" or place in where
+        }
         self._parameters.fade(goals, beats=max(event.measures, 0.0) * size)
 
     def _look(self, event: events.RecallLook, size: float) -> None:

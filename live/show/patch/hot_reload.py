@@ -31,7 +31,7 @@ from live.show.selection.library_watch import LibraryWatch, Stamp
 from live.show.show import Show
 from live.show.state.constants import walk_ahead
 from live.show.venue.venue_output import with_venue_projector
-from live.show.view.render_scene import make_backgrounds
+from live.show.view.render_scene import make_backgrounds, make_scenery
 
 POLL_S: Final = 0.05
 """Seconds between two polls; two equal polls are required, so that no half-written file is read."""
@@ -224,6 +224,8 @@ class PatchWatch:
             check_characters(patch, self._loaded.path)
         if patch.background != self._last_written.background:
             make_backgrounds(patch, self._loaded.path)
+        if patch.scenery != self._last_written.scenery:
+            make_scenery(patch, self._loaded.path)
         if patch.takes != self._last_written.takes:
             self._loaded.check_takes(patch)
 

@@ -22,7 +22,7 @@ from live.show.patch.section_io import (
 )
 from live.show.patch.section_motion import GroupSection, LocomotionSection, MoodSection, MotionSection, PartnerSection
 from live.show.patch.section_music import ClockSection, MusicSection, ReactSection, SoundSection
-from live.show.patch.section_picture import Characters, PictureSection, TextureSection
+from live.show.patch.section_picture import Characters, PictureSection, TextureSection, TitleSection, WordsSection
 from live.show.patch.section_score import (
     AtSection,
     CurveSection,
@@ -43,6 +43,7 @@ from live.show.patch.section_stage import (
     NamedLookSection,
     ObstacleSection,
     ProjectorSection,
+    ScenerySection,
     StageSection,
     SteeringSection,
     ViewSection,
@@ -86,7 +87,10 @@ class Patch(WholeFile):
     look: LookSection = LookSection()
     item: Annotated[tuple[ItemSection, ...], Field(max_length=200)] = ()
     background: Annotated[tuple[BackgroundSection, ...], Field(max_length=8)] = ()
+    scenery: Annotated[tuple[ScenerySection, ...], Field(max_length=8)] = ()
     picture: PictureSection = PictureSection()
+    title: Annotated[tuple[TitleSection, ...], Field(max_length=64)] = ()
+    words: WordsSection = WordsSection()
     projector: ProjectorSection | None = None
     character: Characters = ()
     view: Annotated[tuple[ViewSection, ...], Field(max_length=200)] = ()

@@ -29,7 +29,7 @@ from live.show.score.step_names import UnknownStep
 START_ONLY_KEYS: Final = (
     "seed", "steps", "takes", "variations", "reserve", "music.file", "music.bpm", "music.one_at_s", "sound", "clock",
     "link", "midi.input", "midi.output", "midi.clock_out", "midi.time_code_bpm", "midi.time_code_offset_s",
-    "osc", "background", "picture.passes", "character", "texture", "steering.separation", "steering.combine",
+    "osc", "background", "scenery", "picture.passes", "character", "texture", "steering.separation", "steering.combine",
 )  # fmt: skip
 """Keys that are read only when a show starts."""
 GROUP_START_ONLY_KEYS: Final = (

@@ -178,7 +178,8 @@ class GroupSection(Section):
     colour: Colour | None = None
     """Colour of their clothes."""
     bodies: Annotated[tuple[Literal[BODIES], ...], Field(min_length=1, max_length=16)] | None = None  # type: ignore[valid-type]
-    """Bodies that its dancers get at random: `dancer`, `slim`, `strong`, `round`, `child`; all have the same joints.
+    """Bodies that its dancers get at random: `dancer` (a trained woman), `woman`, `man`, `slim`, `strong`, `round`,
+    `child`, `older woman`, `older man`; all have the same joints.
     A name given twice is drawn twice as often. Left out: all have the default body."""
     draw: Draw = Field(default={})
     """Initial drawing style and clothes, as in `{ costume = "dress", ink = 1, ink_width = 3 }`: each key is a control

@@ -1,7 +1,7 @@
 """Patch sections for the picture: `[picture]`, `[[character]]` and `[texture]`."""
 
 from functools import cached_property
-from typing import Annotated
+from typing import Annotated, Literal
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
@@ -15,9 +15,10 @@ from live.base.custom_pass import (
 )
 from live.base.errors import PersonError
 from live.motion.skeleton import SKELETON
-from live.show.patch.section_base import Colour, InvalidEntry, Name, Section, Share, run_check
+from live.show.patch.section_base import Colour, InvalidEntry, Name, Section, Share, WorldCoordinate, run_check
 
 Number = float | tuple[float, float, float]
+FontFile = Annotated[str, Field(min_length=1, max_length=400)]
 
 
 class OwnPassSection(Section):
@@ -64,6 +65,74 @@ class PictureSection(Section):
     @model_validator(mode="after")
     def _settings_are_valid(self, info: ValidationInfo) -> "PictureSection":
         run_check(info, "picture", self)
+        return self
+
+
+class TitleSection(Section):
+    """`[[title]]`: a title, or the style of titles, shown by `/dance/title`."""
+
+    name: Name
+    """Its name for `/dance/title`."""
+    text: Annotated[str, Field(max_length=250)] = ""
+    """Its text; `|` begins a new line; left out: that of the call."""
+    place: Literal["picture", "behind", "front"] = "picture"
+    """Over the picture, or standing in the space behind or in front of the dancers."""
+    at: tuple[WorldCoordinate, WorldCoordinate] | None = None
+    """Its middle: shares of the picture's width and height from the upper left corner (left out: 0.5, 0.5); in the
+    space x and height [m] (left out: 0, 2.2)."""
+    z: WorldCoordinate | None = None
+    """In the space: its depth [m]; left out: 1 behind the stage's back edge, or 0.6 before its front edge."""
+    size: Annotated[float, Field(gt=0, le=50)] | None = None
+    """Height of a capital letter: share of the picture's height (left out: 0.09), in the space [m] (left out: 1)."""
+    tracking: Annotated[float, Field(ge=-0.2, le=2)] = 0.03
+    """Space added between letters, in ems."""
+    colour: Colour = (1.0, 0.96, 0.9)
+    """Its colour."""
+    brightness: Annotated[float, Field(ge=0, le=4)] = 1.0
+    """Factor of the colour; above 1 it glows."""
+    entrance: Literal["cut", "fade", "rise", "wipe", "type"] = "rise"
+    """How it enters, from a beat on: at once, as a whole, letter by letter from below, from left to right, or letter by
+    letter as typed."""
+    measures: Annotated[float, Field(ge=0, le=64, allow_inf_nan=False)] = 1.0
+    """Length of the entrance in measures."""
+    hold: Annotated[float, Field(ge=0, le=1024, allow_inf_nan=False)] = 0.0
+    """It fades out after so many measures; 0: when it is hidden or another title of this name is shown."""
+    font: FontFile | None = None
+    """A .ttf or .otf file in the patch's folder or below it; left out: the usual font."""
+
+
+class WordsSection(Section):
+    """`[words]`: words of the audience, shown by `/dance/word` or offered by `/dance/word/offer`."""
+
+    form: Literal["cloud", "rain"] = "cloud"
+    """They gather in a cloud behind the dancers, or fall."""
+    accept: Literal["operator", "all"] = "operator"
+    """Whether offered words wait for the operator, or all that are no blocked words are shown."""
+    blocked: Annotated[tuple[Name, ...], Field(max_length=1000)] = ()
+    """Words that no word may contain, whatever its case and accents."""
+    vote: Annotated[tuple[Name, ...], Field(max_length=64)] = ()
+    """Words on which phones can vote (`/dance/audience/vote word …`): the winner is shown."""
+    most: Annotated[int, Field(ge=1, le=32)] = 24
+    """Largest number of words at a time; the oldest fades."""
+    beats: Annotated[float, Field(ge=0, le=4096, allow_inf_nan=False)] = 32.0
+    """A word begins to fade after so many beats, and falls so long; 0: it stays."""
+    size: Annotated[float, Field(gt=0, le=10)] = 0.42
+    """Usual height of a capital letter [m]."""
+    width: Annotated[float, Field(gt=0, le=200)] | None = None
+    """Width of the cloud [m]; left out: 1.1 times the stage's."""
+    bottom: Annotated[float, Field(ge=0, le=50)] = 0.8
+    """Height of its lower edge [m]."""
+    top: Annotated[float, Field(gt=0, le=60)] = 4.4
+    """Height of its upper edge [m]."""
+    colour: Colour = (0.55, 0.8, 1.0)
+    """Their colour."""
+    font: FontFile | None = None
+    """A .ttf or .otf file in the patch's folder or below it; left out: the usual font."""
+
+    @model_validator(mode="after")
+    def _cloud_has_room(self) -> "WordsSection":
+        if self.top <= self.bottom:
+            raise ValueError(f"top {self.top:g} has to be above bottom {self.bottom:g}")
         return self
 
 

@@ -6,6 +6,7 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from live.base.errors import PersonError
 from live.base.floor_corners import check_corners
+from live.render.media.live_input import parse_input
 from live.show.patch.section_base import (
     Colour,
     Draw,
@@ -79,24 +80,78 @@ class ItemSection(Section):
 
 
 class BackgroundSection(Section):
-    """`[[background]]`: an image or a video behind the dancers, shown by `/dance/background`."""
+    """`[[background]]`: an image, a video, an image sequence or a live input, behind, below or in front of the dancers,
+    shown by `/dance/background`."""
 
     name: Name
     """Its name for `/dance/background`."""
-    file: Annotated[str, Field(min_length=1, max_length=400)]
-    """The file, looked up in the patch's folder, then in the project's patches."""
+    file: Annotated[str, Field(min_length=1, max_length=400)] | None = None
+    """The file, looked up in the patch's folder, then in the project's patches; `rain_####.png` is a sequence of
+    numbered images, a sign for each digit."""
+    input: Annotated[str, Field(min_length=1, max_length=400)] | None = None
+    """Instead of a file: a capture device `camera:0`, another show's `shm:NAME`, or a stream such as
+    `udp://0.0.0.0:5000`."""
+    place: Literal["behind", "floor", "front"] = "behind"
+    """Behind the dancers, on the floor, or in front of them, as a gauze."""
     fit: Literal["wall", "picture"] = "wall"
-    """On the wall behind the stage, or over the whole picture, as for a projection on a gauze."""
+    """A rectangle in the space (at the back it is on the wall), or over the whole picture."""
+    at: Place | None = None
+    """Its centre (x, z) [m]; left out: on the back wall, in the middle of the floor, or at the stage's front edge."""
+    turn_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
+    """Rotation on the floor: 0 reads from the audience, positive as a dancer turns towards +x."""
+    blend: Literal["over", "add"] = "over"
+    """Whether it covers what is behind it (where it is not transparent), or adds its light: black is clear then."""
+    end: Literal["loop", "hold"] = "loop"
+    """What a video or sequence does at its end: it loops, or it holds its last picture; it begins when it is shown."""
+    fps: Annotated[float, Field(gt=0, le=240)] = 25.0
+    """Pictures per second of an image sequence."""
     beats: Annotated[float, Field(gt=0, le=4096)] | None = None
-    """Beats in which a video loops; left out: at its own speed."""
+    """Beats in which a video or sequence runs once; left out: at its own speed."""
     width: Annotated[float, Field(gt=0, le=500)] | None = None
-    """Width on the wall [m]; left out: 1.5 times the stage's."""
+    """Width [m]; left out: 1.5 times the stage's, on the floor the stage's."""
     bottom: Annotated[float, Field(ge=-5, le=50)] = 0.0
     """Height of its lower edge above the floor [m]."""
     brightness: Annotated[float, Field(ge=0, le=4)] = 0.8
     """Brightness."""
     seen: Share = 0.0
     """Opacity when the show begins."""
+
+    @model_validator(mode="after")
+    def _shows_something(self) -> "BackgroundSection":
+        if (self.file is None) == (self.input is None):
+            raise ValueError(f"{self.name!r} needs a file or an input, and one of them only")
+        if self.place == "floor" and self.fit == "picture":
+            raise InvalidEntry(
+                'a picture on the floor cannot fill the picture: leave fit out, or place = "behind"', "fit"
+            )
+        if self.input is not None:
+            try:
+                parse_input(self.input)
+            except PersonError as error:
+                raise InvalidEntry(str(error), "input") from None
+        return self
+
+
+class ScenerySection(Section):
+    """`[[scenery]]`: a set piece from a glTF file that stands on the stage, shown by `/dance/scenery`. An
+    `[[obstacle]]` at its place keeps dancers away from it."""
+
+    name: Name
+    """Its name for edits of the show's files."""
+    file: Annotated[str, Field(min_length=1, max_length=400)]
+    """A .glb or .gltf file in the patch's folder or below it: `set/tree.glb`."""
+    at: Place = (0.0, 0.0)
+    """Where the middle of its underside stands (x, z) [m]."""
+    turn_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
+    """Rotation: 0 as in the file, positive as a dancer turns towards +x."""
+    lift: Annotated[float, Field(ge=-20, le=50)] = 0.0
+    """Height of its underside above the floor [m]."""
+    scale: Annotated[float, Field(gt=0, le=1000)] = 1.0
+    """Factor of the file's metres."""
+    height: Annotated[float, Field(gt=0, le=100)] | None = None
+    """Its height [m], instead of `scale`."""
+    seen: Share = 1.0
+    """How much of it is seen when the show begins."""
 
 
 class SteeringSection(Section):

@@ -58,6 +58,7 @@ def _check_unique_names(patch: Patch) -> Iterator[InvalidEntry]:
     things |= {"scene": [scene.name for scene in patch.scene], "cue": [cue.name for cue in patch.cue]}
     things["pad"] = [pad.name for pad in patch.pad]
     things["mocap"] = [performer.name for performer in patch.mocap]
+    things["scenery"], things["title"] = [each.name for each in patch.scenery], [each.name for each in patch.title]
     things["background"] = [background.name for background in patch.background]
     things |= {"character": [each.name for each in patch.character]}
     things["partner"] = [partner.name for partner in patch.partner]

@@ -1,4 +1,4 @@
-"""Motion of the dancers in a tick: correction, steps, captured performers, partners."""
+"""Motion of the dancers in a tick: correction, steps, captured performers, partners, faces and hands."""
 
 from typing import TYPE_CHECKING
 
@@ -11,6 +11,7 @@ from live.show.stages.now import Now
 if TYPE_CHECKING:
     from live.show.capture.capture_manager import CaptureManager
     from live.show.dancers.dancers import Dancers
+    from live.show.dancers.expression import Expression
     from live.show.group.group_motion import GroupMotion
     from live.show.partner.partner_response import PartnerResponse
     from live.show.score.music_reactions import Reactions
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class DancersStage:
-    """Stages CORRECTION, DANCERS, CAPTURE and PARTNERS of one show."""
+    """Stages CORRECTION, DANCERS, CAPTURE, PARTNERS and EXPRESSION of one show."""
 
     def __init__(
         self,
@@ -31,7 +32,9 @@ class DancersStage:
         motion: "GroupMotion",
         reactions: "Reactions",
         score_runner: "ScoreRunner",
+        expression: "Expression",
     ) -> None:
+        self._expression = expression
         self._breakers, self._dancers, self._mocap, self._motion = breakers, dancers, mocap, motion
         self._correction = scheduler.root_correction
         self._reactions, self._score_runner = reactions, score_runner
@@ -51,6 +54,8 @@ class DancersStage:
             partners = self._motion.partners
             if len(partners.leader) or dancers.hands.active:
                 dancers.hands.tick(partners.other, partners.hand, TICK, timeline.tempo)
+        if closed(Stage.EXPRESSION):
+            self._expression.tick(now, fraction, music=self._score_runner.mood.value("energy"))
 
     def _answer(self, partner_response: "PartnerResponse", now: Now, fraction: float) -> None:
         """Advance the partner response, move the agents of followers, and pass new units to the reactions."""

@@ -12,6 +12,7 @@ from live.show.capture.stage_presence import CanonBounds, Performers
 from live.show.dancers.collision_avoidance import CollisionAvoidance, ContactResolver
 from live.show.dancers.correction_update import CorrectionUpdate, NextCorrection
 from live.show.dancers.dancers import Dancers
+from live.show.dancers.expression import Expression
 from live.show.dancers.live_texture import LiveTexture
 from live.show.dancers.measure_state import MeasureState, _CachedEnds
 from live.show.dancers.partners import PairSteering, Partners
@@ -136,6 +137,10 @@ KINDS: Final = [
         _score:score _group_masks:addressees _field:element-field _ahead:f4 _last_of:dict[str,element]
         _placed_measure:int _measure_elements:list[element] gain:float
     """),
+    Kind("expression", Expression, """
+        _dancers:dancers _motion:group-motion _seed:int _everybody:i4(dancer) _soloists:i4(dancer)* _measure:int
+        _ticks:int number:f4 choice:i4 _slow:f4 hands:f4 asked:i4 _until:f8 _measured:f4 _shown_at:f8 _shown:f4
+    """, is_consistent=Expression.is_consistent),
     Kind("evolutions", Evolutions, """
         _patch:constant-patch _casting:casting _score:score _formations:formations _beats:int _plan:plan
         _planned_measure:int _measure:int _measure_segments:list[segment] _next:int _fresh:bool _heading:f8|none

@@ -2,10 +2,12 @@
 
 from typing import Final
 
+from live.base.stage_snapshot import Title
 from live.motion.pose.arm_clearance import ArmEasing
 from live.show.audience.audience import Audience
 from live.show.audience.audience import TouchCluster as AudiencePlace
 from live.show.audience.voting import Turn, Vote, VoteNames
+from live.show.audience.words import ShownWord, Words
 from live.show.circuit_breakers import CircuitBreakers, Stage
 from live.show.dancers.garments import Garments
 from live.show.dancers.step_requests import StepRequests
@@ -17,6 +19,7 @@ from live.show.desk.pad import Pad, Pads
 from live.show.desk.parameters import Parameters
 from live.show.desk.refusals import Refusals
 from live.show.desk.scenes import Scene, Scenes
+from live.show.desk.titles import ShownTitle, Titles
 from live.show.desk.undo_history import UndoHistory, _Edit
 from live.show.frame import Frame
 from live.show.group.formations import Formations, NamedFormation
@@ -77,7 +80,7 @@ KINDS: Final = [
     """),
     Kind("answer-pairs.pair", Pair, "partner:int leader:int follower:int own_place:bool"),
     Kind("audience", Audience, """
-        _elements:elements _names:vote-names
+        words:words _elements:elements _names:vote-names
         _seed:int regions:row[str] _vote_measures:int open:bool gain:float muted:bool shaking:bool weights:list[float]
         turn:turn|none vote:vote|none result:tuple[int,str] _result_measure:int _winner_measures:int tally:bool
         invitation:int banned:dict[int,none] command_count:int phones:int
@@ -92,7 +95,7 @@ KINDS: Final = [
         seed:int breakers:breakers refusals:refusals clock:show-clock casting:casting reactions:reactions
         score_runner:prompter motion:group-motion variation:variation dancers:dancers garments:garments
         scheduler:scheduler interrupts:interrupts directions:directions mocap:mocap desk:desk audience:audience
-        light:light hot_swap:hot-swap view_builder:seen launcher:launcher frame:frame
+        light:light hot_swap:hot-swap view_builder:seen expression:expression launcher:launcher frame:frame
     """),
     Kind("frame", Frame, """
         breakers:breakers router:event-router clock:show-clock measure_lines:measure-lines plan:plan-stage
@@ -100,7 +103,7 @@ KINDS: Final = [
         motion:group-motion tripped:tripped-stages
     """),
     Kind("event-router", EventRouter, """
-        _parts:row[audience|desk|directions|elements|garments|group-controls|hot-swap|launcher|light|mocap|score-requests|seen|show-clock|tripped-stages]
+        _parts:row[audience|desk|directions|elements|garments|group-controls|hot-swap|launcher|light|mocap|score-requests|seen|expression|show-clock|tripped-stages]
         _clock:show-clock _motion:group-motion _undo_history:edits _refusals:refusals
     """, factories={"_handlers": dict, "observers": list}, after_read=EventRouter.build_table),
     Kind("show-clock", ShowClock, """
@@ -151,7 +154,7 @@ KINDS: Final = [
     """),
     Kind("dancers-stage", DancersStage, """
         _breakers:breakers _dancers:dancers _mocap:mocap _motion:group-motion _correction:carrying
-        _reactions:reactions _score_runner:prompter
+        _reactions:reactions _score_runner:prompter _expression:expression
     """),
     Kind("score-requests", ScoreRequests, """
         _score_runner:prompter _reactions:reactions _motion:group-motion _scheduler:scheduler
@@ -167,8 +170,8 @@ KINDS: Final = [
     """),
     Kind("cues.given", _TriggeredCue, "index:int due:float earliest:float revert_event:event|none"),
     Kind("desk", LightDesk, """
-        parameters:parameters camera_rig:camera-rig spots:spots energy:float scenes:scenes _score_runner:prompter
-        cues:cues undo_history:edits beats:int master:master held:bool
+        parameters:parameters camera_rig:camera-rig spots:spots energy:float background_age:f8 scenes:scenes
+        _score_runner:prompter cues:cues undo_history:edits beats:int master:master held:bool titles:titles
     """),
     Kind("directions", StepRequests, """
         _motion:group-motion _casting:casting _dancers:dancers _variation:variation _scheduler:scheduler
@@ -273,7 +276,8 @@ KINDS: Final = [
     """),
     Kind("scenes", Scenes, """
         _parameters:parameters _rig:camera-rig _custom_passes:dict[str,constant-own-number] stored:dict[str,scene]
-        _views:dict[str,scene] _looks:dict[str,scene] _backgrounds:list[str] _scenes:dict[str,scene]
+        _views:dict[str,scene] _looks:dict[str,scene] _backgrounds:list[str]
+        _background_places:list[str] _scenes:dict[str,scene]
     """),
     Kind("score", Score, "playhead:playhead _sections:dict[str,int] written:constant-written"),
     Kind("facing", Facing, "kind:str degrees:float dancer:int name:str"),
@@ -281,7 +285,7 @@ KINDS: Final = [
          factories={"_drawn": no_value}),
     Kind("seen", ViewBuilder, """
         _dancers:dancers _motion:group-motion _division:division _desk:desk _audience:audience _light:light
-        _follower:timeline-follower _frozen_view:stage-view|none _appearances:appearances
+        _follower:timeline-follower _frozen_view:stage-view|none _appearances:appearances _expression:expression
         _garments:garments
     """, factories={"_easing": ArmEasing}),
     Kind("spots", Spots, "_parameters:parameters _followers:row[chase] _levels:list[int]"),
@@ -293,6 +297,16 @@ KINDS: Final = [
         requested:list[subgroup] active:list[subgroup] of_dancer:i4(subgroup) _count:int _assigned:int|none
         _before:list[tuple[b1,tuple[int,int,int,int]|none]]
     """, is_consistent=whole.subgroups),
+    Kind("title", Title, """
+        text:str place:str at:tuple[float,float,float] size:float tracking:float colour:tuple[float,float,float]
+        entrance:str font:str progress:float level:float
+    """),
+    Kind("titles", Titles, "_patch:constant-patch shown:list[titles.shown]"),
+    Kind("titles.shown", ShownTitle, "key:str title:title begin:float entrance:float end:float"),
     Kind("turn", Turn, "region:int begins:int ends:int"),
     Kind("vote", Vote, "number:int kind:str choices:row[str] closes:int counts:row[int]"),
+    Kind("words", Words, """
+        _patch:constant-patch _seed:int waiting:list[str] shown:list[words.shown] _count:int refused:int
+    """),
+    Kind("words.shown", ShownWord, "title:title began:float start:tuple[float,float,float] end:float"),
 ]  # fmt: skip

@@ -8,9 +8,12 @@ from live.base.body.catalogue import BODIES, DEFAULT_BODY, CharacterFile
 from live.base.errors import PersonError, error_context
 from live.base.projector_perspective import camera_from_corners
 from live.base.set_geometry import SetItem
-from live.base.stage_snapshot import GROUP_COLOURS, Background, Camera, Scene
+from live.base.stage_snapshot import GROUP_COLOURS, Background, Camera, Scene, SceneryFile
+from live.motion.formats.file_error import MotionFileError
 from live.motion.skeleton import JOINT_COUNT
-from live.render.media_background import check_background
+from live.render.lettering.distance_field import EM, read_font
+from live.render.media.media_files import NUMBER_SIGN, check_media
+from live.render.media.set_model import read_set_model
 from live.show.dancers.character_casting import bodies_of
 from live.show.desk.look_settings import group_settings
 from live.show.desk.parameter_table import parse_value
@@ -52,19 +55,71 @@ def make_backgrounds(patch: Patch, path: Path, *, whole: bool = True) -> tuple[B
     for number, section in enumerate(patch.background):
         file = ""
         with contextlib.nullcontext() if whole else contextlib.suppress(PersonError):
-            file = _background_file(section.file, path, number)
-        keys = section.fit, section.beats, section.width, section.bottom, section.brightness
-        found.append(Background(file, *keys))
+            file = "" if section.file is None else _background_file(section.file, path, number)
+        keys = section.model_dump(exclude={"name", "file", "input", "seen"})
+        found.append(Background(file, **keys, input=section.input or ""))
     return tuple(found)
 
 
 def _background_file(name: str, path: Path, number: int) -> str:
     with error_context("file", ("background", number, "file")):
+        if NUMBER_SIGN in name:
+            folder = find_resource(str(Path(name).parent), path)
+            file = None if folder is None else folder / Path(name).name
+        else:
+            file = find_resource(name, path)
+        if file is None:
+            raise PersonError(f"there is no {name!r}", f"put it next to {path.name}, or correct the name")
+        check_media(file)
+    return str(file)
+
+
+def make_scenery(patch: Patch, path: Path, *, whole: bool = True) -> tuple[SceneryFile, ...]:
+    """Return the set pieces of the patch at `path`; PersonError for a file that is missing or cannot be drawn.
+
+    Unless `whole`, such a set piece has no file and is not drawn.
+    """
+    found = []
+    for number, section in enumerate(patch.scenery):
+        file = ""
+        with contextlib.nullcontext() if whole else contextlib.suppress(PersonError):
+            file = _scenery_file(section.file, path, number)
+        found.append(SceneryFile(file, **section.model_dump(exclude={"name", "file", "seen"})))
+    return tuple(found)
+
+
+def _scenery_file(name: str, path: Path, number: int) -> str:
+    with error_context("file", ("scenery", number, "file")):
         file = find_resource(name, path)
         if file is None:
             raise PersonError(f"there is no {name!r}", f"put it next to {path.name}, or correct the name")
-        check_background(file)
+        try:
+            read_set_model(file)
+        except MotionFileError as error:
+            raise PersonError(f"{name!r}: {error.problem}", error.expected) from None
     return str(file)
+
+
+def make_fonts(patch: Patch, path: Path, *, whole: bool = True) -> tuple[tuple[str, str], ...]:
+    """Return names and files of the fonts of the patch at `path`; PersonError for one that cannot be read.
+
+    Unless `whole`, such a font is left out, and the usual one is drawn.
+    """
+    found: dict[str, str] = {}
+    places = [(("title", number, "font"), each.font) for number, each in enumerate(patch.title)]
+    for place, name in (*places, (("words", "font"), patch.words.font)):
+        if name is None or name in found:
+            continue
+        with contextlib.nullcontext() if whole else contextlib.suppress(PersonError), error_context("font", place):
+            file = find_resource(name, path)
+            if file is None:
+                raise PersonError(f"there is no {name!r}", f"put it next to {path.name}, or correct the name")
+            try:
+                read_font(str(file), EM)
+            except (OSError, ValueError):
+                raise PersonError(f"{name!r} is no font that can be read", "a .ttf or .otf file") from None
+            found[name] = str(file)
+    return tuple(found.items())
 
 
 def set_items(patch: Patch) -> tuple[SetItem, ...]:
@@ -100,6 +155,8 @@ def make_scene(
         group_colours=colours,
         group_styles=styles,
         backgrounds=() if path is None else make_backgrounds(patch, path, whole=whole),
+        scenery=() if path is None else make_scenery(patch, path, whole=whole),
+        fonts=() if path is None else make_fonts(patch, path, whole=whole),
         items=set_items(patch),
         passes=patch.picture.passes,
         custom_passes=patch.picture.own_passes,

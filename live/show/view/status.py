@@ -134,6 +134,7 @@ class Status:
             "events_accepted": self.events_accepted,
             "events_rejected": dict(self._refused_by_reason()),
             "phones": show.audience.phones,
+            "words": show.audience.words.facts(),
             "rss_mb": round(self._memory(), 1),
             "faults": self.faults,
             "behind": show.scheduler.reachability_report(),
@@ -177,6 +178,8 @@ class Status:
         )
         more = self._show.score_runner.status_lines()
         more = (*more, f"pointer: {self.tool}") if self.tool else more
+        waiting = s["words"]["waiting"]
+        more = (*more, f"words wait: {', '.join(waiting)[:120]}") if waiting else more
         record = [f"{name}: {told['record']}" for name, told in s["behind"].items() if told["record"]]
         more = (*more, *tempo_line(s["off_tempo"]), *record[:1], *(explanation_lines(s["why"]) if s["why"] else ()))
         more = (*more, *(note for tell in self.notices if (note := self._calls.call(callback_name(tell), tell))))

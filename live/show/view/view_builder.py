@@ -13,6 +13,7 @@ from live.clock.ticks import TICK
 from live.control.events.events import FreezePicture
 from live.motion.pose.arm_clearance import ArmEasing
 from live.motion.skeleton import JOINT_COUNT
+from live.show.dancers.expression import EVERYWHERE
 from live.show.group.division import Division
 from live.show.journal.state_hash import hash_of
 from live.show.stages.now import Now
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from live.clock.follower.timeline_follower import TimelineFollower
     from live.show.audience.audience import Audience
     from live.show.dancers.dancers import Dancers
+    from live.show.dancers.expression import Expression
     from live.show.dancers.garments import Garments
     from live.show.desk.light_desk import LightDesk
     from live.show.group.group_motion import GroupMotion
@@ -35,6 +37,8 @@ BODY_HEIGHT: Final = 1.7
 FULL_DETAIL, NO_DETAIL = 0.06, 0.045
 """Heights of a dancer, as shares of the picture's, from which on arms keep off others fully, and below which they do
 not: there an arm in another's body is three pixels of 1080."""
+FACE_DETAIL = 0.08
+"""Dancers whose height is a smaller share of the picture's have no expression: there a head has 11 pixels of 1080."""
 WIDEST = 4.0
 """No picture is wider than so many times its height; ..."""
 BESIDE = 3.0
@@ -58,8 +62,10 @@ class ViewBuilder:
         light: "LightStage",
         follower: "TimelineFollower",
         appearances: "Appearances",
+        expression: "Expression",
         garments: "Garments",
     ) -> None:
+        self._expression = expression
         self._dancers, self._motion, self._division, self._desk = dancers, motion, division, desk
         self._audience, self._light, self._follower = audience, light, follower
         self._appearances, self._garments = appearances, garments
@@ -111,6 +117,8 @@ class ViewBuilder:
             easing=self._easing,
         )
         self._motion.show(view)
+        seen = EVERYWHERE if view.detailed or view.picture is None else face_distance(view.picture)
+        self._expression.show(view, time, now, seen)
         view.group[:] = self._division.part
         view.appearance[:] = self._appearances.rows()
         self._garments.show(view, min(max(time - now.time, 0.0), MAX_EXTRAPOLATION))
@@ -118,6 +126,8 @@ class ViewBuilder:
         view.measure, view.beats_per_measure = span.number, timeline.beats_per_measure
         view.phase = fraction * timeline.beats_per_measure
         self._audience.show(view)
+        view.titles = (*self._audience.words.seen_at(beat), *self._desk.titles.seen_at(beat))
+        view.background_age[:] = self._desk.background_age
         view.energy = self._desk.energy
         counted = self._desk.cues.count_in(span.danced_beats(beat, self._desk.beats))
         view.count_in = 0.0 if counted is None else max(counted[0], 0.0)
@@ -146,10 +156,20 @@ class ViewBuilder:
             *dancers.pose(now.span.fraction(beat), now.time, visible=motion.present),
             motion.stage_area.half, motion.stage_area.border,
             np.array([beat, now.timeline.tempo, self._brightness]),
+            *self._expression.hashed(),
             *self._desk.hashed(),
             *(part for captured in dancers.captured.values() for part in captured.hashed()),
             *self._garments.hashed(),
         )  # fmt: skip
+
+
+def face_distance(picture: Float64) -> tuple[Float64, float]:
+    """Return the eye (3,) of a picture with these parameters, and the distance from it [m] beyond which faces and
+    fingers are too small to be seen; a plan has no distance."""
+    if picture[PLAN] > 0.0:
+        return EVERYWHERE
+    half = math.tan(math.radians(0.5 * float(picture[FIELD_OF_VIEW])))
+    return picture[EYE], BODY_HEIGHT / (2.0 * half * FACE_DETAIL)
 
 
 def motion_detail(picture: Float64, hips: Float32) -> Float64 | None:

@@ -12,12 +12,12 @@ from live.motion.skeleton import SKELETON
 from live.render.adaptive_quality import SOFTWARE
 from live.render.body.body_mesh import DISTANT, FINE, LIGHT, build_body
 from live.render.body.body_variants import parts_of
-from live.render.body.drawn_joints import ANCHORS, DRAWN_COUNT
+from live.render.body.drawn_joints import ANCHORS
 from live.render.body.implicit_surface import Shape
 from live.render.dancers.dancer_batch import DancerBatch, attribute_layout, vertex_bytes
-from live.render.render_kernels import pose_texels
 from live.render.shader import source
-from tests.render.poses import pose, stage_view
+from tests.render.body.detail_motion import drawn_motions
+from tests.render.poses import pose, quaternion, stage_view
 from tests.render.test_renderer import scene
 
 MOST = 0.049
@@ -42,18 +42,22 @@ def litres(mesh, places):
     return 1000.0 * float((np.cross(a, b) * c).sum()) / 6.0
 
 
+def _quaternion(turn):
+    w, *v = quaternion(turn)
+    return np.array([*v, w])
+
+
 def skin_mesh(mesh, turns):
-    """Dual-quaternion skinning (Kavan et al. 2007) in double precision."""
-    position, rotation = pose(turns)
-    texels = np.zeros((1, 2 * DRAWN_COUNT, 4), np.float32)
-    pose_texels(
-        position[None],
-        rotation[None],
-        np.ascontiguousarray(SKELETON.rest_positions(), np.float32),
-        ANCHORS,
-        texels,
-    )
-    joints = texels[0].reshape(DRAWN_COUNT, 2, 4).astype(np.float64)
+    """A pose's vertices in double precision."""
+    return skinned_by(mesh, *drawn_motions(*pose(turns)))
+
+
+def skinned_by(mesh, turns_of, moves):
+    """Dual-quaternion skinning (Kavan et al. 2007)."""
+    real = np.array([_quaternion(turn) for turn in turns_of])
+    u, w = real[:, :3], real[:, 3:]
+    dual = 0.5 * np.concatenate([moves * w + np.cross(moves, u), -(moves * u).sum(axis=1, keepdims=True)], axis=1)
+    joints = np.stack([real, dual], axis=1)
     real, dual = joints[mesh.joint, 0], joints[mesh.joint, 1]
     weight = np.where((real * real[:, :1]).sum(axis=-1) < 0.0, -1.0, 1.0) * np.rint(mesh.weight * 255.0)
     real, dual = ((part * weight[..., None]).sum(axis=1) for part in (real, dual))
@@ -79,9 +83,10 @@ def test_linear_blend_skinning_loses_more_volume_than_allowed():
     position, rotation = pose(BENT["knee"])
     rest = SKELETON.rest_positions().astype(np.float64)
     w, u = rotation[:, :1].astype(np.float64), rotation[:, 1:].astype(np.float64)
-    v = mesh.position[:, None, :] - rest[mesh.joint]
-    turn = 2.0 * np.cross(u[mesh.joint], v)
-    each = position[mesh.joint] + v + w[mesh.joint] * turn + np.cross(u[mesh.joint], turn)
+    skeletal = np.concatenate([np.arange(len(SKELETON.names)), ANCHORS])[mesh.joint]
+    v = mesh.position[:, None, :] - rest[skeletal]
+    turn = 2.0 * np.cross(u[skeletal], v)
+    each = position[skeletal] + v + w[skeletal] * turn + np.cross(u[skeletal], turn)
     places = (each * mesh.weight[..., None]).sum(axis=1)
     assert litres(mesh, skin_mesh(mesh, {})) - litres(mesh, places) > MOST * limb_volume(DEFAULT_BODY, "knee")
 

@@ -11,6 +11,7 @@ from PIL import Image
 from live.motion import quaternion
 from live.motion.skeleton import SKELETON
 from live.render.body.body_mesh import LIGHT, build_body
+from live.render.body.drawn_joints import ANCHORS
 
 MIXAMO = {
     "hips": "Hips", "spine": "Spine", "chest": "Spine1", "upperChest": "Spine2", "neck": "Neck", "head": "Head",
@@ -88,6 +89,10 @@ class Figure:
     double: bool = False
 
 
+SKELETAL = np.concatenate([np.arange(len(SKELETON.names)), ANCHORS])
+"""The joint of the skeleton for each drawn joint."""
+
+
 def body_of(figure):
     """Mesh, positions, normals and joint positions of the figure in its rest pose; weights (V, J)."""
     mesh = build_body(figure.level)
@@ -104,8 +109,7 @@ def body_of(figure):
             factor = figure.lengths.get(_split(SKELETON.names[joint])[1], 1.0)
             place[joint] = place[parent] + factor * quaternion.rotate(turn[parent], rest[joint] - rest[parent])
     weight = np.zeros((len(mesh.position), len(rest)))
-    for column in range(4):
-        np.add.at(weight, (np.arange(len(weight)), mesh.joint[:, column]), mesh.weight[:, column])
+    np.add.at(weight, (np.arange(len(weight))[:, None], SKELETAL[mesh.joint]), mesh.weight)
     position = np.zeros(mesh.position.shape)
     normal = np.zeros(mesh.position.shape)
     for joint in range(len(rest)):

@@ -30,7 +30,7 @@ def test_body_read_from_file_equals_generated_body(wanted):
     model, own = fit_figure(**wanted)
     assert find_joints(model, {}) == {name: at for at, name in enumerate(SKELETON.names)}
     soles = BODY.position[:, 1].min()  # they end a little over the floor, and are put upon it
-    assert 0.0 <= soles < 0.0015
+    assert 0.0 <= soles < 0.0025
     assert np.abs(own.position - BODY.position).max() < 2e-5 + 1.3 * soles
     assert np.abs(own.normal - BODY.normal).max() < 1e-3
 
@@ -84,7 +84,7 @@ def test_levels_have_fewer_triangles_and_keep_the_shape(tmp_path):
     assert len(fine.triangle) == len(build_body(2).triangle)
     for level, mesh in ((LIGHT, light), (COARSE, coarse)):
         assert 0.6 * TRIANGLES[level] < len(mesh.triangle) <= TRIANGLES[level]
-        assert np.abs(mesh.position.max(axis=0) - fine.position.max(axis=0)).max() < 0.02
+        assert np.abs(mesh.position.max(axis=0) - fine.position.max(axis=0)).max() < 0.025  # toes are thin
         assert np.abs(mesh.position.min(axis=0) - fine.position.min(axis=0)).max() < 0.02
         edges = mesh.position[mesh.triangle] - mesh.position[mesh.triangle[:, [1, 2, 0]]]
         assert np.linalg.norm(edges, axis=2).max() < 0.12  # nothing is torn across the body

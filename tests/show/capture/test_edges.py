@@ -8,7 +8,7 @@ import pytest
 from live.agents.crowd.contact_kernels import EDGE_TIME
 from live.clock.ticks import TICK
 from live.control.events import events
-from live.motion.packed_pose import pack_pose
+from live.motion.capture.packed_pose import pack_pose
 from live.motion.skeleton import JOINT_COUNT
 from live.show.capture.stage_presence import MAX_RETURN_SPEED, CanonBounds
 from tests.show.capture.test_mocap import MEASURE, performer, run

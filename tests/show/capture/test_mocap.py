@@ -12,10 +12,10 @@ from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events import events
 from live.motion import quaternion
+from live.motion.capture.packed_pose import pack_pose, unpack_pose
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import mirror_clip
-from live.motion.packed_pose import pack_pose, unpack_pose
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.show.capture.performer import HOLD_S
 from live.show.dancers.footfalls import FootfallDetector

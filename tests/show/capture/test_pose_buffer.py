@@ -11,7 +11,7 @@ from live.base.event_queue import EventQueue
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events import events
-from live.motion.packed_pose import pack_pose, unpack_pose
+from live.motion.capture.packed_pose import pack_pose, unpack_pose
 from live.motion.skeleton import JOINT_COUNT
 from live.show.capture.pose_buffer import FAR_DISTANCE, LAG_S, MAX_SPEED, DriftCorrection
 from live.show.engine import Engine

@@ -6,7 +6,7 @@ import pytest
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.events import events
-from live.motion.packed_pose import pack_pose
+from live.motion.capture.packed_pose import pack_pose
 from live.motion.pose.hand_hold import ARM_JOINTS
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.show.loader import LoadedShow

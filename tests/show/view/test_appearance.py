@@ -57,13 +57,13 @@ def test_unknown_costume_is_rejected_with_names() -> None:
 
 
 def test_scene_dresses_a_group() -> None:
-    session = DeskSession('[[scene]]\nname = "x"\nset = { "/dance/draw/shoes front" = ["boots", "heels"] }\n').run(2)
+    session = DeskSession('[[scene]]\nname = "x"\nset = { "/dance/draw/shoes front" = ["boots", "pumps"] }\n').run(2)
     assert session.say("/dance/scene", "x")
     rows = appearance(session.show)
     front = session.show.group == 0
-    assert {SHOES[place] for place in rows[front, SHOES_WORN]} == {"boots", "heels"}
+    assert {SHOES[place] for place in rows[front, SHOES_WORN]} == {"boots", "pumps"}
     assert (rows[~front, SHOES_WORN] == 0).all()
-    assert session.desk.scenes.written() == {"/dance/draw/shoes front": "heels + boots"}
+    assert session.desk.scenes.written() == {"/dance/draw/shoes front": "pumps + boots"}
 
 
 def test_resumed_show_wears_the_same() -> None:

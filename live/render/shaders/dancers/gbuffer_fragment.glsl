@@ -3,7 +3,7 @@
 #include "surface.glsl"
 
 in vec4 facing;   // normal, openness
-in vec4 body;     // place in the rest pose, dancer
+in vec4 body;     // place on the usual body, 16 times the dancer and the part
 
 layout(location = 0) out vec4 cover;   // square root of the colour (finer steps in the dark), openness
 layout(location = 1) out vec4 shape;   // normal, sheen
@@ -12,13 +12,14 @@ layout(location = 2) out vec4 who;     // number of the dancer from 1 on in two 
 #endif
 
 void main() {
-    vec4 colour = surface(body.xyz, int(body.w + 0.5));
+    int own = int(body.w + 0.5);
+    vec4 colour = surface(body.xyz, own >> 4, own & 15);
 #ifdef WORN
     colour.rgb = sqrt(min(colour.rgb * colour.rgb + emitted(), 1.0));   // light cloth, for there is no place for light
 #endif
     cover = vec4(colour.rgb, facing.w);
 #if WHO
-    int number = int(body.w + 0.5) + 1;
+    int number = (own >> 4) + 1;
     who = vec4(float(number & 255), float((number >> 8) & 255), 0.0, 255.0) / 255.0;
 #endif
     shape = vec4(outward(facing.xyz) * 0.5 + 0.5, colour.a);

@@ -4,6 +4,7 @@ uniform sampler2D joint_rotation;   // w, x, y, z of each joint
 uniform sampler2D expression;       // face and hands: EXPRESSION texels a dancer
 uniform vec3 rest[JOINTS];          // joints of the skeleton in the rest pose [m]
 uniform vec4 detail[4 * DETAILS];   // see drawn_joints.py
+uniform vec4 driver[2 * DRIVERS];
 
 out vec4 dual_quaternion;
 
@@ -20,8 +21,16 @@ vec4 product(vec4 a, vec4 b) {
 
 Motion after(Motion a, Motion b) { return Motion(product(a.turn, b.turn), turned(a.turn, b.move) + a.move); }
 
-float column(int dancer_block, int row, float which) {
-    return texelFetch(expression, ivec2(dancer_block * EXPRESSION + int(which + 0.5), row), 0).x;
+// A column of the expression, or how far a joint is turned about an axis beside its parent.
+float column(int block, int row, float which) {
+    int number = int(which + 0.5);
+    if (number < EXPRESSION) return texelFetch(expression, ivec2(block * EXPRESSION + number, row), 0).x;
+    vec4 what = driver[2 * (number - EXPRESSION)], beyond = driver[2 * (number - EXPRESSION) + 1];
+    vec4 q = texelFetch(joint_rotation, ivec2(block * JOINTS + int(what.w + 0.5), row), 0).yzwx;
+    vec4 p = texelFetch(joint_rotation, ivec2(block * JOINTS + int(beyond.x + 0.5), row), 0).yzwx;
+    vec4 beside = product(vec4(-p.xyz, p.w), q);
+    float s = dot(beside.xyz, what.xyz);
+    return max(2.0 * (beside.w < 0.0 ? atan(-s, -beside.w) : atan(s, max(beside.w, 1e-9))), beyond.y);
 }
 
 // What a detail joint does beside the joint that it hangs on.
@@ -45,9 +54,10 @@ void main() {
     for (int axis = 0; axis < 3; ++axis) all.move[axis] = texelFetch(joint_position, ivec2(3 * at.x + axis, at.y), 0).x;
     all.move -= turned(all.turn, rest[anchor]);
     if (which >= 0) {
-        int parent = int(floor(detail[4 * which + 3].x + 0.5));
-        if (parent >= 0) all = after(all, detail_motion(parent, block, pixel.y));
-        all = after(all, detail_motion(which, block, pixel.y));
+        Motion own = detail_motion(which, block, pixel.y);
+        for (int up = int(floor(detail[4 * which + 3].x + 0.5)); up >= 0; up = int(floor(detail[4 * up + 3].x + 0.5)))
+            own = after(detail_motion(up, block, pixel.y), own);
+        all = after(all, own);
     }
     vec4 q = all.turn;
     vec3 t = all.move;

@@ -30,14 +30,14 @@ void main() {
         burn = exp(-left * 16.0) * min(4.0 * fill * (1.0 - fill), 1.0);
     }
 #if SURFACE
-    vec4 seen = surface(body.xyz, dancer);
+    vec4 seen = surface(body.xyz, dancer, int(body.w + 0.5));
     int number = dancer + 1;
     cover = vec4(seen.rgb, facing.w);
     shape = vec4(outward(normalize(facing.xyz)) * 0.5 + 0.5, seen.a);
     name = vec4(float(number & 255), float((number >> 8) & 255), float(group), 255.0) / 255.0;
 #else
     vec3 n = bumped(outward(normalize(facing.xyz)), place), own_light = emitted();
-    vec4 cloth = surface(body.xyz, dancer);
+    vec4 cloth = surface(body.xyz, dancer, int(body.w + 0.5));
     vec3 glow = glow_of(dancer), albedo = cloth.rgb * cloth.rgb;
     vec3 colour = lit(place, n, albedo, cloth.a, facing.w) + own_light;
     float beat = answer(group);

@@ -39,6 +39,7 @@ vec3 lit(vec3 place, vec3 n, vec3 albedo, float sheen, float openness) {
     shine *= shine; shine *= shine; shine *= shine; shine *= shine * sheen;
     // two lamps behind the stage, left and right: what cuts the figure out of the dark
     float rim = max(dot(n, RIM_LEFT), 0.0) + max(dot(n, RIM_RIGHT), 0.0);
+    rim *= min(2.5 * openness, 1.0);   // deep hollows, such as a mouth, have no rim
 
     vec3 light = key_light.rgb * (key * pool * 1.45 * (0.45 + 0.55 * openness));
     light += rim_light.rgb * (rim * (0.30 + edge));

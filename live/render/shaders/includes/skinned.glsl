@@ -2,7 +2,6 @@
 uniform usampler2D skin;
 uniform int skin_shift;      // binary logarithm of the texture's width
 
-in vec3 in_position;         // in the rest pose
 in ivec2 in_instance;        // dancer, texel of the first vertex
 #define VERTEX 1
 #ifdef WORN                  // a character with images of its own

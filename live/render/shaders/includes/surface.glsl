@@ -13,7 +13,7 @@ vec4 material(int which, int dancer) {
 #ifdef WORN
 uniform sampler2DArray images;   // square roots of colours
 #ifdef VERTEX
-vec4 surface(vec3 rest, int dancer) {
+vec4 surface(vec3 rest, int dancer, int part) {
     return vec4(textureLod(images, vec3(in_uv, in_finish.x * 255.0), 4.0).rgb * in_tint.rgb, in_tint.a);
 }
 #else
@@ -44,7 +44,7 @@ vec3 emitted() {
     return worn_extras[2 * worn_extra + 1].rgb * image * image;
 }
 
-vec4 surface(vec3 rest, int dancer) {
+vec4 surface(vec3 rest, int dancer, int part) {
     vec4 image = texture(images, worn_at.xyz);
     if (image.a < worn_at.w) discard;
     return vec4(image.rgb * worn_tint.rgb, worn_tint.a);
@@ -60,16 +60,22 @@ vec3 outward(vec3 normal) { return normal; }
 vec3 bumped(vec3 n, vec3 place) { return n; }
 vec3 emitted() { return vec3(0.0); }
 
+const int SKIN = 2, HAIR = 3, SHOE = 4, IDENTITY = 5, SHIRT = 6, SOLE = 7;   // see wardrobe.py
+const int HAIR_PART = 6, NAIL_PART = 7, GARMENT_PART = 8;                    // see surface_parts.py
+
+#if defined(HEAD) && !defined(VERTEX)
+#include "head_surface.glsl"
+vec4 surface(vec3 rest, int dancer, int part) { return head_surface(rest, dancer, part); }
+float seams(vec3 rest, int dancer) { return 1.0; }
+#else
 // What a place on the body shows: the number of a material (wardrobe.py), and how far the next border is [m].
 struct Wear { int which; float border; };
 
 void put(inout Wear wear, int which, float inside) {
     if (which == wear.which) return;
-    if (inside > 0.0) wear.which = which;
-    wear.border = min(wear.border, abs(inside));
+    if (inside > 0.0) wear = Wear(which, inside);   // hides the borders below it
+    else wear.border = min(wear.border, -inside);
 }
-
-const int SKIN = 2, HAIR = 3, SHOE = 4, SHIRT = 6, SOLE = 7;
 
 // By the cut of her costume and shoes: lengths in the rest pose, see wardrobe.py.
 Wear worn_at_place(vec3 rest, int dancer) {
@@ -95,16 +101,25 @@ Wear worn_at_place(vec3 rest, int dancer) {
     float shoe = 0.5 * feet.x - rest.y - feet.y * max(min(instep * 4.0, 0.5 * feet.x - 0.022), 0.0);
     put(wear, SHOE, shoe);
     put(wear, SOLE, min(0.1 * feet.z - rest.y, shoe));
-    put(wear, HAIR, min(0.012 + 0.42 * (rest.y - 1.60) - rest.z, rest.y - 1.536));
     return wear;
 }
 
 // Square root of the colour, and sheen. Where pixels are dear there are no seams.
-vec4 surface(vec3 rest, int dancer) {
+vec4 surface(vec3 rest, int dancer, int part) {
+#ifdef VERTEX
+    if (part == HAIR_PART || min(0.012 + 0.42 * (rest.y - 1.60) - rest.z, rest.y - 1.536) > 0.0) return material(HAIR, dancer);
+#endif
+    if (part == NAIL_PART) return vec4(mix(material(SKIN, dancer).rgb, vec3(0.93, 0.76, 0.74), 0.5), 0.6);
     Wear wear = worn_at_place(rest, dancer);
+    if (part >= GARMENT_PART) wear = Wear(part - GARMENT_PART, 1.0);
     vec4 colour = wear.which >= SHIRT ? vec4(0.93, 0.92, 0.90, 0.12) : material(wear.which, dancer);
 #if SOFT
     colour.rgb *= 0.72 + 0.28 * smoothstep(0.0, 0.004, wear.border);   // the seam's shade
+#else
+    // far away a head has but the shades of a face: brows and eyes, mouth
+    float eye = square((abs(rest.x) - 0.031) * 62.0) + square((rest.y - 1.601) * 90.0);
+    float mouth = square(rest.x * 42.0) + square((rest.y - 1.527) * 150.0);
+    colour.rgb *= min(eye, mouth) < 1.0 && rest.z > 0.03 ? 0.62 : 1.0;
 #endif
     return colour;
 }

@@ -6,6 +6,8 @@
 #include "styles.glsl"
 #endif
 
+in vec4 in_rest;   // place on the usual body, part
+
 out vec3 light;
 out float height;
 
@@ -13,7 +15,7 @@ void main() {
     Skinned skin = skinned();
     height = skin.place.y;
     vec3 n = skin.normal;
-    vec3 cloth = surface(in_position, in_instance.x).rgb;
+    vec3 cloth = surface(in_rest.xyz, in_instance.x, int(in_rest.w + 0.5)).rgb;
     cloth *= cloth;
     float key = max(dot(n, key_direction.xyz), 0.0) * key_pool(skin.place.xz);
     float rim = max(-n.z, 0.0) + 0.4 * abs(n.x);

@@ -18,6 +18,7 @@ Font = ImageFont.FreeTypeFont | ImageFont.ImageFont
 
 _REPLACEMENTS: Final = {
     "ß": "ss", "ø": "o", "Ø": "O", "æ": "ae", "Æ": "AE", "œ": "oe", "Œ": "OE", "ł": "l", "Ł": "L",
+    "–": "-", "—": "-",
 }  # fmt: skip
 """Letters that Unicode does not decompose, and their replacements."""
 
@@ -41,8 +42,13 @@ def without_accents(words: str) -> str:
     return "".join(letter if has_glyph(letter) else _without_accent(letter) for letter in words)
 
 
+def plain_letter(letter: str) -> str:
+    """Return a letter without its accent, as `C` for `Ç`, or the letters that usually replace it."""
+    return _REPLACEMENTS.get(letter) or unicodedata.normalize("NFKD", letter)[0]
+
+
 def _without_accent(letter: str) -> str:
-    plain = _REPLACEMENTS.get(letter) or unicodedata.normalize("NFKD", letter)[0]
+    plain = plain_letter(letter)
     return plain if all(map(has_glyph, plain)) else "?"
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from live.control.events.event_json import event_from_json, event_to_row
 from live.control.events.events import MocapFrame
-from live.motion.packed_pose import PACKED_LENGTH, pack_pose, unpack_pose
+from live.motion.capture.packed_pose import PACKED_LENGTH, pack_pose, unpack_pose
 from live.motion.skeleton import JOINT_COUNT
 
 

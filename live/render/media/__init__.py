@@ -1,0 +1,1 @@
+"""Pictures and models from files and live inputs for the scenography."""
