@@ -12,7 +12,7 @@ uniform float nearer;    // [m]
 
 out vec3 place;
 out vec4 facing;         // normal, openness
-out vec4 body;           // place on the flat cloth, dancer
+out vec4 body;           // place on the flat cloth, 16 times the dancer; in a style 0
 
 invariant gl_Position;   // drawn twice where the processor draws: depth, then light
 
@@ -20,8 +20,9 @@ void main() {
     Worn here = worn();
     place = here.place;
     facing = vec4(here.normal, 0.9);
-    body = vec4(on_cloth(), in_worn.x);
+    body = vec4(on_cloth(), 16 * in_worn.x);
 #if STYLED
+    body.w = 0.0;
     own = ivec2(in_worn.x, group_of(who(in_worn.x)));
 #endif
     gl_Position = seen_at(place, nearer);

@@ -11,7 +11,7 @@ float strand(float x) { return fract(sin(floor(x) * 12.9898) * 43758.5453); }
 vec3 outward(vec3 normal) { return gl_FrontFacing ? normal : -normal; }
 #endif
 
-vec4 surface(vec3 rest, int dancer) {
+vec4 surface(vec3 rest, int dancer, int part) {
     vec4 colour = material(garment.x, dancer);
 #ifndef VERTEX
     float along = -rest.y / garment_size.x;

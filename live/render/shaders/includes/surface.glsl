@@ -128,3 +128,4 @@ vec4 surface(vec3 rest, int dancer, int part) {
 float seams(vec3 rest, int dancer) { return worn_at_place(rest, dancer).border; }
 #endif
 #endif
+#endif

@@ -15,7 +15,7 @@ void main() {
     height = here.place.y;
     vec3 n = here.normal, to_eye = vec3(eye.x, -eye.y, eye.z) - here.place;
     n = dot(n, to_eye) < 0.0 ? -n : n;
-    vec3 cloth = surface(on_cloth(), in_worn.x).rgb;
+    vec3 cloth = surface(on_cloth(), in_worn.x, 0).rgb;
     cloth *= cloth;
     float key = max(dot(n, key_direction.xyz), 0.0) * key_pool(here.place.xz);
     float rim = max(-n.z, 0.0) + 0.4 * abs(n.x);
