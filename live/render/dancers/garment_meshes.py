@@ -11,7 +11,7 @@ from live.motion.cloth.pattern import Pattern
 from live.motion.cloth.wardrobe import PATTERN_NAMES, PATTERNS
 from live.render.dancers.dancer_batch import WARDROBE_UNIT, DancerBatch
 from live.render.dancers.wardrobe import CLOTH, HAIR
-from live.render.render_kernels import CASTING, FAR, MIRRORED, NEAR, VISIBLE
+from live.render.render_kernels import CASTING, CLOSE, FAR, MIRRORED, NEAR, VISIBLE
 from live.render.shader import Releasable, release_all, set_uniform
 
 PARTICLES_UNIT: Final = 9
@@ -82,7 +82,7 @@ class GarmentMeshes:
         self._texture.write(self._staging[: height << _SHIFT], viewport=(0, 0, 1 << _SHIFT, height))
         seen = crowd.visibility[garments[:, 0]]
         styles, group = crowd.styles, view.group[garments[:, 0]] % len(crowd.styles.plain)
-        visible, near = (seen & VISIBLE) > 0, (seen & NEAR) > 0
+        visible, near = (seen & VISIBLE) > 0, (seen & (NEAR | CLOSE)) > 0
         far = visible & ((seen & FAR) > 0) & ~near
         near &= visible
         plain, bodies = styles.plain[group], styles.masks.get("bodies", ~styles.plain)[group]
