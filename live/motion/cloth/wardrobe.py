@@ -51,7 +51,10 @@ def _perimeter(points: Float64) -> float:
 
 
 def _skirt_shape(rows: int, columns: int, length: float, widths: Sequence[float], sections: Float32) -> Float64:
-    """A skirt as it hangs: over the hips, then in folds that take up the width of the cloth."""
+    """A skirt as it hangs: over the hips, then in folds that take up the width of the cloth.
+
+    The limbs are a little wider than the body, so that they hold all of it; the waistband lies on the skin.
+    """
     pelvis = LIMBS[limb_index("pelvis")]
     section = sections[limb_index("pelvis")]
     bottom, top = pelvis.start[1], pelvis.end[1]
@@ -65,7 +68,7 @@ def _skirt_shape(rows: int, columns: int, length: float, widths: Sequence[float]
         below = row * spacing
         share = min(below / _HIPS_BELOW, 1.0)
         over = [w + share * max(h - w, 0.0) for w, h in zip(waist, hips, strict=True)]
-        clear = 0.009 + 0.012 * share + 0.16 * max(below - _HIPS_BELOW, 0.0)
+        clear = (0.009 if row else -0.004) + 0.012 * share + 0.16 * max(below - _HIPS_BELOW, 0.0)
         low, high = 0.0, 0.2
         for _ in range(30):
             fold = 0.5 * (low + high)
