@@ -15,6 +15,7 @@ from live.show.capture.capture_manager import CaptureManager
 from live.show.circuit_breakers import CircuitBreakers
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.expression import Expression
+from live.show.dancers.garments import Garments
 from live.show.dancers.live_texture import LiveTexture
 from live.show.dancers.step_requests import StepRequests
 from live.show.dancers.variation import Variation
@@ -44,6 +45,7 @@ from live.show.stages.calls import Calls
 from live.show.stages.crowd_stage import CrowdStage, GroupStage
 from live.show.stages.dancers_stage import DancersStage
 from live.show.stages.event_router import EventRouter
+from live.show.stages.garments_stage import GarmentsStage
 from live.show.stages.hot_swap import HotSwap
 from live.show.stages.light_stage import LightStage
 from live.show.stages.measure_lines import MeasureBegin, MeasureLines
@@ -115,8 +117,9 @@ def assemble(
     directions = StepRequests(motion, dancers, variation, scheduler, interrupts)
     light = LightStage(breakers)
     appearances = Appearances(seed, variation.division, desk.parameters)
+    garments = Garments(patch, variation.division, desk.parameters, appearances, seed=seed)
     view_builder = ViewBuilder(
-        dancers, motion, variation.division, desk, audience, light, clock.follower, appearances, expression
+        dancers, motion, variation.division, desk, audience, light, clock.follower, appearances, expression, garments
     )
     hot_swap = HotSwap(
         patch, graph, dancers, scheduler, motion, refusals, assemble=assemble, seed=seed,
@@ -124,14 +127,14 @@ def assemble(
     )  # fmt: skip
     hot_swap.parts = (
         casting, reactions, score_runner, motion, variation, dancers, scheduler, interrupts, commands, mocap, desk,
-        audience, directions, view_builder, launcher,
+        audience, directions, view_builder, launcher, garments,
     )  # fmt: skip
     tripped = TrippedStages(breakers, refusals, scheduler, motion.evolutions, hot_swap)
     score = ScoreRequests(score_runner, reactions, motion, scheduler)
     router = EventRouter(
         (
             clock, motion.elements, commands, desk, view_builder, mocap, directions, score, audience, light, hot_swap,
-            tripped, launcher, expression,
+            tripped, launcher, expression, garments,
         ),
         clock, motion, desk.undo_history, refusals,
     )  # fmt: skip
@@ -159,6 +162,7 @@ def assemble(
             breakers, dancers=dancers, scheduler=scheduler, mocap=mocap, motion=motion, reactions=reactions,
             score_runner=score_runner, expression=expression,
         ),
+        garments=GarmentsStage(breakers, garments, dancers, motion),
         light=light,
         view_builder=view_builder,
         motion=motion,
@@ -168,9 +172,10 @@ def assemble(
         measure_begin.begin(clock.span.end - clock.timeline.beats_per_measure)
     return Show(
         seed=seed, breakers=breakers, refusals=refusals, clock=clock, casting=casting, reactions=reactions,
-        score_runner=score_runner, motion=motion, variation=variation, dancers=dancers, scheduler=scheduler,
-        interrupts=interrupts, directions=directions, mocap=mocap, desk=desk, audience=audience, light=light,
-        hot_swap=hot_swap, view_builder=view_builder, expression=expression, launcher=launcher, frame=frame,
+        score_runner=score_runner, motion=motion, variation=variation, dancers=dancers, garments=garments,
+        scheduler=scheduler, interrupts=interrupts, directions=directions, mocap=mocap, desk=desk, audience=audience,
+        light=light, hot_swap=hot_swap, view_builder=view_builder, expression=expression, launcher=launcher,
+        frame=frame,
     )  # fmt: skip
 
 

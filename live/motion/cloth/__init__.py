@@ -1,0 +1,1 @@
+"""Cloth, hair and ribbons that move by themselves: garments on a dancer's body, simulated at ticks."""
