@@ -57,11 +57,11 @@ class Pictures:
         return Image.fromarray(self._target.read()).resize(TILE, Image.Resampling.BOX)
 
 
-def save(picture: Image.Image, path: Path) -> None:
-    """Save a picture as small as docs need it."""
+def save(picture: Image.Image, path: Path, largest: int = LARGEST) -> None:
+    """Save a picture as small as docs need it [bytes]."""
     for quality in range(QUALITY, 30, -6):
         picture.save(path, quality=quality, optimize=True)
-        if path.stat().st_size <= LARGEST:
+        if path.stat().st_size <= largest:
             return
 
 

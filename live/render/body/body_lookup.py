@@ -11,7 +11,7 @@ import numpy as np
 
 from live.base.arrays import Int32
 from live.base.body.appearance import BODY, COSTUME, COSTUMES, HAIR, HAIRS, SHOES, SHOES_WORN
-from live.base.body.catalogue import BODIES, DEFAULT_BODY
+from live.base.body.catalogue import BODIES, DEFAULT_BODY, MEN
 from live.base.stage_snapshot import Scene
 from live.motion.cloth.wardrobe import MOVING_HAIR
 from live.render.body.body_mesh import BodyMesh, build_body, merged
@@ -63,6 +63,11 @@ def kinds_of(scene: Scene) -> tuple[Kind, ...]:
     )
 
 
+def _hair_of(body: str, style: int) -> int:
+    """Return the place among `HAIRS` of a hair style on a body: instead of the default, men have short hair."""
+    return HAIRS.index("crop") if style == 0 and body in MEN else style
+
+
 def pieces_of(kinds: tuple[Kind, ...], scene: Scene, appearance: Int32) -> Int32:
     """Return the kinds of the pieces of A dancers of an appearance (A, APPEARANCE_SIZE), shape (A, len(FAMILIES)); -1
     is none."""
@@ -73,6 +78,8 @@ def pieces_of(kinds: tuple[Kind, ...], scene: Scene, appearance: Int32) -> Int32
         family: np.array([[number.get(Kind(family, name, style), -1) for style in range(size)] for name in names])
         for family, size in sizes.items()
     }
+    hair = np.array([[_hair_of(name, style) for style in range(sizes["hair"])] for name in names])
+    tables["hair"] = np.take_along_axis(tables["hair"], hair, axis=1)
     count = len(appearance)
     usual = np.zeros(count, np.int32)
     known = scene.bodies[:count]
@@ -109,4 +116,6 @@ def mesh_of(scene: Scene, kind: Kind, level: int) -> BodyMesh:
 
 def build_figure(level: int, name: str = DEFAULT_BODY) -> BodyMesh:
     """Return a whole generated body with its first face and hair style, as one mesh."""
-    return merged([build_body(level, name), build_head(level, name, 0), build_hair(level, name, HAIRS[0])])
+    return merged(
+        [build_body(level, name), build_head(level, name, 0), build_hair(level, name, HAIRS[_hair_of(name, 0)])]
+    )

@@ -44,6 +44,8 @@ class FaceShape:
     """Fullness of the lips."""
     mouth: float = 0.0
     """Width of the mouth."""
+    corners: float = 0.6
+    """How far the corners of the mouth are turned up, as in a face that is about to smile; 0: level."""
     eyes: float = 0.0
     """How wide the eyes are open."""
     eye_tilt: float = 0.0
@@ -58,7 +60,7 @@ _WOMEN: Final = (
     FaceShape(),
     FaceShape(jaw=-0.3, chin=-0.2, cheekbones=0.7, cheeks=-0.3, nose_length=0.2, nose_width=-0.3, nose_bridge=0.3,
               lips=-0.3,
-              eye_tilt=0.7),
+              eye_tilt=0.7, corners=0.35),
     FaceShape(jaw=0.3, cheekbones=0.2, cheeks=0.5, nose_length=-0.3, nose_width=0.8, nose_bridge=-0.7, lips=0.9,
               mouth=0.4),
     FaceShape(jaw=0.1, chin=0.5, cheekbones=-0.4, brow=0.2, nose_length=0.6, nose_bridge=0.8, nose_tip=-0.4, lips=-0.1,
@@ -160,6 +162,8 @@ def deform(points: Float64, face: FaceShape) -> Float64:
     add(1.5 * mm * f.lips, _Y, (0.006, 1.537, 0.095), (0.018, 0.005, 0.014))
     add(-1.6 * mm * f.lips, _Y, (0.006, 1.519, 0.093), (0.018, 0.006, 0.014))
     add(3.0 * mm * f.mouth, side - 0.3 * _Z, (0.024, 1.5275, 0.082), (0.010, 0.014, 0.018))
+    add(2.4 * mm * f.corners, _Y + 0.15 * side, (0.0245, 1.5275, 0.081), (0.0095, 0.009, 0.020))
+    add(1.0 * mm * f.corners, _Z + 0.5 * _Y, (0.044, 1.556, 0.062), (0.018, 0.014, 0.024))
     # age: jowls hang, cheeks sink, a fold runs from the nose to the corner of the mouth, the sockets deepen
     add(5.0 * mm * f.age, side - 0.6 * _Y, (0.042, 1.506, 0.050), (0.018, 0.014, 0.026))
     add(-3.6 * mm * f.age, side + 0.8 * _Z, (0.048, 1.548, 0.056), (0.018, 0.016, 0.026))

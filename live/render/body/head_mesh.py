@@ -136,7 +136,7 @@ def _openness(cage: HeadCage) -> Float64:
     light *= 1.0 - 0.20 * np.exp(-(((x - 0.016) / 0.008) ** 2) - ((y - 1.594) / 0.010) ** 2) * _step(z, 0.05, 0.07)
     light *= 1.0 - 0.12 * np.exp(-(((x - 0.008) / 0.010) ** 2) - ((y - 1.549) / 0.004) ** 2) * _step(z, 0.075, 0.085)
     light *= 1.0 - 0.12 * np.exp(-((y - 1.5125) ** 2) / 0.006**2) * _step(z, 0.07, 0.08)
-    loops = {"fold": 0.80, "edge": 0.50, "behind": 0.22, "touch": 0.50, "within": 0.14, "cavity": 0.05}
+    loops = {"fold": 0.80, "edge": 0.50, "behind": 0.22, "touch": 0.28, "within": 0.12, "cavity": 0.05}
     for name, share in loops.items():
         if name in cage.loops:
             light[cage.loops[name]] *= share

@@ -19,6 +19,7 @@ GARMENT: Final = 8
 CLOTH: Final = GARMENT
 SECOND_CLOTH: Final = GARMENT + 1
 SHOE: Final = GARMENT + 4
+SHIRT: Final = GARMENT + 6
 SOLE: Final = GARMENT + 7
 PART_COUNT: Final = 16
 """Shaders pass a dancer's number and a part as one: dancer * PART_COUNT + part."""

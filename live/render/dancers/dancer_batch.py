@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from live.base.arrays import Float32
 from live.base.body.appearance import APPEARANCE_SIZE, BY_CHANCE
+from live.base.body.catalogue import MEN
 from live.base.stage_snapshot import Camera, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT
 from live.render.adaptive_quality import Quality
@@ -79,6 +80,7 @@ class DancerBatch:
         self.kinds = kinds_of(scene)
         """Kinds of the pieces that this scene's dancers are drawn with, those of bodies first."""
         self._scene = scene
+        self._men = np.array([kind.family == "body" and kind.body in MEN for kind in self.kinds])
         self._bodies = [kind for kind in self.kinds if kind.family in ("body", "character")]
         self._characters = {name: CharacterBuffers(ctx, one) for name, one in characters_of(scene).items()}
         self.reach = max((one.reach for one in self._characters.values()), default=0.0)
@@ -189,7 +191,8 @@ class DancerBatch:
         self._group[:count] = view.group
         blocks, rows = self._wardrobe.width // WARDROBE_TEXELS, self.rows
         padded = np.zeros((blocks * rows, WARDROBE_TEXELS, 4), np.uint8)
-        padded[:count] = dancer_colours(view.group, self._colours, self.styles.clothes, view.appearance)
+        men = self._men[self._instances.piece[:count, 0]]
+        padded[:count] = dancer_colours(view.group, self._colours, self.styles.clothes, view.appearance, men)
         columns = padded.reshape(blocks, rows, WARDROBE_TEXELS, 4).transpose(1, 0, 2, 3)
         self._wardrobe.write(np.ascontiguousarray(columns))
 

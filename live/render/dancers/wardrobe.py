@@ -81,16 +81,18 @@ COSTUME_CUTS: Final[dict[str, CostumeCut]] = {
     "trousers": CostumeCut(1.410, 0.150, 0.310, 0.985, 0.0, 0.0, 0.085),
     "dress": CostumeCut(1.305, 0.092, 0.124, 0.760, 0.0, 0.0, 1.0),
     "skirt": CostumeCut(1.385, 0.130, 0.480, 0.975, 0.0, 0.0, 0.770, top=SECOND, bottom=CLOTH),
-    "jacket": CostumeCut(1.450, 0.060, 0.650, 0.880, 0.0, 0.0, 0.085, open_front=0.075),
+    "jacket": CostumeCut(1.450, 0.060, 0.650, 0.880, 0.0, 0.0, 0.085, open_front=0.060),
     "bare": CostumeCut(1.310, 0.110, 0.124, 0.975, 0.0, 0.215, 0.720, bottom=CLOTH),
 }
 """By the names of `live.base.body.appearance.COSTUMES`."""
+MENS_CUTS: Final = COSTUME_CUTS | {"bare": CostumeCut(1.200, 0.200, 0.124, 0.975, 0.0, 0.300, 0.720, bottom=CLOTH)}
+"""The same for men."""
 SHOE_CUTS: Final[dict[str, ShoeCut]] = {
     "barefoot": ShoeCut(0.0, 0.0, 0.0, None, 0.14),
     "ballet": ShoeCut(0.072, 0.75, 0.0, (0.72, 0.42, 0.36), 0.55),
     "pumps": ShoeCut(0.066, 0.85, 0.0, (0.02, 0.016, 0.018), 0.9),
-    "sneakers": ShoeCut(0.094, 0.0, 0.024, None, 0.2),
-    "boots": ShoeCut(0.330, 0.0, 0.012, (0.035, 0.024, 0.018), 0.5),
+    "sneakers": ShoeCut(0.094, 0.0, 0.024, (0.15, 0.155, 0.17), 0.12),
+    "boots": ShoeCut(0.330, 0.0, 0.0, (0.035, 0.024, 0.018), 0.5),
 }
 """By the names of `live.base.body.appearance.SHOES`."""
 
@@ -108,12 +110,16 @@ _SEED: Final = 7
 
 
 def dancer_colours(
-    group: Int32, colours: Float32, clothes: Float32 | None = None, appearance: Int32 | None = None
+    group: Int32,
+    colours: Float32,
+    clothes: Float32 | None = None,
+    appearance: Int32 | None = None,
+    men: npt.NDArray[np.bool_] | None = None,
 ) -> npt.NDArray[np.uint8]:
     """Return the texels of A dancers, 0 to 255, shape (A, WARDROBE_TEXELS, 4).
 
     group (A,) indexes `colours` (G, 3) and `clothes` (G, 6), like `PLAIN_CLOTHES`, modulo their length; `appearance`
-    (A, APPEARANCE_SIZE), see `live.base.body.appearance`. The same dancer always looks the same.
+    (A, APPEARANCE_SIZE), see `live.base.body.appearance`; `men` (A,): who is one. The same dancer always looks the same.
     """
     draw = np.random.default_rng(_SEED).random((len(group), 4))
     kinds = np.array([PLAIN_CLOTHES], np.float32) if clothes is None else clothes
@@ -142,8 +148,9 @@ def dancer_colours(
     out[:, SHOE, 3] = colour[:, 3]
     out[:, CLOTH : SECOND + 1, 3] *= np.minimum(shine, 1.0 / max(_SHEEN))
     out[:, IDENTITY, 0], out[:, IDENTITY, 1:] = (group % PART_COUNT) / 255.0, draw[:, [1, 2, 3]]
-    out[:, CUT : CUT + 2] = _COSTUMES[costume, :2]
-    out[:, CUT + 2] = _COSTUMES[costume, 2] + _SHOE_TEXELS[shoes]
+    cut = _COSTUMES[0 if men is None else men.astype(np.int64), costume]
+    out[:, CUT : CUT + 2] = cut[:, :2]
+    out[:, CUT + 2] = cut[:, 2] + _SHOE_TEXELS[shoes]
     return np.ascontiguousarray(np.rint(np.minimum(out, 1.0) * 255.0), np.uint8)
 
 
@@ -167,7 +174,7 @@ def _costume_texels(cut: CostumeCut) -> list[tuple[float, float, float, float]]:
     ]
 
 
-_COSTUMES: Final = np.array([_costume_texels(COSTUME_CUTS[name]) for name in COSTUMES])
+_COSTUMES: Final = np.array([[_costume_texels(cuts[name]) for name in COSTUMES] for cuts in (COSTUME_CUTS, MENS_CUTS)])
 _SHOE_TEXELS: Final = np.array(
     [(cut.height / 0.5, cut.instep, cut.sole / 0.1, 0.0) for cut in (SHOE_CUTS[name] for name in SHOES)]
 )

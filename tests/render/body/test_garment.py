@@ -3,12 +3,16 @@
 import numpy as np
 import pytest
 
-from live.base.body.appearance import COSTUMES, SHOES
+from live.base.body.appearance import COSTUMES, DEFAULT_APPEARANCE, HAIR, HAIRS, SHOES
 from live.base.body.catalogue import BODIES
+from live.base.stage_snapshot import Camera, Scene
+from live.motion.skeleton import JOINT_COUNT
+from live.render.body.body_lookup import FAMILIES, kinds_of, pieces_of
 from live.render.body.body_mesh import CLOSE, COARSE, DISTANT, FINE, LIGHT, build_body
 from live.render.body.body_variants import trunk_of
 from live.render.body.garment_mesh import GARMENTS, MAX_LIFT, build_garment, cut_mesh
 from live.render.body.implicit_surface import Shape
+from live.render.body.surface_parts import CLOTH, SECOND_CLOTH, SHIRT
 
 CHORD_M = {LIGHT: 0.018, CLOSE: 0.018, FINE: 0.002}
 """How far the triangles of a body at a level lie within its smooth surface at most [m], at the feet."""
@@ -71,7 +75,37 @@ def test_jacket_is_symmetric_and_open_over_the_breast() -> None:
     mirrored = mesh.position * np.array([-1.0, 1.0, 1.0], np.float32)
     nearest = np.linalg.norm(mirrored[:, None] - mesh.position[None], axis=2).min(axis=1)
     assert np.median(nearest) < 1e-3
-    in_front = mesh.place[:, 2] > 0.03
+    in_front = (mesh.place[:, 2] > 0.03) & (mesh.part == CLOTH)
     opening = in_front & (np.abs(mesh.place[:, 0]) < 0.03)
     assert not (opening & (mesh.place[:, 1] > 1.25)).any()
     assert (opening & (mesh.place[:, 1] < 1.0)).any()
+
+
+@pytest.mark.parametrize("level", [LIGHT, CLOSE, FINE])
+def test_lapels_and_collars_lie_on_the_jacket(level) -> None:
+    mesh, shape = build_garment(level, "man", "jacket"), Shape(trunk_of("man"))
+    distance = shape.distance(mesh.position.astype(np.float64))
+    side, height, front = np.abs(mesh.place[:, 0]), mesh.place[:, 1], mesh.place[:, 2] > 0.03
+    breast = front & (side > 0.02) & (side < 0.12) & (height > 1.12) & (height < 1.36)
+
+    def median(chosen) -> float:
+        raised = distance[chosen & (distance > 0.004)]  # without the hems on the skin
+        return float(np.median(raised))
+
+    jacket, lapels = (median(breast & (mesh.part == part)) for part in (CLOTH, SECOND_CLOTH))
+    assert level == LIGHT or 0.003 < lapels - jacket < 0.012  # large triangles lie deep in the skin
+    collar = (mesh.part == SECOND_CLOTH) & (height > 1.40)
+    assert (collar & (mesh.place[:, 2] < -0.03)).any()  # it goes around the neck
+    shirt = mesh.part == SHIRT
+    assert shirt.any()
+    assert side[shirt].max() < 0.08
+    assert height[shirt].min() > 1.38
+
+
+def test_men_have_short_hair_unless_another_is_said() -> None:
+    scene = Scene((8.0, 6.0), Camera(), 2, JOINT_COUNT, bodies=("woman", "man"))
+    kinds, rows = kinds_of(scene), np.tile(DEFAULT_APPEARANCE, (2, 1)).astype(np.int32)
+    for said, worn in (("bun", ("bun", "crop")), ("long", ("long", "long"))):
+        rows[:, HAIR] = HAIRS.index(said)
+        pieces = pieces_of(kinds, scene, rows)[:, FAMILIES.index("hair")]
+        assert tuple(HAIRS[kinds[kind].style] for kind in pieces) == worn

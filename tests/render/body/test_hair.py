@@ -81,7 +81,7 @@ def test_dancers_are_drawn_in_a_body_a_head_and_hair() -> None:
     assert pieces.shape == (4, len(FAMILIES))
     found = [[kinds[piece] for piece in row if piece >= 0] for row in pieces]
     assert [row[0].body for row in found] == ["man", DEFAULT_BODY, "man", "man"]  # the last one by its appearance
-    for row, style in zip(found, ("bob", "bald", "bun", HAIRS[-1]), strict=True):
+    for row, style in zip(found, ("bob", "bald", "crop", HAIRS[-1]), strict=True):
         assert [kind.family for kind in row] == list(FAMILIES[:3])  # a leotard and bare feet are painted
         assert {kind.body for kind in row} == {row[0].body}
         assert HAIRS[row[2].style] == style

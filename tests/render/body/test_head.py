@@ -208,7 +208,7 @@ def test_jaw_opens_the_lips_and_they_close() -> None:
     assert open_lower < open_corner[1] < open_upper
     half = _lips({MOUTH_OPEN: 0.5})
     assert 4.0 * MM < half[0] - half[1] < 13.0 * MM
-    assert corner[1] == pytest.approx(1.5275, abs=1 * MM)
+    assert corner[1] == pytest.approx(1.5275 + 1.3 * MM, abs=1 * MM)  # it turns up a little
 
 
 def test_smile_lifts_and_widens_the_mouth_and_keeps_it_closed() -> None:

@@ -33,9 +33,9 @@ vec3 eye_colour(vec2 off, int dancer, float skin_light) {
     vec3 iris = own.x * 1.3 < (skin_light - 0.56) * 3.2 ? light : brown;
     float away = length(off), turn = atan(off.y, off.x);
     float fibre = 0.82 + 0.36 * grain_of(vec2(turn * 5.0 + 20.0, away * 1400.0));
-    iris *= fibre * mix(1.15, 0.72, smoothstep(0.55, 1.0, away / IRIS)) * (1.0 - 22.0 * off.y);
-    vec3 white = vec3(0.86, 0.835, 0.81) - vec3(0.02, 0.10, 0.10) * smoothstep(0.007, 0.011, abs(off.x));
-    white *= 1.0 - 0.22 * smoothstep(0.001, 0.007, off.y);   // in the upper lid's shadow
+    iris *= fibre * mix(1.15, 0.72, smoothstep(0.55, 1.0, away / IRIS)) * (0.94 - 34.0 * off.y);
+    vec3 white = vec3(0.79, 0.765, 0.74) * mix(0.86, 1.0, skin_light) - vec3(0.02, 0.10, 0.10) * smoothstep(0.007, 0.011, abs(off.x));
+    white *= 1.0 - 0.34 * smoothstep(-0.001, 0.005, off.y);   // in the upper lid's shadow
     vec3 colour = mix(iris, white, smoothstep(IRIS - 0.0006, IRIS + 0.0003, away));
     colour *= smoothstep(PUPIL - 0.0004, PUPIL + 0.0004, away) * 0.96 + 0.04;
     return mix(colour, vec3(1.0), 0.92 * (1.0 - smoothstep(0.0007, 0.0013, length(off - vec2(-0.0020, 0.0024)))));
@@ -74,7 +74,7 @@ vec4 face_colour(vec3 rest, int dancer, bool painted) {
     vec3 nostril = (vec3(s, y, rest.z) - vec3(0.0080, 1.5495, 0.0950)) / vec3(0.0046, 0.0034, 0.0052);
     colour *= 1.0 - 0.60 * (1.0 - smoothstep(0.45, 1.15, dot(nostril, nostril))) ;
     // lid's edge with its lashes, the lids' shadow
-    float edge = square(eye.x / 0.0150) + square((eye.y - 0.0001) / (eye.y > 0.0 ? 0.0050 : 0.0054));
+    float edge = square(eye.x / 0.0150) + square((eye.y - 0.0001) / (eye.y > 0.0 ? 0.0041 : 0.0054));
     if (painted) {
         vec2 off = vec2(eye.x * sign(rest.x), eye.y);
         colour = mix(colour, eye_colour(off, dancer, bright), front * (1.0 - smoothstep(0.8, 1.1, edge)));
@@ -86,7 +86,7 @@ vec4 face_colour(vec3 rest, int dancer, bool painted) {
     colour *= 1.0 - 0.20 * fold * front;
     // brows: hair from the inner end up to the arch, thinner outwards
     float along = (s - 0.0125) / 0.0385;
-    float line = 1.6098 + 0.0048 * (1.0 - square((s - 0.0375) / 0.026));
+    float line = 1.6096 + 0.0050 * (1.0 - square((s - 0.0335) / 0.0270)) - 0.0016 * smoothstep(0.55, 1.0, along);
     float thick = mix(0.0031, 0.0010, smoothstep(0.15, 1.0, along)) * (0.80 + 0.5 * own.x);
     float comb = 0.72 + 0.5 * grain_of(vec2(s * 900.0 - (y - line) * 700.0, (y - line) * 250.0));
     float brow = (1.0 - smoothstep(0.45 * thick, thick, abs(y - line))) * smoothstep(0.0, 0.12, along) * (1.0 - smoothstep(0.86, 1.02, along));
@@ -97,6 +97,7 @@ vec4 face_colour(vec3 rest, int dancer, bool painted) {
 // Across and along the strands from the hairline [m], and whether it is curly.
 vec4 hair_colour(vec3 at, int dancer) {
     vec4 hair = material(HAIR, dancer);
+    vec3 scalp = material(SKIN, dancer).rgb;
     float near = clamp(0.0005 / max(max(fwidth(at.x), fwidth(at.y)), 1e-6), 0.0, 1.0);   // far away its border is even
     bool curly = at.z > 0.5;
     float fine = uneven(curly ? at.xy * 230.0 : vec2(at.x * 1300.0, at.y * 22.0));
@@ -106,9 +107,11 @@ vec4 hair_colour(vec3 at, int dancer) {
         return vec4(hair.rgb * (0.45 + 1.0 * curl), 0.10 + 0.25 * curl * curl);
     }
     float broad = grain_of(vec2(at.x * 330.0, at.y * 12.0 + 5.0));
-    if (at.y < near * (0.0040 * fine + 0.0016 * broad - 0.0006)) discard;   // it begins strand by strand
+    if (at.y < near * (0.0026 * fine + 0.0012 * broad - 0.0006)) discard;   // it begins strand by strand
     float strand = 0.55 * fine + 0.45 * broad;
-    return vec4(hair.rgb * (0.62 + 0.70 * strand), hair.a * (0.10 + 0.95 * strand * strand));
+    float full = smoothstep(-0.002, 0.013, at.y - 0.004 * fine);   // the scalp is seen between the first strands
+    vec3 colour = mix(mix(scalp, hair.rgb, 0.3), hair.rgb * (0.62 + 0.70 * strand), mix(1.0, full, near));
+    return vec4(colour, hair.a * (0.10 + 0.95 * strand * strand) * full);
 }
 
 vec4 head_surface(vec3 rest, int dancer, int part) {
@@ -120,7 +123,7 @@ vec4 head_surface(vec3 rest, int dancer, int part) {
         return vec4(off.z > 0.0 ? eye_colour(off.xy, dancer, dot(skin.rgb, vec3(0.3, 0.6, 0.1))) : vec3(0.5), 0.4);
     }
     float gap = smoothstep(0.35, 0.5, abs(fract(rest.x * 125.0) - 0.5));   // between teeth
-    if (part == 4) return vec4(vec3(0.90, 0.87, 0.80) * (1.0 - 0.25 * gap), 0.3);
+    if (part == 4) return vec4(vec3(0.70, 0.66, 0.60) * (1.0 - 0.25 * gap), 0.3);
     return vec4(skin.rgb * vec3(1.02, 0.92, 0.90), skin.a);   // ears
 }
 #endif

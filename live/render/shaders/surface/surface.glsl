@@ -109,10 +109,11 @@ vec4 surface(vec3 rest, int dancer, int part) {
 #ifdef VERTEX
     if (part == HAIR_PART || min(0.012 + 0.42 * (rest.y - 1.60) - rest.z, rest.y - 1.536) > 0.0) return material(HAIR, dancer);
 #endif
-    if (part == NAIL_PART) return vec4(mix(material(SKIN, dancer).rgb, vec3(0.93, 0.76, 0.74), 0.5), 0.6);
+    if (part == NAIL_PART) return vec4(material(SKIN, dancer).rgb * vec3(1.06, 0.99, 0.98) + vec3(0.035, 0.01, 0.012), 0.45);
     Wear wear = worn_at_place(rest, dancer);
     if (part >= GARMENT_PART) wear = Wear(part - GARMENT_PART, 1.0);
     vec4 colour = wear.which >= SHIRT ? vec4(0.93, 0.92, 0.90, 0.12) : material(wear.which, dancer);
+    if (part == GARMENT_PART || part == GARMENT_PART + 1) colour.a *= 0.7;   // woven cloth shines less than tights
 #if SOFT
     colour.rgb *= 0.72 + 0.28 * smoothstep(0.0, 0.004, wear.border);   // the seam's shade
 #else
