@@ -119,7 +119,8 @@ def dancer_colours(
     """Return the texels of A dancers, 0 to 255, shape (A, WARDROBE_TEXELS, 4).
 
     group (A,) indexes `colours` (G, 3) and `clothes` (G, 6), like `PLAIN_CLOTHES`, modulo their length; `appearance`
-    (A, APPEARANCE_SIZE), see `live.base.body.appearance`; `men` (A,): who is one. The same dancer always looks the same.
+    (A, APPEARANCE_SIZE), see `live.base.body.appearance`; `men` (A,): who is one. The same dancer always looks
+    the same.
     """
     draw = np.random.default_rng(_SEED).random((len(group), 4))
     kinds = np.array([PLAIN_CLOTHES], np.float32) if clothes is None else clothes

@@ -31,10 +31,10 @@ WORN = {
 }
 
 
-def _picture(gl_context, quality, costume, shoes="barefoot"):
+def _picture(gl_context, quality, costume, shoes="barefoot", body="dancer"):
     view = stage_view([(REST, (0.0, 0.0), 0.0, 0)])
     view.appearance[0, [COSTUME, SHOES_WORN, SKIN]] = COSTUMES.index(costume), SHOES.index(shoes), 160
-    scene = Scene((10.0, 8.0), CAMERA, 1, JOINT_COUNT, group_colours=((0.6, 0.0, 0.0),))
+    scene = Scene((10.0, 8.0), CAMERA, 1, JOINT_COUNT, group_colours=((0.6, 0.0, 0.0),), bodies=(body,))
     row = view.picture = picture_row(scene)
     row[group_parameter("/dance/draw/accent", 0).row_slice] = 0.0, 0.0, 0.6
     row[group_parameter("/dance/draw/accent/amount", 0).row_slice] = 1.0
@@ -60,6 +60,12 @@ def test_costume_covers_what_its_cut_says(gl_context, quality) -> None:
         picture = _picture(gl_context, quality, costume)
         seen = {place: _seen(picture, PLACES[place]) for place in places}
         assert seen == places, costume
+
+
+def test_men_wear_no_top_with_bare(gl_context) -> None:
+    picture = _picture(gl_context, SOFTWARE, "bare", body="man")
+    seen = {place: _seen(picture, PLACES[place]) for place in WORN["bare"]}
+    assert seen == WORN["bare"] | {"breast": "s"}
 
 
 def test_shoes_differ_on_feet_and_nowhere_else(gl_context) -> None:
