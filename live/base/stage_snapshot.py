@@ -10,7 +10,8 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Bool, Float32, Float64, Int32
-from live.base.body_catalogue import CharacterFile
+from live.base.body.catalogue import CharacterFile
+from live.base.body.expression import FACE_SIZE, HAND_SIZE
 from live.base.custom_pass import PASSES, CustomShader
 from live.base.parameter import SPOT_COUNT
 from live.base.set_geometry import SetItem
@@ -96,7 +97,7 @@ class Scene:
     start_values: tuple[tuple[str, float | tuple[float, ...]], ...] = ()
     """Picture parameters with a non-default start value: addresses and values."""
     bodies: tuple[str, ...] = ()
-    """Name of each dancer's body (in `live.base.body_catalogue`, or a character's), from the first dancer on; the rest
+    """Name of each dancer's body (in `live.base.body.catalogue`, or a character's), from the first dancer on; the rest
     have the default body.
     """
     characters: tuple[CharacterFile, ...] = ()
@@ -115,6 +116,10 @@ class StageView:
     """Group, or part of a group, of each dancer, shape (A,): the index of its colour and style."""
     present: Bool
     """Whether each dancer is on the stage, entering or leaving, shape (A,); the others are not drawn."""
+    face: Float32
+    """What each dancer's face does, shape (A, FACE_SIZE): the columns of `live.base.body.expression`."""
+    hand: Float32
+    """What the fingers of the left and the right hand do, shape (A, 2, HAND_SIZE): columns as above."""
     element_kind: Int32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.int32))
     element_position: Float32 = field(default_factory=lambda: np.zeros((ELEMENT_CAPACITY, 2), np.float32))
     """Stage positions (x, z) [m] of the active elements, shape (256, 2); the first `element_count` are valid."""
@@ -189,4 +194,6 @@ class StageView:
             joint_rotation=rotation,
             group=np.zeros(dancer_count, np.int32),
             present=np.ones(dancer_count, np.bool_),
+            face=np.zeros((dancer_count, FACE_SIZE), np.float32),
+            hand=np.zeros((dancer_count, 2, HAND_SIZE), np.float32),
         )

@@ -23,21 +23,23 @@ Int32 = npt.NDArray[np.int32]
 Uint8 = npt.NDArray[np.uint8]
 
 
-@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,::1], f4[:,:,::1])", fastmath={"contract"})
-def pose_texels(position: Float32, rotation: Float32, rest: Float32, out: Float32) -> None:
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4[:,::1], i4[::1], f4[:,:,::1])", fastmath={"contract"})
+def pose_texels(position: Float32, rotation: Float32, rest: Float32, anchor: Int32, out: Float32) -> None:
     """Compute dual quaternions that transform the rest pose to each dancer's pose (Kavan et al. 2007).
 
-    position (A, J, 3), rotation (A, J, 4) wxyz, rest (J, 3); out (H, B*2J, 4): dancer a is in row a mod H from texel
-    (a // H)*2J on; a joint takes two texels, the rotation (x, y, z, w) and the dual part (x, y, z, w). All is single
-    precision: a plain 2.0 would make it double.
+    position (A, J, 3), rotation (A, J, 4) wxyz, rest (J, 3), anchor (D,): the joint with which each detail joint
+    moves; out (H, B*2(J+D), 4): dancer a is in row a mod H from texel (a // H)*2(J+D) on; a joint takes two texels,
+    the rotation (x, y, z, w) and the dual part (x, y, z, w). All is single precision: a plain 2.0 would make it
+    double.
     """
     height = out.shape[0]
     joints = rest.shape[0]
+    drawn = joints + anchor.shape[0]
     two = np.float32(2.0)
     half = np.float32(0.5)
     for a in range(position.shape[0]):
-        first = (a // height) * 2 * joints
-        to = out[a % height, first : first + 2 * joints].reshape(joints, 8)
+        first = (a // height) * 2 * drawn
+        to = out[a % height, first : first + 2 * drawn].reshape(drawn, 8)
         turn = rotation[a]
         place = position[a]
         for j in range(joints):
@@ -63,6 +65,8 @@ def pose_texels(position: Float32, rotation: Float32, rest: Float32, out: Float3
             to[j, 5] = half * (ty * w + tz * x - tx * z)
             to[j, 6] = half * (tz * w + tx * y - ty * x)
             to[j, 7] = -half * (tx * x + ty * y + tz * z)
+        for d in range(anchor.shape[0]):
+            to[joints + d] = to[anchor[d]]
 
 
 @kernel("void(f4[:,:,::1], f4[:,:,::1], b1[::1], i4[::1], f4[:,::1], f4[:,:,::1])")

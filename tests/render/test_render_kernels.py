@@ -38,12 +38,15 @@ def test_pose_texels_match_joint_matrices() -> None:
     position = np.array([one[0] for one in poses])
     rotation = np.array([one[1] for one in poses])
     rows = 2  # three dancers in two rows: the third starts the second block
-    out = np.zeros((rows, 2 * 2 * JOINT_COUNT, 4), np.float32)
-    pose_texels(position, rotation, rest, out)
+    anchor = np.array([5, 9], np.int32)  # two more joints, which move with head and left hand
+    drawn = JOINT_COUNT + len(anchor)
+    out = np.zeros((rows, 2 * 2 * drawn, 4), np.float32)
+    pose_texels(position, rotation, rest, anchor, out)
     offset = np.array([0.05, -0.10, 0.20])
     for dancer in range(3):
-        for joint in range(JOINT_COUNT):
-            texel = dancer // rows * 2 * JOINT_COUNT + 2 * joint
+        for drawn_joint in range(drawn):
+            joint = drawn_joint if drawn_joint < JOINT_COUNT else anchor[drawn_joint - JOINT_COUNT]
+            texel = dancer // rows * 2 * drawn + 2 * drawn_joint
             real, dual = out[dancer % rows, texel].astype(float), out[dancer % rows, texel + 1].astype(float)
             turn = _matrix(np.array([real[3], *real[:3]]))
             move = 2.0 * (real[3] * dual[:3] - dual[3] * real[:3] + np.cross(real[:3], dual[:3]))

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Final, Protocol
 import numpy as np
 
 from live.base.arrays import Bool, Float32
-from live.base.body_catalogue import BODIES, DEFAULT_BODY
+from live.base.body.catalogue import BODIES, DEFAULT_BODY
 from live.base.errors import PersonError
 from live.base.stage_snapshot import StageView
 from live.library.motion_formats import stage_format

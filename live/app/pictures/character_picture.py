@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from live.app.offline.step_listing import named_steps
-from live.base.body_catalogue import CharacterFile
+from live.base.body.catalogue import CharacterFile
 from live.base.errors import PersonError
 from live.base.stage_snapshot import Camera, Scene, StageView
 from live.library.whole_file import write_atomically

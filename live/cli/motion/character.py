@@ -30,7 +30,7 @@ def character(
 
     from live.app.machine.kernel_warmup import warm_kernels
     from live.app.option_values import check_writable, parse_size
-    from live.base.body_catalogue import CharacterFile
+    from live.base.body.catalogue import CharacterFile
     from live.base.errors import PersonError
     from live.motion.skeleton import SKELETON
 

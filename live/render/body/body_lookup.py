@@ -1,6 +1,6 @@
 """Lookup of a scene's bodies by name: generated ones, and characters from files."""
 
-from live.base.body_catalogue import BODIES, DEFAULT_BODY
+from live.base.body.catalogue import BODIES, DEFAULT_BODY
 from live.base.stage_snapshot import Scene
 from live.render.body.body_mesh import BodyMesh, build_body
 from live.render.characters.character import Character, load_character

@@ -12,7 +12,7 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Float32, Float64, Int32, Int64
-from live.base.body_catalogue import DEFAULT_BODY
+from live.base.body.catalogue import DEFAULT_BODY
 from live.base.disk.array_cache import ArrayCache, Arrays, digest_of_code
 from live.render.body.body_variants import bun_of, parts_of
 from live.render.body.cage import Cage, build_bun_cage, build_cage
@@ -105,7 +105,7 @@ def _openness(shape: Shape, points: Float64, normals: Float64) -> Float64:
 
 @cache
 def build_body(level: int, name: str = DEFAULT_BODY) -> BodyMesh:
-    """Return the body of a name (`live.base.body_catalogue`) at one of `LEVELS` of detail. ValueError for an unknown
+    """Return the body of a name (`live.base.body.catalogue`) at one of `LEVELS` of detail. ValueError for an unknown
     one. Built once per machine and version, in a fraction of a second."""
     if level not in LEVELS:
         raise ValueError(
@@ -124,7 +124,7 @@ def _code_digest() -> bytes:
     """Digest of the code that builds bodies."""
     here = Path(__file__).resolve().parent
     package = here.parents[1]
-    return digest_of_code([here, package / "base" / "body_catalogue.py", package / "motion" / "skeleton.py"])
+    return digest_of_code([here, package / "base" / "body", package / "motion" / "skeleton.py"])
 
 
 def _unpack(arrays: Arrays) -> BodyMesh:

@@ -10,7 +10,7 @@ from typing import Final
 
 import numpy as np
 
-from live.base.body_catalogue import BODIES, DEFAULT_BODY
+from live.base.body.catalogue import BODIES, DEFAULT_BODY
 from live.render.body import implicit_surface as usual
 from live.render.body.implicit_surface import BODY, Ellipsoid, Loft
 
@@ -81,7 +81,7 @@ TYPES: Final[dict[str, BodyType]] = {
         neck=0.86, head=1.18, hand=0.90, foot=0.90, shoulder=0.84, chest=(0.75, 0.80, 0.55), seat=0.80,
     ),
 }  # fmt: skip
-"""The type for each name of `live.base.body_catalogue`."""
+"""The type for each name of `live.base.body.catalogue`."""
 
 
 def _scaled_loft(loft: Loft, curve: _Curve) -> Loft:

@@ -10,7 +10,7 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Float64, Int64
-from live.motion.skeleton import JOINT_COUNT, MIRROR, SKELETON
+from live.render.body.drawn_joints import DRAWN_COUNT, DRAWN_MIRROR, DRAWN_NAMES
 
 Point = tuple[float, float, float]
 JointWeights = dict[str, float]
@@ -18,7 +18,7 @@ JointWeights = dict[str, float]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Cage:
-    """A closed mesh of quadrilaterals, counter-clockwise seen from outside (V corners, F faces, J joints)."""
+    """A closed mesh of quadrilaterals, counter-clockwise seen from outside (V corners, F faces, J drawn joints)."""
 
     points: Float64
     """Corners [m], shape (V, 3)."""
@@ -56,9 +56,9 @@ class _HalfBuilder:
 
 
 def _weights(bond: JointWeights) -> Float64:
-    row = np.zeros(JOINT_COUNT)
+    row = np.zeros(DRAWN_COUNT)
     for name, weight in bond.items():
-        row[SKELETON.index(name)] = weight
+        row[DRAWN_NAMES.index(name)] = weight
     return np.asarray(row / row.sum())
 
 
@@ -199,7 +199,7 @@ def _mirrored(half: _HalfBuilder) -> Cage:
     middle = points[:, 0] == 0.0
     other = np.arange(len(points))
     other[~middle] = len(points) + np.arange(int((~middle).sum()))
-    swapped = weights[:, list(MIRROR)]
+    swapped = weights[:, list(DRAWN_MIRROR)]
     weights[middle] = 0.5 * (weights[middle] + swapped[middle])
     reflected = points[~middle] * np.array([-1.0, 1.0, 1.0])
     # reversed, and turned so that a face and its mirror image start at the same corner

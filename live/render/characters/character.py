@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Float32, Float64, Int64
-from live.base.body_catalogue import DEFAULT_BODY, MAX_CHARACTERS, CharacterFile, MaterialOverride
+from live.base.body.catalogue import DEFAULT_BODY, MAX_CHARACTERS, CharacterFile, MaterialOverride
 from live.base.errors import PersonError
 from live.motion.formats.file_error import MotionFileError
 from live.motion.skeleton import SKELETON

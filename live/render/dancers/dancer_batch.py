@@ -15,7 +15,7 @@ from live.render.body.body_mesh import BodyMesh
 from live.render.characters.character_buffers import CharacterBuffers
 from live.render.dancers.group_styles import WARDROBE_TEXELS, GroupStyles, dancer_colours
 from live.render.dancers.instance_lists import InstanceLists, ViewVolume
-from live.render.dancers.skinning import SKIN_UNIT, MeshTexture, PoseTexture, SkinTexture, skin_levels
+from live.render.dancers.skinning import POSE_TEXELS, SKIN_UNIT, MeshTexture, PoseTexture, SkinTexture, skin_levels
 from live.render.shader import release_all, set_uniform
 
 POSE_UNIT: Final = 0
@@ -125,7 +125,7 @@ class DancerBatch:
         width, self.rows = self._poses.texture.size
         self._skin.allocate(capacity, self.rows)
         self.set_quality(self.quality)
-        blocks = width // (2 * JOINT_COUNT)
+        blocks = width // POSE_TEXELS
         self._wardrobe = self._ctx.texture((WARDROBE_TEXELS * blocks, self.rows), 4)
         self._wardrobe.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._group = np.full(capacity, -1, np.int32)
@@ -251,7 +251,7 @@ class DancerBatch:
         if program.glo not in self._bound_programs:
             self._bound_programs.add(program.glo)
             set_uniform(program, "poses", POSE_UNIT)
-            set_uniform(program, "pose_layout", (self.rows, 2 * JOINT_COUNT))
+            set_uniform(program, "pose_layout", (self.rows, POSE_TEXELS))
             set_uniform(program, "wardrobe", WARDROBE_UNIT)
             set_uniform(program, "wardrobe_rows", self.rows)
             set_uniform(program, "skin", SKIN_UNIT)

@@ -10,6 +10,7 @@ from live.base.arrays import Float32
 from live.base.picture_parameters import LONGEST_RIBBON, MAX_GHOSTS, PART_COUNT
 from live.base.stage_snapshot import StageView
 from live.motion.skeleton import SKELETON
+from live.render.body.drawn_joints import ANCHORS
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.dancers.skinning import pose_texture
 from live.render.render_kernels import limb_tips, pose_texels
@@ -139,7 +140,7 @@ class PoseHistory:
         slot = int(self._next[group]) % MAX_GHOSTS
         self._next[group] += 1
         self._ghost_beat[slot, group] = beat
-        pose_texels(view.joint_position, view.joint_rotation, _REST, self._poses)
+        pose_texels(view.joint_position, view.joint_rotation, _REST, ANCHORS, self._poses)
         rows, width = self._poses.shape[:2]
         blocks = -(-self._capacity // rows)
         mine = np.zeros(blocks * rows, np.bool_)

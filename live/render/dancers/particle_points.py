@@ -8,9 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Float32, Int32
-from live.base.body_catalogue import DEFAULT_BODY
-from live.motion.skeleton import JOINT_COUNT
+from live.base.body.catalogue import DEFAULT_BODY
 from live.render.body.body_mesh import LIGHT, BodyMesh, build_body, strongest_weights
+from live.render.body.drawn_joints import DRAWN_COUNT
 
 _SEED: Final = 11
 
@@ -42,7 +42,7 @@ def points_on(mesh: BodyMesh, count: int) -> BodyPoints:
     draw = np.random.default_rng(_SEED)
     corners = mesh.triangle[_pick_triangles(mesh, count)]
     share = _barycentric(draw.random((count, 2)))
-    dense = np.zeros((len(mesh.position), JOINT_COUNT))
+    dense = np.zeros((len(mesh.position), DRAWN_COUNT))
     for column in range(mesh.joint.shape[1]):
         dense[np.arange(len(dense)), mesh.joint[:, column]] += mesh.weight[:, column]
     mixed = {

@@ -12,23 +12,31 @@ import moderngl
 import numpy as np
 
 from live.base.arrays import Int32
+from live.base.body.expression import FACE_SIZE
 from live.base.stage_snapshot import StageView
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.adaptive_quality import Quality
 from live.render.body.body_mesh import COARSE, BodyMesh
+from live.render.body.drawn_joints import DETAIL_JOINTS, DRAWN_COUNT, EXPRESSION_SIZE, shader_rows
 from live.render.shader import Releasable, compile_program, release_all, set_uniform
 
 SKINS: Final = ("coarse", "near", "far", "xray")
 """What is skinned: the bodies of shadows and mirror, of near and far dancers, and those around x-ray skeletons."""
 SKIN_UNIT: Final = 8
 """Texture unit of the skin."""
-_POSE_UNIT, _ROTATION_UNIT, _MESH_UNIT, _ROWS_UNIT, _LIST_UNIT = 0, 1, 1, 2, 3
+_POSE_UNIT, _ROTATION_UNIT, _EXPRESSION_UNIT, _MESH_UNIT, _ROWS_UNIT, _LIST_UNIT = 0, 1, 2, 1, 2, 3
 _MESH_SHIFT: Final = 12
 _LIST_SHIFT: Final = 10
 _SKIN_SHIFT: Final = 10
 """Binary logarithms of the textures' widths; the skin of a crowd too large for this width is wider."""
 _RESERVED: Final = 1 << 22
 """Texels (of 16 bytes) that are reserved at first for the worst case; a skin that needs more grows while drawing."""
+
+
+POSE_TEXELS: Final = 2 * DRAWN_COUNT
+"""Texels of a dancer's pose."""
+_WIDEST: Final = max(POSE_TEXELS, 3 * JOINT_COUNT)
+"""Texels of a dancer in the widest of the pose's textures."""
 
 
 def skin_levels(quality: Quality) -> tuple[int, ...]:
@@ -40,10 +48,13 @@ def pose_texture(ctx: moderngl.Context, capacity: int) -> moderngl.Texture:
     """Create a texture for the poses of `capacity` dancers (see `pose_texels`); ValueError if it is too large."""
     limit = int(ctx.info["GL_MAX_TEXTURE_SIZE"])
     rows = min(capacity, limit)
-    width = -(-capacity // rows) * 3 * JOINT_COUNT
+    width = -(-capacity // rows) * _WIDEST
     if width > limit:
-        raise ValueError(f"{capacity} dancers: this graphics driver can hold {limit // (3 * JOINT_COUNT) * limit}")
-    return _texture(ctx, (width // 3 * 2, rows), 4, "f4")
+        raise ValueError(f"{capacity} dancers: this graphics driver can hold {limit // _WIDEST * limit}")
+    return _texture(ctx, (width // _WIDEST * POSE_TEXELS, rows), 4, "f4")
+
+
+_CONSTANTS: Final = (("JOINTS", JOINT_COUNT), ("DETAILS", len(DETAIL_JOINTS)), ("EXPRESSION", EXPRESSION_SIZE))
 
 
 class PoseTexture:
@@ -53,9 +64,11 @@ class PoseTexture:
 
     def __init__(self, ctx: moderngl.Context) -> None:
         self._ctx = ctx
-        self._program = compile_program(ctx, "bare_vertex.glsl", "pose_fragment.glsl", (("JOINTS", JOINT_COUNT),))
+        self._program = compile_program(ctx, "bare_vertex.glsl", "pose_fragment.glsl", _CONSTANTS)
         set_uniform(self._program, "joint_position", _POSE_UNIT)
         set_uniform(self._program, "joint_rotation", _ROTATION_UNIT)
+        set_uniform(self._program, "expression", _EXPRESSION_UNIT)
+        set_uniform(self._program, "detail", [tuple(row) for row in shader_rows().reshape(-1, 4).tolist()])
         set_uniform(self._program, "rest", [tuple(joint) for joint in SKELETON.rest_positions().tolist()])
         self._triangle = ctx.vertex_array(self._program, [])
         self._owned: list[Releasable] = []
@@ -65,20 +78,26 @@ class PoseTexture:
         release_all(*self._owned)
         self.texture = pose_texture(self._ctx, capacity)
         width, self.rows = self.texture.size
-        blocks = width // (2 * JOINT_COUNT)
+        blocks = width // POSE_TEXELS
         self._position = _texture(self._ctx, (3 * JOINT_COUNT * blocks, self.rows), 1, "f4")
         self._rotation = _texture(self._ctx, (JOINT_COUNT * blocks, self.rows), 4, "f4")
+        self._expression = _texture(self._ctx, (EXPRESSION_SIZE * blocks, self.rows), 1, "f4")
+        self._expressions = np.zeros((capacity, EXPRESSION_SIZE), np.float32)
         self._target = self._ctx.framebuffer([self.texture])
-        self._owned = [self._target, self._position, self._rotation, self.texture]
+        self._owned = [self._target, self._position, self._rotation, self._expression, self.texture]
 
     def upload(self, view: StageView) -> None:
-        """Upload the joints of a moment."""
+        """Upload joints, faces and hands of a moment."""
         count = len(view.joint_position)
+        expression = self._expressions[:count]
+        expression[:, :FACE_SIZE] = view.face
+        expression[:, FACE_SIZE:] = view.hand.reshape(count, EXPRESSION_SIZE - FACE_SIZE)
         for block, first in enumerate(range(0, count, self.rows)):
             height = min(count - first, self.rows)
             for texture, joints, width in (
                 (self._position, view.joint_position, 3 * JOINT_COUNT),
                 (self._rotation, view.joint_rotation, JOINT_COUNT),
+                (self._expression, expression, EXPRESSION_SIZE),
             ):
                 texture.write(joints[first : first + height], viewport=(block * width, 0, width, height))
 
@@ -87,6 +106,7 @@ class PoseTexture:
         self._target.use()
         self._position.use(_POSE_UNIT)
         self._rotation.use(_ROTATION_UNIT)
+        self._expression.use(_EXPRESSION_UNIT)
         self._triangle.render(moderngl.TRIANGLES, vertices=3)
 
     def release(self) -> None:
@@ -170,7 +190,7 @@ class SkinTexture:
 
     def allocate(self, capacity: int, pose_rows: int) -> None:
         """Make room for the numbers of so many dancers, whose poses fill so many rows."""
-        set_uniform(self._program, "pose_layout", (pose_rows, 2 * JOINT_COUNT))
+        set_uniform(self._program, "pose_layout", (pose_rows, POSE_TEXELS))
         release_all(*self._lists)
         self._capacity = capacity
         rows = (len(SKINS) * capacity >> _LIST_SHIFT) + 2

@@ -5,7 +5,7 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from live.base.body_catalogue import BODIES
+from live.base.body.catalogue import BODIES
 from live.base.stage_snapshot import Scene, StageView
 from live.render.body.body_lookup import bodies_of, mesh_of
 from live.render.body.body_mesh import LIGHT

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from live.base.body_catalogue import DEFAULT_BODY, CharacterFile, MaterialOverride
+from live.base.body.catalogue import DEFAULT_BODY, CharacterFile, MaterialOverride
 from live.base.errors import PersonError
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import find_resource

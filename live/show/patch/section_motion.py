@@ -7,7 +7,7 @@ from typing import Annotated, Final, Literal, Self
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from live.base.body_catalogue import BODIES
+from live.base.body.catalogue import BODIES
 from live.base.errors import PersonError
 from live.show.patch.section_base import (
     Colour,

@@ -5,7 +5,7 @@ from typing import Annotated
 
 from pydantic import Field, ValidationInfo, field_validator, model_validator
 
-from live.base.body_catalogue import BODIES, MAX_CHARACTERS
+from live.base.body.catalogue import BODIES, MAX_CHARACTERS
 from live.base.custom_pass import (
     MAX_PASSES,
     MAX_SOURCE_LENGTH,

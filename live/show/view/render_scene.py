@@ -4,7 +4,7 @@ import contextlib
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from live.base.body_catalogue import BODIES, DEFAULT_BODY, CharacterFile
+from live.base.body.catalogue import BODIES, DEFAULT_BODY, CharacterFile
 from live.base.errors import PersonError, error_context
 from live.base.projector_perspective import camera_from_corners
 from live.base.set_geometry import SetItem

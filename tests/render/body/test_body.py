@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from live.base.body_catalogue import DEFAULT_BODY
+from live.base.body.catalogue import DEFAULT_BODY
 from live.motion.skeleton import BODY_HEIGHT, MIRROR, SKELETON
 from live.render.body import body_mesh
 from live.render.body.body_mesh import COARSE, FINE, LIGHT, BodyMesh, build_body

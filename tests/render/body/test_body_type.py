@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.base.body_catalogue import BODIES, DEFAULT_BODY
+from live.base.body.catalogue import BODIES, DEFAULT_BODY
 from live.render.body.body_mesh import COARSE, LIGHT, build_body
 from live.render.body.body_variants import TYPES, parts_of
 from live.render.body.implicit_surface import BODY, Shape

@@ -7,11 +7,12 @@ import moderngl
 import numpy as np
 import pytest
 
-from live.base.body_catalogue import BODIES, DEFAULT_BODY
-from live.motion.skeleton import JOINT_COUNT, SKELETON
+from live.base.body.catalogue import BODIES, DEFAULT_BODY
+from live.motion.skeleton import SKELETON
 from live.render.adaptive_quality import SOFTWARE
 from live.render.body.body_mesh import DISTANT, FINE, LIGHT, build_body
 from live.render.body.body_variants import parts_of
+from live.render.body.drawn_joints import ANCHORS, DRAWN_COUNT
 from live.render.body.implicit_surface import Shape
 from live.render.dancers.dancer_batch import DancerBatch, attribute_layout, vertex_bytes
 from live.render.render_kernels import pose_texels
@@ -44,14 +45,15 @@ def litres(mesh, places):
 def skin_mesh(mesh, turns):
     """Dual-quaternion skinning (Kavan et al. 2007) in double precision."""
     position, rotation = pose(turns)
-    texels = np.zeros((1, 2 * JOINT_COUNT, 4), np.float32)
+    texels = np.zeros((1, 2 * DRAWN_COUNT, 4), np.float32)
     pose_texels(
         position[None],
         rotation[None],
         np.ascontiguousarray(SKELETON.rest_positions(), np.float32),
+        ANCHORS,
         texels,
     )
-    joints = texels[0].reshape(JOINT_COUNT, 2, 4).astype(np.float64)
+    joints = texels[0].reshape(DRAWN_COUNT, 2, 4).astype(np.float64)
     real, dual = joints[mesh.joint, 0], joints[mesh.joint, 1]
     weight = np.where((real * real[:, :1]).sum(axis=-1) < 0.0, -1.0, 1.0) * np.rint(mesh.weight * 255.0)
     real, dual = ((part * weight[..., None]).sum(axis=1) for part in (real, dual))

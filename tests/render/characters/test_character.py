@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from live.base.body_catalogue import CharacterFile
+from live.base.body.catalogue import CharacterFile
 from live.base.errors import PersonError
 from live.render.characters.character import load_character
 from live.render.characters.model_reader import BYTE_LIMIT, parse_model

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.base.body_catalogue import CharacterFile, MaterialOverride
+from live.base.body.catalogue import CharacterFile, MaterialOverride
 from live.base.errors import PersonError
 from live.motion.skeleton import SKELETON
 from live.render.body.body_mesh import COARSE, LIGHT, build_body

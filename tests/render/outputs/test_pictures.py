@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from live.base.body_catalogue import CharacterFile
+from live.base.body.catalogue import CharacterFile
 from live.base.picture_parameters import BY_ADDRESS, group_parameter, picture_row
 from live.base.stage_snapshot import Camera
 from live.render.adaptive_quality import HARDWARE, SOFTWARE

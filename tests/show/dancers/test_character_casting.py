@@ -2,7 +2,7 @@
 
 import pytest
 
-from live.base.body_catalogue import DEFAULT_BODY
+from live.base.body.catalogue import DEFAULT_BODY
 from live.base.errors import PersonError
 from live.show.dancers.character_casting import bodies_of, character_files, check_characters, drawable_characters
 from live.show.patch.patch_reader import parse_patch

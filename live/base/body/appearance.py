@@ -1,0 +1,25 @@
+"""Names of what dancers wear and how their hair is; a dancer's appearance is one row of whole numbers."""
+
+from typing import Final
+
+BODY: Final = 0
+"""Column of an appearance: the body, by its place among those of the scene, …"""
+SKIN: Final = 1
+"""… the skin's tone from 0 (darkest) to 255 (palest), …"""
+HAIR: Final = 2
+"""… the hair style, by its place in `HAIRS`, …"""
+HAIR_COLOUR: Final = 3
+"""… the hair's colour from 0 (black) to 255 (white), …"""
+COSTUME: Final = 4
+"""… the costume, by its place in `COSTUMES`, …"""
+SHOES_WORN: Final = 5
+"""… and the shoes, by their place in `SHOES`."""
+APPEARANCE_SIZE: Final = 6
+"""Number of columns."""
+
+HAIRS: Final = ("bun", "bald", "crop", "bob", "ponytail", "long", "curls", "braid")
+"""Hair styles; the first is the default."""
+COSTUMES: Final = ("leotard", "unitard", "trousers", "dress", "skirt", "jacket", "bare")
+"""Costumes; the first is the default. `bare`: shorts, and for women a top."""
+SHOES: Final = ("barefoot", "ballet", "heels", "sneakers", "boots")
+"""What dancers have on their feet; the first is the default."""
