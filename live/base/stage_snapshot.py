@@ -120,6 +120,9 @@ class StageView:
     """What each dancer's face does, shape (A, FACE_SIZE): the columns of `live.base.body.expression`."""
     hand: Float32
     """What the fingers of the left and the right hand do, shape (A, 2, HAND_SIZE): columns as above."""
+    spring: Float32
+    """Rotations of the bones of characters that swing, from the rest pose and relative to the joint from which they
+    hang, unit quaternions (w, x, y, z), shape (A, S, 4); S is 0 if nobody has such a character."""
     element_kind: Int32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.int32))
     element_position: Float32 = field(default_factory=lambda: np.zeros((ELEMENT_CAPACITY, 2), np.float32))
     """Stage positions (x, z) [m] of the active elements, shape (256, 2); the first `element_count` are valid."""
@@ -196,4 +199,5 @@ class StageView:
             present=np.ones(dancer_count, np.bool_),
             face=np.zeros((dancer_count, FACE_SIZE), np.float32),
             hand=np.zeros((dancer_count, 2, HAND_SIZE), np.float32),
+            spring=np.zeros((dancer_count, 0, 4), np.float32),
         )

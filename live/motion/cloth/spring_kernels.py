@@ -12,16 +12,21 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import inline_kernel, kernel
-from live.motion.cloth.spring_rig import DRAG, GRAVITY_X, GRAVITY_Y, GRAVITY_Z, HIT_RADIUS, STIFFNESS
+from live.motion.cloth.spring_rig import (
+    DRAG,
+    GRAVITY_X,
+    GRAVITY_Y,
+    GRAVITY_Z,
+    HIT_RADIUS,
+    MAX_COLLIDERS,
+    MAX_SPRINGS,
+    STIFFNESS,
+)
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
-
-MAX_BONES = 96
-MAX_SHAPES = 48
-"""Sizes of the scratch arrays: `MAX_SPRINGS` and `MAX_COLLIDERS`."""
 
 
 @inline_kernel
@@ -40,6 +45,65 @@ def times(aw: Any, ax: Any, ay: Any, az: Any, bw: Any, bx: Any, by: Any, bz: Any
         aw * by - ax * bz + ay * bw + az * bx,
         aw * bz + ax * by - ay * bx + az * bw,
     )
+
+
+@inline_kernel
+def _quaternion(rotation: Any, n: Any, j: Any) -> Any:
+    return (
+        np.float64(rotation[n, j, 0]), np.float64(rotation[n, j, 1]), np.float64(rotation[n, j, 2]),
+        np.float64(rotation[n, j, 3]),
+    )  # fmt: skip
+
+
+@inline_kernel
+def _carry_colliders(
+    position: Any, rotation: Any, rest: Any, n: Any, collider_joint: Any, collider: Any, axis: Any
+) -> None:
+    """Write both ends of the colliders of dancer n in the world into `axis` (C, 6)."""
+    for c in range(collider_joint.shape[0]):
+        j = collider_joint[c]
+        w, x, y, z = _quaternion(rotation, n, j)
+        for end in range(2):
+            px, py, pz = turn_vector(
+                w, x, y, z, np.float64(collider[c, 3 * end]) - rest[j, 0],
+                np.float64(collider[c, 3 * end + 1]) - rest[j, 1], np.float64(collider[c, 3 * end + 2]) - rest[j, 2],
+            )  # fmt: skip
+            axis[c, 3 * end] = position[n, j, 0] + px
+            axis[c, 3 * end + 1] = position[n, j, 1] + py
+            axis[c, 3 * end + 2] = position[n, j, 2] + pz
+
+
+@inline_kernel
+def _at_length(ux: Any, uy: Any, uz: Any, rx: Any, ry: Any, rz: Any, length: Any) -> Any:
+    """Return a vector at another length; `length` along (rx, ry, rz) if it has none, or is not finite."""
+    size = math.sqrt(ux * ux + uy * uy + uz * uz)
+    if not (1e-9 < size < 1e9):
+        return rx * length, ry * length, rz * length
+    return ux / size * length, uy / size * length, uz / size * length
+
+
+@inline_kernel
+def _way_out(ux: Any, uy: Any, uz: Any, axis: Any, c: Any) -> Any:
+    """Return the vector from the nearest point of a collider's axis to a tip, and its squared length."""
+    ex, ey, ez = axis[c, 3] - axis[c, 0], axis[c, 4] - axis[c, 1], axis[c, 5] - axis[c, 2]
+    dx, dy, dz = ux - axis[c, 0], uy - axis[c, 1], uz - axis[c, 2]
+    along = ex * ex + ey * ey + ez * ez
+    if along > 1e-12:
+        part = min(max((dx * ex + dy * ey + dz * ez) / along, 0.0), 1.0)
+        dx, dy, dz = dx - part * ex, dy - part * ey, dz - part * ez
+    return dx, dy, dz, dx * dx + dy * dy + dz * dz
+
+
+@inline_kernel
+def _shortest(rx: Any, ry: Any, rz: Any, ux: Any, uy: Any, uz: Any) -> Any:
+    """Return the shortest rotation from one direction to another."""
+    w = 1.0 + rx * ux + ry * uy + rz * uz
+    x, y, z = ry * uz - rz * uy, rz * ux - rx * uz, rx * uy - ry * ux
+    if w < 1e-6:  # opposite: about any axis across
+        w = 0.0
+        x, y, z = (0.0, -rz, ry) if abs(rx) < 0.9 else (rz, 0.0, -rx)
+    size = 1.0 / math.sqrt(w * w + x * x + y * y + z * z)
+    return w * size, x * size, y * size, z * size
 
 
 @kernel(
@@ -72,32 +136,15 @@ def swing(
     or in the space of the bone's centre, at the last tick and the one before [m], updated; out (n, B, 4): rotations of
     the bones from their rest pose, relative to `joint`.
     """
-    bones = parent.shape[0]
-    shapes = collider_joint.shape[0]
-    turn = np.empty((MAX_BONES, 4), np.float64)
-    place = np.empty((MAX_BONES, 3), np.float64)
-    axis = np.empty((MAX_SHAPES, 6), np.float64)
+    turn = np.empty((MAX_SPRINGS, 4), np.float64)
+    place = np.empty((MAX_SPRINGS, 3), np.float64)
+    axis = np.empty((MAX_COLLIDERS, 6), np.float64)
     for n in range(position.shape[0]):
-        for c in range(shapes):
-            j = collider_joint[c]
-            w, x, y, z = rotation[n, j, 0], rotation[n, j, 1], rotation[n, j, 2], rotation[n, j, 3]
-            for end in range(2):
-                px, py, pz = turn_vector(
-                    np.float64(w), np.float64(x), np.float64(y), np.float64(z),
-                    np.float64(collider[c, 3 * end]) - rest[j, 0],
-                    np.float64(collider[c, 3 * end + 1]) - rest[j, 1],
-                    np.float64(collider[c, 3 * end + 2]) - rest[j, 2],
-                )  # fmt: skip
-                axis[c, 3 * end] = position[n, j, 0] + px
-                axis[c, 3 * end + 1] = position[n, j, 1] + py
-                axis[c, 3 * end + 2] = position[n, j, 2] + pz
-        for b in range(bones):
-            j = joint[b]
-            jw, jx, jy, jz = (
-                np.float64(rotation[n, j, 0]), np.float64(rotation[n, j, 1]), np.float64(rotation[n, j, 2]),
-                np.float64(rotation[n, j, 3]),
-            )  # fmt: skip
-            p = parent[b]
+        _carry_colliders(position, rotation, rest, n, collider_joint, collider, axis)
+        for b in range(parent.shape[0]):
+            # the bone above: its rotation and origin, in the world and at rest
+            j, p = joint[b], parent[b]
+            jw, jx, jy, jz = _quaternion(rotation, n, j)
             if p < 0:
                 pw, px, py, pz = jw, jx, jy, jz
                 ox, oy, oz = np.float64(position[n, j, 0]), np.float64(position[n, j, 1]), np.float64(position[n, j, 2])
@@ -108,20 +155,15 @@ def swing(
                 fx, fy, fz = np.float64(head[p, 0]), np.float64(head[p, 1]), np.float64(head[p, 2])
             mx, my, mz = turn_vector(pw, px, py, pz, head[b, 0] - fx, head[b, 1] - fy, head[b, 2] - fz)
             hx, hy, hz = ox + mx, oy + my, oz + mz
-            ax, ay, az = (
-                np.float64(tail[b, 0]) - head[b, 0], np.float64(tail[b, 1]) - head[b, 1],
-                np.float64(tail[b, 2]) - head[b, 2],
-            )  # fmt: skip
+            ax, ay, az = np.float64(tail[b, 0]), np.float64(tail[b, 1]), np.float64(tail[b, 2])
+            ax, ay, az = ax - head[b, 0], ay - head[b, 1], az - head[b, 2]
             length = math.sqrt(ax * ax + ay * ay + az * az)
             rx, ry, rz = turn_vector(pw, px, py, pz, ax / length, ay / length, az / length)
+            # the last two tips, in the world
             k = centre[b]
-            if k < 0:
-                kw, kx, ky, kz, cx, cy, cz = 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-            else:
-                kw, kx, ky, kz = (
-                    np.float64(rotation[n, k, 0]), np.float64(rotation[n, k, 1]), np.float64(rotation[n, k, 2]),
-                    np.float64(rotation[n, k, 3]),
-                )  # fmt: skip
+            kw, kx, ky, kz, cx, cy, cz = 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+            if k >= 0:
+                kw, kx, ky, kz = _quaternion(rotation, n, k)
                 cx, cy, cz = np.float64(position[n, k, 0]), np.float64(position[n, k, 1]), np.float64(position[n, k, 2])
             if start[n]:
                 tx, ty, tz = hx + rx * length, hy + ry * length, hz + rz * length
@@ -130,52 +172,38 @@ def swing(
                 tx, ty, tz = turn_vector(
                     kw, kx, ky, kz, np.float64(now[n, b, 0]), np.float64(now[n, b, 1]), np.float64(now[n, b, 2])
                 )
-                tx, ty, tz = tx + cx, ty + cy, tz + cz
                 qx, qy, qz = turn_vector(
-                    kw, kx, ky, kz, np.float64(before[n, b, 0]), np.float64(before[n, b, 1]),
+                    kw,
+                    kx,
+                    ky,
+                    kz,
+                    np.float64(before[n, b, 0]),
+                    np.float64(before[n, b, 1]),
                     np.float64(before[n, b, 2]),
-                )  # fmt: skip
-                qx, qy, qz = qx + cx, qy + cy, qz + cz
+                )
+                tx, ty, tz, qx, qy, qz = tx + cx, ty + cy, tz + cz, qx + cx, qy + cy, qz + cz
+            # inertia, stiffness and gravity, at the bone's length
             left = 1.0 - setting[b, DRAG]
             pull = dt * setting[b, STIFFNESS]
             ux = tx + (tx - qx) * left + pull * rx + dt * setting[b, GRAVITY_X] - hx
             uy = ty + (ty - qy) * left + pull * ry + dt * setting[b, GRAVITY_Y] - hy
             uz = tz + (tz - qz) * left + pull * rz + dt * setting[b, GRAVITY_Z] - hz
-            size = math.sqrt(ux * ux + uy * uy + uz * uz)
-            if not size > 1e-9:
-                ux, uy, uz, size = rx, ry, rz, 1.0
-            ux, uy, uz = hx + ux / size * length, hy + uy / size * length, hz + uz / size * length
-            for c in range(shapes):
+            ux, uy, uz = _at_length(ux, uy, uz, rx, ry, rz, length)
+            for c in range(collider_joint.shape[0]):
                 if not (hits[b] >> c) & 1:
                     continue
                 gap = np.float64(collider[c, 6]) + setting[b, HIT_RADIUS]
-                ex, ey, ez = axis[c, 3] - axis[c, 0], axis[c, 4] - axis[c, 1], axis[c, 5] - axis[c, 2]
-                dx, dy, dz = ux - axis[c, 0], uy - axis[c, 1], uz - axis[c, 2]
-                along = ex * ex + ey * ey + ez * ez
-                if along > 1e-12:
-                    part = min(max((dx * ex + dy * ey + dz * ez) / along, 0.0), 1.0)
-                    dx, dy, dz = dx - part * ex, dy - part * ey, dz - part * ez
-                away = math.sqrt(dx * dx + dy * dy + dz * dz)
-                if away < gap and away > 1e-9:
-                    push = (gap - away) / away
-                    ux, uy, uz = ux + dx * push - hx, uy + dy * push - hy, uz + dz * push - hz
-                    size = max(math.sqrt(ux * ux + uy * uy + uz * uz), 1e-9)
-                    ux, uy, uz = hx + ux / size * length, hy + uy / size * length, hz + uz / size * length
+                dx, dy, dz, squared = _way_out(hx + ux, hy + uy, hz + uz, axis, c)
+                if 1e-18 < squared < gap * gap:
+                    push = gap / math.sqrt(squared) - 1.0
+                    ux, uy, uz = _at_length(ux + dx * push, uy + dy * push, uz + dz * push, rx, ry, rz, length)
             # the tips of this tick, in the space of the centre
             vx, vy, vz = turn_vector(kw, -kx, -ky, -kz, tx - cx, ty - cy, tz - cz)
             before[n, b, 0], before[n, b, 1], before[n, b, 2] = vx, vy, vz
-            vx, vy, vz = turn_vector(kw, -kx, -ky, -kz, ux - cx, uy - cy, uz - cz)
+            vx, vy, vz = turn_vector(kw, -kx, -ky, -kz, hx + ux - cx, hy + uy - cy, hz + uz - cz)
             now[n, b, 0], now[n, b, 1], now[n, b, 2] = vx, vy, vz
-            # the shortest turn from the rest direction to the tip
-            ux, uy, uz = (ux - hx) / length, (uy - hy) / length, (uz - hz) / length
-            w = 1.0 + rx * ux + ry * uy + rz * uz
-            if w > 1e-6:
-                x, y, z = ry * uz - rz * uy, rz * ux - rx * uz, rx * uy - ry * ux
-            else:  # opposite: about any axis across
-                w = 0.0
-                x, y, z = (0.0, -rz, ry) if abs(rx) < 0.9 else (rz, 0.0, -rx)
-            size = 1.0 / math.sqrt(w * w + x * x + y * y + z * z)
-            w, x, y, z = times(w * size, x * size, y * size, z * size, pw, px, py, pz)
+            w, x, y, z = _shortest(rx, ry, rz, ux / length, uy / length, uz / length)
+            w, x, y, z = times(w, x, y, z, pw, px, py, pz)
             turn[b, 0], turn[b, 1], turn[b, 2], turn[b, 3] = w, x, y, z
             place[b, 0], place[b, 1], place[b, 2] = hx, hy, hz
             w, x, y, z = times(jw, -jx, -jy, -jz, w, x, y, z)

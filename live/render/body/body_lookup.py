@@ -18,8 +18,9 @@ def characters_of(scene: Scene) -> dict[str, Character]:
 
 
 def mesh_of(scene: Scene, name: str, level: int) -> BodyMesh:
-    """Return the mesh of a body of a scene at a level of detail."""
+    """Return the mesh of a body of a scene at a level of detail; its joints are drawn joints, so those of a character
+    move with the skeleton only."""
     for said in scene.characters:
         if said.name == name:
-            return load_character(said).levels[level].body
+            return load_character(said).levels[level].rigid
     return build_body(level, name)

@@ -14,6 +14,8 @@ from live.motion.formats.gltf_document import GltfFile, JsonObject, open_gltf
 from live.motion.formats.gltf_skeleton import NodeTree
 from live.render.characters.materials import PLAIN, material_transform, read_materials
 from live.render.characters.model import TRIANGLE_LIMIT, Model, Part
+from live.render.characters.spring_reader import springs_of
+from live.render.characters.vrm_face import expressions_of
 from live.render.characters.vrm_licence import bones_of, first_person, kind_of, licence_of
 
 BYTE_LIMIT: Final = 100_000_000
@@ -21,7 +23,7 @@ BYTE_LIMIT: Final = 100_000_000
 IMAGE_LIMIT: Final = 64
 _INDEX_LIMIT: Final = 1 << 40
 _TRIANGLES: Final = 4
-_SMALLER: Final = "export it with fewer triangles and images of 1024 pixels (Blender: Decimate)"
+_SMALLER: Final = "export it with fewer triangles (Blender: a Decimate modifier on each mesh) and images of 1024 pixels"
 
 
 def read_bytes(path: Path) -> bytes:
@@ -72,6 +74,7 @@ class _Reader:
         self._accessors = AccessorReader(gltf, resolve, files=IMAGE_LIMIT + 4, folders=True)
         self._matrix = self._matrices()
         self._materials = read_materials(self._root)
+        self._expressions = expressions_of(self._root, self._nodes)
         self._joints: set[int] = set()
         self._notes: list[str] = []
         self._triangles = 0
@@ -94,11 +97,14 @@ class _Reader:
             parents=tuple(self._nodes.parents),
             order=tuple(self._nodes.order),
             node_position=self._matrix[:, :3, 3].copy(),
+            node_matrix=self._matrix,
             joints=frozenset(self._joints),
             bones=bones_of(self._root, self._nodes),
             parts=tuple(parts),
             materials=tuple(self._materials),
             images=tuple(self._image(number) if number in used else None for number in range(images)),
+            springs=springs_of(self._root, self._nodes),
+            expressions=self._expressions,
             licence=licence_of(self._root),
             notes=tuple(dict.fromkeys(self._notes)),
         )
@@ -136,7 +142,7 @@ class _Reader:
                 self._notes.append(f"{self._nodes.name(node)!r} is attached to no bone and is left out")
                 continue
             for primitive in self._root.element("meshes", mesh).elements("primitives"):
-                part = self._part(primitive, node, own)
+                part = self._part(primitive, node, own, mesh)
                 if part is not None:
                     yield part
 
@@ -145,7 +151,7 @@ class _Reader:
             node = self._nodes.parents[node]
         return node >= 0
 
-    def _part(self, primitive: JsonObject, node: int, skin: JsonObject | None) -> Part | None:
+    def _part(self, primitive: JsonObject, node: int, skin: JsonObject | None, mesh: int) -> Part | None:
         if primitive.integer("mode", _TRIANGLES, below=7) != _TRIANGLES:
             self._notes.append("points, lines, strips and fans are left out")
             return None
@@ -165,7 +171,28 @@ class _Reader:
             nodes, weight, moved = self._skinning(attributes, skin, len(position))
         place = np.einsum("vij,vj->vi", moved[:, :3, :3], position) + moved[:, :3, 3]
         turned = np.einsum("vij,vj->vi", moved[:, :3, :3], normal)
-        return Part(place, np.asarray(quaternion.unit(turned)), uv, nodes, weight, triangle, number)
+        morphs = self._morphs(primitive, mesh, moved[:, :3, :3])
+        return Part(place, np.asarray(quaternion.unit(turned)), uv, nodes, weight, triangle, number, morphs)
+
+    def _morphs(self, primitive: JsonObject, mesh: int, moved: Float64) -> dict[int, tuple[Float64, Float64]]:
+        """Return the blend shapes that faces move, by channel: sums of the file's, (V, 3) for positions and normals."""
+        wanted, found = self._expressions.of_mesh(mesh), {}
+        targets = list(primitive.elements("targets"))
+        for number in sorted(set(wanted) & set(range(len(targets)))):
+            shifts = [self._shift(targets[number], key, len(moved)) for key in ("POSITION", "NORMAL")]
+            turned = [np.einsum("vij,vj->vi", moved, shift) for shift in shifts]
+            for channel, weight in wanted[number]:
+                before = found.get(channel, (0.0, 0.0))
+                found[channel] = before[0] + weight * turned[0], before[1] + weight * turned[1]
+        return {channel: shift for channel, shift in found.items() if np.abs(shift[0]).max(initial=0.0) > 0.0}
+
+    def _shift(self, target: JsonObject, key: str, count: int) -> Float64:
+        if not target.has(key):
+            return np.zeros((count, 3))
+        shift = self._accessors.read(target.integer(key, below=_INDEX_LIMIT), "VEC3")
+        if len(shift) != count:
+            raise target.error(key, f"has {len(shift)} elements for {count} vertices", "one for each expected")
+        return shift
 
     def _material_of(self, primitive: JsonObject, attributes: JsonObject, count: int) -> tuple[int, Float64]:
         """Return the number of the material, and texture coordinates (V, 2)."""
@@ -185,6 +212,7 @@ class _Reader:
 
     def _triangles_of(self, primitive: JsonObject, count: int) -> Int64:
         if primitive.has("indices"):
+            self._check_size(primitive)
             numbers = self._accessors.read(primitive.integer("indices", below=_INDEX_LIMIT), "SCALAR")[:, 0].astype(
                 np.int64
             )
@@ -194,9 +222,19 @@ class _Reader:
             raise primitive.error("indices", f"refer to vertex {numbers.max()} of {count}", "a whole file expected")
         triangle = numbers[: len(numbers) // 3 * 3].reshape(-1, 3)
         self._triangles += len(triangle)
-        if self._triangles > TRIANGLE_LIMIT:
-            raise self._root.error("meshes", f"have more than {TRIANGLE_LIMIT} triangles", _SMALLER)
+        self._refuse_above_limit(self._triangles)
         return triangle
+
+    def _check_size(self, primitive: JsonObject) -> None:
+        """Refuse too many triangles before they are read."""
+        accessor = self._root.element("accessors", primitive.integer("indices", below=_INDEX_LIMIT))
+        self._refuse_above_limit(self._triangles + accessor.integer("count", below=_INDEX_LIMIT) // 3)
+
+    def _refuse_above_limit(self, triangles: int) -> None:
+        if triangles > TRIANGLE_LIMIT:
+            raise self._root.error(
+                "meshes", f"have {triangles:,} triangles; a character has {TRIANGLE_LIMIT:,} at most", _SMALLER
+            )
 
     def _normals(self, attributes: JsonObject, position: Float64, triangle: Int64) -> Float64:
         if attributes.has("NORMAL"):

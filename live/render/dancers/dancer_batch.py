@@ -13,8 +13,10 @@ from live.render.adaptive_quality import Quality
 from live.render.body.body_lookup import bodies_of, characters_of, mesh_of
 from live.render.body.body_mesh import BodyMesh
 from live.render.characters.character_buffers import CharacterBuffers
+from live.render.characters.morphs import Morphs
 from live.render.dancers.group_styles import WARDROBE_TEXELS, GroupStyles, dancer_colours
 from live.render.dancers.instance_lists import InstanceLists, ViewVolume
+from live.render.dancers.own_poses import OwnPoses
 from live.render.dancers.skinning import POSE_TEXELS, SKIN_UNIT, MeshTexture, PoseTexture, SkinTexture, skin_levels
 from live.render.shader import release_all, set_uniform
 
@@ -75,14 +77,22 @@ class DancerBatch:
         self.body_names = bodies_of(scene)
         """Names of the bodies in this scene."""
         self._scene = scene
-        self._characters = {name: CharacterBuffers(ctx, one) for name, one in characters_of(scene).items()}
+        characters = characters_of(scene)
+        self._characters = {name: CharacterBuffers(ctx, one) for name, one in characters.items()}
+        self._own = OwnPoses(ctx, characters, self.body_names) if characters else None
         self.reach = max((one.reach for one in self._characters.values()), default=0.0)
         """Maximum distance of characters' surfaces from their joints [m]."""
         self._meshes: dict[tuple[Any, ...], tuple[moderngl.Buffer, moderngl.Buffer]] = {}
         self._vertex_arrays: dict[tuple[Any, ...], moderngl.VertexArray] = {}
         self._bound_programs: set[int] = set()
-        self._poses, self._skin = PoseTexture(ctx), SkinTexture(ctx)
-        self._mesh_texture = MeshTexture(ctx, lambda level, name: mesh_of(scene, name, level), self.body_names)
+        self._poses, self._skin = PoseTexture(ctx), SkinTexture(ctx, self._own)
+
+        def skinned(level: int, name: str) -> tuple[BodyMesh, Morphs | None]:
+            if name not in characters:
+                return mesh_of(scene, name, level), None
+            return characters[name].levels[level].body, characters[name].levels[level].morphs
+
+        self._mesh_texture = MeshTexture(ctx, skinned, self.body_names)
         self._capacity = 0
         self._bodies = scene.bodies
         self.set_scene(scene)
@@ -133,6 +143,8 @@ class DancerBatch:
         known = self._bodies[:capacity]
         body[: len(known)] = [self.body_names.index(name) for name in known]
         self._instances = InstanceLists(self._ctx, capacity, body, len(self.body_names))
+        if self._own is not None:
+            self._own.allocate(capacity, self.rows, body)
 
     @property
     def box(self) -> Float32:
@@ -155,6 +167,8 @@ class DancerBatch:
         meshes, skin = self._places, self._skin
         self._instances.fill(view, self._view_volume, light, self.quality, self.styles, self.reach, meshes, skin)
         self._poses.upload(view)
+        if self._own is not None:
+            self._own.update(view)
         if not np.array_equal(view.group, self._group[:count]):
             self._upload_colours(view, count)
 
@@ -162,7 +176,7 @@ class DancerBatch:
         """Compute poses and skins of this frame, before any pass draws a dancer."""
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
         self._poses.draw()
-        self._skin.draw(self._poses.texture, self._mesh_texture.texture)
+        self._skin.draw(self._poses.texture, self._mesh_texture)
         self._skin.texture.use(SKIN_UNIT)  # nothing else uses these two units
         self._wardrobe.use(WARDROBE_UNIT)
 
@@ -274,7 +288,8 @@ class DancerBatch:
             vertices.release()
             indices.release()
         self._meshes.clear()
-        release_all(*self._characters.values(), self._poses, self._skin, self._mesh_texture, self.styles)
+        own = () if self._own is None else (self._own,)
+        release_all(*self._characters.values(), *own, self._poses, self._skin, self._mesh_texture, self.styles)
 
 
 class VertexFactory(Protocol):

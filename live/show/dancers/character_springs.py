@@ -166,4 +166,3 @@ def springs_of(
         if name in worn:
             rig_of[dancer] = worn.index(name)
     return tuple(rig_of_body[name] for name in worn), rig_of
-
