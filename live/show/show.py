@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from live.graph.motion_graph import MotionGraph
     from live.show.audience.audience import Audience
     from live.show.capture.capture_manager import CaptureManager
+    from live.show.dancers.character_springs import CharacterSprings
     from live.show.dancers.dancers import Dancers
     from live.show.dancers.step_requests import StepRequests
     from live.show.dancers.variation import Variation
@@ -75,6 +76,7 @@ class Show:
     hot_swap: "HotSwap"
     view_builder: "ViewBuilder"
     launcher: "Launcher"
+    springs: "CharacterSprings"
     frame: "Frame"
     """The stages, in their order."""
 

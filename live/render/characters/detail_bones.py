@@ -136,7 +136,7 @@ def _branching_fingers(model: Model, hand: int, below: list[int]) -> dict[str, t
         while len(kids.get(chain[-1], ())) == 1:
             chain.append(kids[chain[-1]][0])
         if not kids.get(chain[-1]) and len(chain) >= 2:
-            chains.append(tuple(chain[: max(2, min(MAX_PHALANGES, len(chain) - 1))]))
+            chains.append(tuple(chain[:MAX_PHALANGES]))
     if not 3 <= len(chains) <= len(FINGERS):
         return {}
     place = model.node_position

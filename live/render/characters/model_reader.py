@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -176,7 +176,8 @@ class _Reader:
 
     def _morphs(self, primitive: JsonObject, mesh: int, moved: Float64) -> dict[int, tuple[Float64, Float64]]:
         """Return the blend shapes that faces move, by channel: sums of the file's, (V, 3) for positions and normals."""
-        wanted, found = self._expressions.of_mesh(mesh), {}
+        wanted = self._expressions.of_mesh(mesh)
+        found: dict[int, tuple[Any, Any]] = {}
         targets = list(primitive.elements("targets"))
         for number in sorted(set(wanted) & set(range(len(targets)))):
             shifts = [self._shift(targets[number], key, len(moved)) for key in ("POSITION", "NORMAL")]

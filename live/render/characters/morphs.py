@@ -15,6 +15,10 @@ _LEAST: Final = 1e-4
 """Shorter movements are left out [m]."""
 _MIDDLE: Final = 0.01
 """Half-width of the blend between both sides of a face whose blend shape closes both eyes [m]."""
+RANGE: Final = 0.25
+"""Longest movement along an axis [m]."""
+NORMAL_RANGE: Final = 2.0
+"""Longest movement of a normal along an axis."""
 MAX_ENTRIES: Final = 1 << 23
 """Maximum number of entries of a character: their numbers have 24 bits with those of others."""
 
@@ -28,8 +32,8 @@ class Morphs:
     count: UInt32
     """Number of entries of each vertex, shape (V,)."""
     entry: UInt32
-    """Entries of all vertices in their order: movement x, y, z of position and normal as half floats in pairs, channel;
-    shape (E, 4)."""
+    """Entries of all vertices in their order: movement x, y, z of position and normal as pairs of 16-bit numbers
+    (32768: none), channel; shape (E, 4)."""
 
 
 Movements = dict[int, tuple[Float64, Float64]]
@@ -69,10 +73,10 @@ def pack(movements: Movements, vertices: int) -> Morphs:
     vertex, entry = [np.zeros(0, np.int64)], [np.zeros((0, 4), np.uint32)]
     for channel, (moved, turned) in movements.items():
         rows = np.flatnonzero(np.abs(moved).max(axis=1) > _LEAST)
-        halves = np.zeros((len(rows), 6), np.float16)
-        halves[:, :3], halves[:, 3:] = moved[rows], np.clip(turned[rows], -4.0, 4.0)
+        share = np.hstack([moved[rows] / RANGE, turned[rows] / NORMAL_RANGE])
+        numbers = (np.rint(np.clip(share, -1.0, 1.0) * 32767.0) + 32768.0).astype(np.uint16)
         packed = np.full((len(rows), 4), channel, np.uint32)
-        packed[:, :3] = halves.view(np.uint32)
+        packed[:, :3] = numbers.view(np.uint32)
         vertex.append(rows)
         entry.append(packed)
     vertices_of, entries = np.concatenate(vertex), np.concatenate(entry)

@@ -14,7 +14,7 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.arrays import Float64, Int64
+from live.base.arrays import Float, Float64, Int64
 from live.motion import quaternion
 from live.motion.formats.file_error import MotionFileError, quoted
 from live.motion.formats.source_motion import SourceMotion
@@ -84,9 +84,33 @@ def _joints_by_name(model: Model) -> dict[str, int | None]:
     if body.missing:
         body = find_body_by_shape(_still_motion(model, nodes, parents)) or body
     found = {name: None if at is None else nodes[at] for name, at in body.joints.items()}
+    if body.by_shape:
+        _heavy_head(model, found)
     if found["head"] is None and body.spine:
         _numbered_neck(model, found, nodes[body.spine[-1]])
     return found
+
+
+def _heavy_head(model: Model, found: dict[str, int | None]) -> None:
+    """Correct the head of a body found by its shape: of the chain from the trunk, which may go on into long hair, the
+    bone that moves most of the surface."""
+    top, trunk = found["head"], [found[name] for name in ("upperChest", "chest", "spine")]
+    if top is None:
+        return
+    chain = [top]
+    while model.parents[chain[0]] >= 0 and model.parents[chain[0]] not in trunk:
+        chain.insert(0, model.parents[chain[0]])
+    moved = moved_surface(model)
+    head = max(range(len(chain)), key=lambda at: float(moved[chain[at]]))
+    found["head"], found["neck"] = chain[head], chain[0] if head > 0 else None
+
+
+def moved_surface(model: Model) -> Float64:
+    """Return the sum of the skin weights of each node, (N,)."""
+    moved = np.zeros(len(model.names))
+    for part in model.parts:
+        np.add.at(moved, part.node.reshape(-1), part.weight.reshape(-1))
+    return moved
 
 
 def _still_motion(model: Model, nodes: list[int], parents: list[int]) -> SourceMotion:
@@ -156,7 +180,8 @@ class Warp:
         system = np.zeros((count + 1, count + 1))
         system[:count, :count] = _kernel(start, start)
         system[:count, count] = system[count, :count] = 1.0
-        return Warp(start, np.linalg.lstsq(system, np.vstack([moved, np.zeros((1, 3))]), rcond=1e-10)[0])
+        spread = np.linalg.lstsq(system, np.vstack([moved, np.zeros((1, 3))]), rcond=1e-10)[0]
+        return Warp(start, np.asarray(spread, np.float64))
 
     def apply(self, position: Float64) -> Float64:
         """Return displaced positions (V, 3)."""
@@ -403,7 +428,7 @@ def _limb_turns(place: Float64, knuckles: Mapping[str, Float64]) -> Float64:
     return turn
 
 
-def _palm_roll(across: Float64) -> float:
+def _palm_roll(across: Float) -> float:
     """Return the angle about x that turns the direction from index to little finger backwards, so that the palm looks
     down; 0 if it is small or the fingers lie in one place."""
     if not np.hypot(across[1], across[2]) > 1e-4:

@@ -9,7 +9,7 @@ from live.base.arrays import Float32, Float64, Int64
 from live.motion.cloth.spring_rig import MAX_COLLIDERS, MAX_SPRINGS, SpringRig
 from live.motion.skeleton import SKELETON
 from live.render.characters.model import Model
-from live.render.characters.skeleton_fit import FittedCharacter
+from live.render.characters.skeleton_fit import FittedCharacter, moved_surface
 from live.render.characters.spring_reader import SpringBone, Springs
 
 _LEAF: Final = 0.07
@@ -95,9 +95,7 @@ def _strongest(model: Model, bones: list[SpringBone]) -> tuple[list[SpringBone],
     """Return at most `MAX_SPRINGS` bones: whole chains, those first that move most of the surface."""
     if len(bones) <= MAX_SPRINGS:
         return bones, ()
-    moved = np.zeros(len(model.names))
-    for part in model.parts:
-        np.add.at(moved, part.node.reshape(-1), part.weight.reshape(-1))
+    moved = moved_surface(model)
     known = {bone.node for bone in bones}
     root: dict[int, int] = {}
     total: dict[int, float] = {}

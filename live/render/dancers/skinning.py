@@ -18,7 +18,7 @@ from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.adaptive_quality import Quality
 from live.render.body.body_mesh import COARSE, BodyMesh
 from live.render.body.drawn_joints import DETAIL_JOINTS, DRAWN_COUNT, EXPRESSION_SIZE, shader_rows
-from live.render.characters.morphs import Morphs
+from live.render.characters.morphs import NORMAL_RANGE, RANGE, Morphs
 from live.render.characters.own_joints import FIRST
 from live.render.dancers.own_poses import MORPH_TEXELS, OwnPoses
 from live.render.shader import Releasable, compile_program, release_all, set_uniform
@@ -215,7 +215,16 @@ class SkinTexture:
     def __init__(self, ctx: moderngl.Context, own: OwnPoses | None = None) -> None:
         """`own`: the own joints of characters, if there are any."""
         self._ctx, self._own = ctx, own
-        constants = () if own is None else (("OWN_FIRST", FIRST), ("MORPH_TEXELS", MORPH_TEXELS))
+        constants = (
+            ()
+            if own is None
+            else (
+                ("OWN_FIRST", FIRST),
+                ("MORPH_TEXELS", MORPH_TEXELS),
+                ("MORPH_RANGE", RANGE),
+                ("NORMAL_RANGE", NORMAL_RANGE),
+            )
+        )
         self._program = compile_program(ctx, "bare_vertex.glsl", "skin_fragment.glsl", constants)
         if own is not None:
             for name, value in (

@@ -4,7 +4,8 @@ They hang from the poses of the tick. If there are more bones than `MAX_BONES`, 
 theirs; those of the others come to rest. Whoever appears, jumps or comes back after skipped ticks begins at rest.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -37,60 +38,67 @@ _BEHIND: Final = 1e3
 _REST: Final = np.ascontiguousarray(SKELETON.rest_positions(), np.float32)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class SpringCast:
+    """Who wears which springs."""
+
+    rigs: tuple[SpringRig, ...]
+    rig_of: Int32
+    """Each dancer's, -1: none; shape (A,)."""
+
+    @staticmethod
+    def of(rig_of_body: Mapping[str, SpringRig], bodies: Sequence[str], dancer_count: int) -> "SpringCast":
+        """Return the springs that dancers wear; `bodies`: names from the first dancer on, `rig_of_body`: springs of
+        characters."""
+        worn = [name for name, rig in rig_of_body.items() if rig.count and name in bodies]
+        rig_of = np.full(dancer_count, -1, np.int32)
+        for dancer, name in enumerate(bodies[:dancer_count]):
+            if name in worn:
+                rig_of[dancer] = worn.index(name)
+        return SpringCast(tuple(rig_of_body[name] for name in worn), rig_of)
+
+
 class CharacterSprings:
     """The springs of all dancers of one show. Thread: the show's."""
 
-    def __init__(
-        self,
-        rigs: Sequence[SpringRig],
-        rig_of: Int32,
-        dancers: "Dancers",
-        motion: "GroupMotion",
-        desk: "LightDesk",
-    ) -> None:
-        """`rigs`: those of the characters; `rig_of` (A,): each dancer's, -1: none."""
-        self.rigs = tuple(rigs)
-        self._rig_of = rig_of
+    def __init__(self, cast: SpringCast, dancers: "Dancers", motion: "GroupMotion", desk: "LightDesk") -> None:
+        self.cast = cast
         self._dancers, self._motion, self._desk = dancers, motion, desk
-        count = len(rig_of)
+        self._begin()
+
+    def _begin(self) -> None:
+        """Put all springs to rest, in arrays of the rigs' sizes."""
+        shape = len(self.cast.rig_of), self.bone_count
         self._time, self._ticks = 0.0, 0
-        self._chosen: Bool = rig_of >= 0
-        self._running: Bool = np.zeros(count, np.bool_)
+        self._chosen: Bool = self.cast.rig_of >= 0
+        self._running: Bool = np.zeros(shape[0], np.bool_)
         self._level: Float32 = self._chosen.astype(np.float32)
         """Share of its motion that each dancer's springs show, 0: at rest; shape (A,)."""
-        self._hips: Float32 = np.zeros((count, 2), np.float32)
-        self.start()
-
-    def start(self) -> None:
-        """Put all springs to rest, in arrays of the rigs' sizes."""
-        shape = len(self._rig_of), self.bone_count
+        self._hips: Float32 = np.zeros((shape[0], 2), np.float32)
         self._now, self._before = np.zeros((*shape, 3), np.float32), np.zeros((*shape, 3), np.float32)
-        self._turn = _identity(shape)
-        self._turn_before = self._turn.copy()
-        self._running[:] = False
+        self._turn, self._turn_before = self.rest(), self.rest()
 
     def check_sizes(self) -> None:
         """Begin at rest if a snapshot's arrays are of other files than those that were read."""
-        shape = len(self._rig_of), self.bone_count
-        if any(len(array) != shape[0] for array in (self._chosen, self._running, self._level, self._hips)) or any(
-            array.shape != (*shape, width)
-            for array, width in ((self._now, 3), (self._before, 3), (self._turn, 4), (self._turn_before, 4))
+        shape = len(self.cast.rig_of), self.bone_count
+        if any(array.shape != (*shape, 3) for array in (self._now, self._before)) or any(
+            array.shape != (*shape, 4) for array in (self._turn, self._turn_before)
         ):
-            self.__init__(self.rigs, self._rig_of, self._dancers, self._motion, self._desk)  # type: ignore[misc]
+            self._begin()
 
     @property
     def bone_count(self) -> int:
         """Most bones of a rig."""
-        return max((rig.count for rig in self.rigs), default=0)
+        return max((rig.count for rig in self.cast.rigs), default=0)
 
     @property
     def resting(self) -> int:
         """Number of dancers whose springs rest because there are too many."""
-        return int(((self._rig_of >= 0) & ~self._chosen).sum())
+        return int(((self.cast.rig_of >= 0) & ~self._chosen).sum())
 
     def tick(self, now: "Now", fraction: float) -> None:
         """Advance all springs to the tick `now`, in which dancers are at `fraction` of the measure."""
-        if not self.rigs:
+        if not self.cast.rigs:
             return
         skipped, self._time = now.time - self._time > 1.5 * TICK, now.time
         if self._ticks % CHOICE_TICKS == 0:
@@ -105,8 +113,8 @@ class CharacterSprings:
         if len(rows):
             starting = ~self._running | jumped | skipped
             position, rotation = self._dancers.drawn_poses(rows, fraction, now.time)
-            for number, rig in enumerate(self.rigs):
-                mine = np.flatnonzero(self._rig_of[rows] == number)
+            for number, rig in enumerate(self.cast.rigs):
+                mine = np.flatnonzero(self.cast.rig_of[rows] == number)
                 if len(mine):
                     self._swing(rig, rows[mine], position[mine], rotation[mine], starting)
         self._running = swinging
@@ -125,8 +133,10 @@ class CharacterSprings:
 
     def _choose(self) -> None:
         """Choose the dancers whose bones swing: the nearest to the camera, those behind it last."""
-        worn = self._rig_of >= 0
-        sizes = np.array([rig.count for rig in self.rigs], np.int64)[self._rig_of] * (worn & self._motion.present)
+        worn = self.cast.rig_of >= 0
+        sizes = np.array([rig.count for rig in self.cast.rigs], np.int64)[self.cast.rig_of] * (
+            worn & self._motion.present
+        )
         if sizes.sum() <= MAX_BONES:
             self._chosen[:] = worn
             return
@@ -141,28 +151,19 @@ class CharacterSprings:
     def show(self, view: StageView, after: float) -> None:
         """Write the springs `after` [s] the last tick into a view: between the last two ticks, so one tick late, but
         relative to joints that are not."""
-        if self.rigs:
+        if self.cast.rigs:
             mix_springs(self._turn_before, self._turn, self._level, min(max(after / TICK, 0.0), 1.0), view.spring)
 
+    def rest(self) -> Float32:
+        """Return all rotations at rest, for a view."""
+        return _identity((len(self.cast.rig_of), self.bone_count))
+
     def hashed(self) -> tuple[Float32, ...]:
-        """Return the state that replays must have in common."""
-        return self._now, self._before, self._level
+        """Return the state that replays must have in common; nothing without springs."""
+        return (self._now, self._before, self._level) if self.cast.rigs else ()
 
 
 def _identity(shape: tuple[int, int]) -> Float32:
     turn = np.zeros((*shape, 4), np.float32)
     turn[..., 0] = 1.0
     return turn
-
-
-def springs_of(
-    rig_of_body: dict[str, SpringRig], bodies: Sequence[str], dancer_count: int
-) -> tuple[tuple[SpringRig, ...], Int32]:
-    """Return the rigs that dancers wear, and the rig of each dancer, -1: none; `bodies`: names from the first dancer
-    on, `rig_of_body`: rigs of characters."""
-    worn = [name for name, rig in rig_of_body.items() if rig.count and name in bodies]
-    rig_of = np.full(dancer_count, -1, np.int32)
-    for dancer, name in enumerate(bodies[:dancer_count]):
-        if name in worn:
-            rig_of[dancer] = worn.index(name)
-    return tuple(rig_of_body[name] for name in worn), rig_of

@@ -52,6 +52,7 @@ from live.show.stages.measure_lines import MeasureBegin, MeasureLines
 from live.show.stages.measure_span import MeasureSpan
 from live.show.stages.plan_stage import PlanStage
 from live.show.stages.show_clock import ShowClock
+from live.show.stages.soft_bodies_stage import SoftBodiesStage
 from live.show.stages.step_selection import StepSelection
 from live.show.stages.tripped_stages import TrippedStages
 from live.show.state import consistency as whole
@@ -89,13 +90,14 @@ KINDS: Final = [
         seed:int breakers:breakers refusals:refusals clock:show-clock casting:casting reactions:reactions
         score_runner:prompter motion:group-motion variation:variation dancers:dancers scheduler:scheduler
         interrupts:interrupts directions:directions mocap:mocap desk:desk audience:audience light:light
-        hot_swap:hot-swap view_builder:seen launcher:launcher frame:frame
+        hot_swap:hot-swap view_builder:seen launcher:launcher springs:character-springs frame:frame
     """),
     Kind("frame", Frame, """
         breakers:breakers router:event-router clock:show-clock measure_lines:measure-lines plan:plan-stage
-        group:group-stage crowd:crowd-stage dancers:dancers-stage light:light view_builder:seen motion:group-motion
-        tripped:tripped-stages
+        group:group-stage crowd:crowd-stage dancers:dancers-stage soft_bodies:soft-bodies-stage light:light
+        view_builder:seen motion:group-motion tripped:tripped-stages
     """),
+    Kind("soft-bodies-stage", SoftBodiesStage, "_breakers:breakers _springs:character-springs"),
     Kind("event-router", EventRouter, """
         _parts:row[audience|desk|directions|elements|group-controls|hot-swap|launcher|light|mocap|score-requests|seen|show-clock|tripped-stages]
         _clock:show-clock _motion:group-motion _undo_history:edits _refusals:refusals
@@ -267,7 +269,7 @@ KINDS: Final = [
     Kind("facing", Facing, "kind:str degrees:float dancer:int name:str"),
     Kind("seen", ViewBuilder, """
         _dancers:dancers _motion:group-motion _division:division _desk:desk _audience:audience _light:light
-        _follower:timeline-follower _frozen_view:stage-view|none
+        _follower:timeline-follower _springs:character-springs _frozen_view:stage-view|none
     """, factories={"_easing": ArmEasing}),
     Kind("spots", Spots, "_parameters:parameters _followers:row[chase] _levels:list[int]"),
     Kind("subgroup", Subgroup, """

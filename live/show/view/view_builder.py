@@ -20,6 +20,7 @@ from live.show.stages.now import Now
 if TYPE_CHECKING:
     from live.clock.follower.timeline_follower import TimelineFollower
     from live.show.audience.audience import Audience
+    from live.show.dancers.character_springs import CharacterSprings
     from live.show.dancers.dancers import Dancers
     from live.show.desk.light_desk import LightDesk
     from live.show.group.group_motion import GroupMotion
@@ -55,9 +56,10 @@ class ViewBuilder:
         audience: "Audience",
         light: "LightStage",
         follower: "TimelineFollower",
+        springs: "CharacterSprings",
     ) -> None:
         self._dancers, self._motion, self._division, self._desk = dancers, motion, division, desk
-        self._audience, self._light, self._follower = audience, light, follower
+        self._audience, self._light, self._follower, self._springs = audience, light, follower, springs
         self._frozen_view: StageView | None = None
         self._easing = ArmEasing()
 
@@ -65,6 +67,7 @@ class ViewBuilder:
         """Return an empty drawing snapshot of the right size, to be filled each frame."""
         view = StageView.allocate(len(self._division.part), JOINT_COUNT)
         view.picture = self._desk.parameters.picture.copy()
+        view.spring = self._springs.rest()
         return view
 
     @property
@@ -105,6 +108,7 @@ class ViewBuilder:
             detail=None if view.detailed or view.picture is None else motion_detail(view.picture, hips),
             easing=self._easing,
         )
+        self._springs.show(view, time - now.time)
         self._motion.show(view)
         view.group[:] = self._division.part
         view.time, view.beat, view.tempo = time, beat, self._follower.tempo
@@ -140,6 +144,7 @@ class ViewBuilder:
             motion.stage_area.half, motion.stage_area.border,
             np.array([beat, now.timeline.tempo, self._brightness]),
             *self._desk.hashed(),
+            *self._springs.hashed(),
             *(part for captured in dancers.captured.values() for part in captured.hashed()),
         )  # fmt: skip
 

@@ -8,7 +8,7 @@ uniform int mesh_shift;          // binary logarithms of the widths
 uniform int list_shift;
 #ifdef OWN_FIRST
 uniform usampler2D morph_index;  // of each vertex: number of its first movement, times 256, and how many there are
-uniform usampler2D morphs;       // movements: position and normal as half floats, channel
+uniform usampler2D morphs;       // movements: position and normal as 16-bit numbers, channel
 #endif
 
 out uvec4 skin;                  // position, normal
@@ -18,6 +18,8 @@ int dancer_at(int place) {
 }
 
 #ifdef OWN_FIRST
+vec2 signed_pair(uint numbers) { return (unpackUnorm2x16(numbers) * 65535.0 - 32768.0) / 32767.0; }
+
 // What a character's face does to a vertex: the dancer's weights stand after the own joints.
 void add_morphs(int dancer, int vertex, inout vec3 position, inout vec3 normal) {
     int mask = (1 << mesh_shift) - 1;
@@ -27,9 +29,9 @@ void add_morphs(int dancer, int vertex, inout vec3 position, inout vec3 normal) 
         uvec4 movement = texelFetch(morphs, ivec2(i & mask, i >> mesh_shift), 0);
         int channel = int(movement.w);
         float weight = texelFetch(own_poses, who + ivec2(channel >> 2, 0), 0)[channel & 3];
-        vec2 xy = unpackHalf2x16(movement.x), zn = unpackHalf2x16(movement.y);
-        position += weight * vec3(xy, zn.x);
-        normal += weight * vec3(zn.y, unpackHalf2x16(movement.z));
+        vec2 xy = signed_pair(movement.x), zn = signed_pair(movement.y);
+        position += weight * float(MORPH_RANGE) * vec3(xy, zn.x);
+        normal += weight * float(NORMAL_RANGE) * vec3(zn.y, signed_pair(movement.z));
     }
 }
 #endif
