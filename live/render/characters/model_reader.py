@@ -26,6 +26,38 @@ _TRIANGLES: Final = 4
 _SMALLER: Final = "export it with fewer triangles (Blender: a Decimate modifier on each mesh) and images of 1024 pixels"
 
 
+_UNCOMPRESSED: Final = (
+    "export it without compression (Blender: Data > Compression off in the glTF export; images as PNG or JPEG)"
+)
+_WITH_ARMATURE: Final = (
+    "export it with its armature (Blender: select mesh and armature, glTF export with Data > Skinning; the mesh needs "
+    "an Armature modifier)"
+)
+_BLENDER: Final = "open it in Blender, then File > Export > glTF 2.0 (.glb) with Skinning and Shape Keys"
+_OTHER_FORMATS: Final[tuple[tuple[bytes, str, str], ...]] = (
+    (b"Kaydara FBX", "an FBX file", _BLENDER.replace("open it in Blender", "in Blender File > Import > FBX")),
+    (b"; FBX", "an FBX file", _BLENDER.replace("open it in Blender", "in Blender File > Import > FBX")),
+    (b"BLENDER", "a Blender file", _BLENDER),
+    (b"\x28\xb5\x2f\xfd", "a compressed Blender file", _BLENDER),
+    (b"PK\x03\x04", "a ZIP archive", "unpack it, and name the .glb, .gltf or .vrm in it"),
+    (b"Pmx ", "an MMD model (PMX)", "convert it to VRM, for example with the VRM add-on for Blender"),
+    (b"#usda", "a USD file", _BLENDER.replace("open it in Blender", "in Blender File > Import > USD")),
+    (b"PXR-USDC", "a USD file", _BLENDER.replace("open it in Blender", "in Blender File > Import > USD")),
+    (b"version https://git-lfs", "only a pointer of Git LFS, not the file itself", "fetch it: git lfs pull"),
+    (b"<?xml", "an XML file (COLLADA?)", _BLENDER.replace("open it in Blender", "import it into Blender")),
+    (b"<!DOCTYPE", "a web page, not the file itself", "download it again"),
+    (b"<html", "a web page, not the file itself", "download it again"),
+)
+"""How files of other formats begin, what they are, and what to do."""
+
+
+def _refuse_other_formats(data: bytes, file: str) -> None:
+    begin = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
+    for magic, words, remedy in _OTHER_FORMATS:
+        if begin.lower().startswith(magic.lower()):
+            raise MotionFileError(file, None, f"this is {words}; characters are read from .glb, .gltf and .vrm", remedy)
+
+
 def read_bytes(path: Path) -> bytes:
     """Return the bytes of a character's file; MotionFileError if it is missing, not a file, or too large."""
     try:
@@ -57,6 +89,7 @@ def read_model(path: Path) -> Model:
 
 def parse_model(data: bytes, file: str, resolve: Resolve | None = None) -> Model:
     """Return the character in a file's bytes; `resolve` returns the files that it refers to."""
+    _refuse_other_formats(data, file)
     try:
         return _Reader(open_gltf(data, file), resolve).read()
     except MemoryError:
@@ -69,7 +102,7 @@ class _Reader:
         self._root = JsonObject(gltf.json, "", gltf.file)
         for each in self._root.texts("extensionsRequired"):
             if each in ("KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_texture_basisu"):
-                raise self._root.error("", f"needs {each}", "export it without compression")
+                raise self._root.error("", f"needs {each}", _UNCOMPRESSED)
         self._nodes = NodeTree(self._root)
         self._accessors = AccessorReader(gltf, resolve, files=IMAGE_LIMIT + 4, folders=True)
         self._matrix = self._matrices()
@@ -81,7 +114,7 @@ class _Reader:
 
     def read(self) -> Model:
         if not self._root.length("skins"):
-            raise self._root.error("", "has no skin, so it cannot be animated", "export it with its armature")
+            raise self._root.error("", "has no skin, so it cannot be animated", _WITH_ARMATURE)
         parts = list(self._parts())
         if not parts:
             raise self._root.error("meshes", "hold no triangles that move with a skin", "export mesh and armature")
@@ -156,7 +189,7 @@ class _Reader:
             self._notes.append("points, lines, strips and fans are left out")
             return None
         if primitive.has("extensions") and primitive.object("extensions").has("KHR_draco_mesh_compression"):
-            raise primitive.error("", "is compressed (Draco)", "export without compression")
+            raise primitive.error("", "is compressed (Draco)", _UNCOMPRESSED)
         attributes = primitive.object("attributes")
         position = self._accessors.read(attributes.integer("POSITION", below=_INDEX_LIMIT), "VEC3")
         triangle = self._triangles_of(primitive, len(position))
@@ -268,9 +301,7 @@ class _Reader:
             numbers.append(number)
             weights.append(np.maximum(weight, 0.0))
         if not numbers:
-            raise attributes.error(
-                "JOINTS_0", "is missing, so this mesh cannot be animated", "export it with its armature"
-            )
+            raise attributes.error("JOINTS_0", "is missing, so this mesh cannot be animated", _WITH_ARMATURE)
         number, weight = np.concatenate(numbers, axis=1), np.concatenate(weights, axis=1)
         weight[weight.sum(axis=1) <= 0.0, 0] = 1.0
         weight /= weight.sum(axis=1, keepdims=True)

@@ -63,8 +63,14 @@ def test_missing_joints_are_synthesized():
         assert own.weight[:, SKELETON.index(name)].max() > 0.9
 
 
+def test_bones_whose_names_say_nothing_are_found_by_the_shape_of_the_skeleton():
+    model = parse_model(glb_of(names=lambda name: f"Bone{SKELETON.index(name):03d}"), "anna.glb")
+    assert find_joints(model, {}) == {name: at for at, name in enumerate(SKELETON.names)}
+
+
 def test_unknown_bone_names_are_reported_and_can_be_mapped():
-    data = glb_of(names=lambda name: f"Bone{SKELETON.index(name):03d}")
+    unclear = {"LowerArm": 1.7, "Hand": 1.7}  # arms as long as legs
+    data = glb_of(names=lambda name: f"Bone{SKELETON.index(name):03d}", lengths=unclear)
     model = parse_model(data, "anna.glb")
     with pytest.raises(ValueError, match=r"no hips, no head.*joints = \{ hips"):
         find_joints(model, {})
