@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Float32, Float64, Int64
-from live.motion.cloth.spring_rig import MAX_COLLIDERS, MAX_SPRINGS, SpringRig
+from live.motion.cloth.spring_rig import HIT_RADIUS, MAX_COLLIDERS, MAX_SPRINGS, SpringRig
 from live.motion.skeleton import SKELETON
 from live.render.characters.model import Model
 from live.render.characters.skeleton_fit import FittedCharacter, moved_surface
@@ -25,7 +25,9 @@ _BODY: Final = (
     *((side + bone, (0.0, 0.0, 0.0), (0.24 * sign, 0.0, 0.0), size) for side, sign in (("left", 1.0), ("right", -1.0))
       for bone, size in (("UpperArm", 0.045), ("LowerArm", 0.038))),
 )  # fmt: skip
-"""Capsules of the body, for files without colliders: joint, both ends relative to it, and the usual radius [m]."""
+"""Capsules of the body: joint, both ends relative to it, and the usual radius [m]."""
+_OWN_COLLIDERS: Final = MAX_COLLIDERS - len(_BODY)
+"""Maximum number of a file's own colliders."""
 _RADIUS_SHARE: Final = 40.0
 """Percentile of the distances of the skin from a capsule's axis that is its radius."""
 _RADIUS_RANGE: Final = (0.6, 1.5)
@@ -73,19 +75,20 @@ def fit_springs(
         return FittedSprings(SpringRig.empty(), (), "", notes)
     joint, head, tail = joint[kept], head[kept], tail[kept]
     nodes = tuple(bone.node for bone in bones)
-    if springs.colliders:
-        collider_joint, collider, numbers = _colliders(model, springs, bones, fitted, owner)
-        hits = np.array([sum(1 << numbers[c] for c in bone.colliders if c in numbers) for bone in bones], np.int64)
-        if len(springs.colliders) > MAX_COLLIDERS:
-            notes += (f"of its {len(springs.colliders)} colliders, {MAX_COLLIDERS} are used",)
-    else:
-        collider_joint, collider = _body(fitted)
-        hits = _clear_of(collider, tail, np.array([bone.radius for bone in bones]))
+    settings = _settings(model, springs, bones, fitted)
+    collider_joint, collider, numbers = _colliders(model, springs, bones, fitted, owner)
+    hits = np.array([sum(1 << numbers[c] for c in bone.colliders if c in numbers) for bone in bones], np.int64)
+    used = {c for bone in bones for c in bone.colliders}
+    if len(used) > _OWN_COLLIDERS:
+        notes += (f"of the {len(used)} colliders of its springs, {_OWN_COLLIDERS} are used",)
+    body_joint, body = _body(fitted)
+    hits |= _clear_of(body, tail, settings[:, HIT_RADIUS].astype(np.float64)) << len(collider)
+    collider_joint, collider = np.concatenate([collider_joint, body_joint]), np.concatenate([collider, body])
     parents = _parents(model, nodes, fixed)
     rig = SpringRig(
         np.array(parents, np.int32), joint.astype(np.int32),
         np.array([-1 if bone.centre < 0 else owner[bone.centre] for bone in bones], np.int32), _float32(head),
-        _float32(tail), _settings(model, springs, bones, fitted), hits, collider_joint.astype(np.int32),
+        _float32(tail), settings, hits, collider_joint.astype(np.int32),
         _float32(collider),
     )  # fmt: skip
     return FittedSprings(rig, nodes, springs.source, notes)
@@ -167,7 +170,7 @@ def _colliders(
 ) -> tuple[Int64, Float64, dict[int, int]]:
     """Return joints and capsules (C, 7) of the colliders that bones use, and their numbers by those of the file."""
     used = [c for c in dict.fromkeys(c for bone in bones for c in bone.colliders) if c < len(springs.colliders)]
-    used = [c for c in used if springs.colliders[c].radius > 0.0][:MAX_COLLIDERS]
+    used = [c for c in used if springs.colliders[c].radius > 0.0][:_OWN_COLLIDERS]
     shapes = [springs.colliders[c] for c in used]
     joint = np.array([owner[shape.node] for shape in shapes], np.int64)
     ends = [
