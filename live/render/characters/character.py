@@ -111,11 +111,10 @@ def _load(character_file: CharacterFile, stamp: tuple[int, int]) -> Character:
     triangle = np.concatenate(
         [part.triangle + first for part, first in zip(model.parts, _vertex_offsets(model), strict=True)]
     )
-    openness = _openness(fitted)
     springs, own, owned = _own(model, joints, details, fitted)
     eyes = owned[:, [own.names.index(name) for name in ("leftEye", "rightEye") if name in own.names]]
     movements = fitted_movements(model, fitted, LOOKS if eyes.any() else frozenset())
-    shape = _Shape(fitted, drawn_weights(fitted.weight, own, owned), own, movements, surface, openness, triangle)
+    shape = _Shape(fitted, drawn_weights(fitted.weight, own, owned), own, movements, surface, triangle)
     levels = {level: _level(shape, level, wanted) for level, wanted in TRIANGLES.items()}
     levels[DISTANT] = levels[LIGHT]
     two_sided = any(materials[part.material][0].two_sided for part in model.parts)  # type: ignore[index]
@@ -151,7 +150,6 @@ class _Shape:
     own: OwnJoints
     movements: Movements
     surface: Float64
-    openness: Float64
     triangle: Int64
 
 
@@ -189,32 +187,29 @@ def _surface(model: Model, materials: list[tuple[Material, MaterialOverride] | N
     return np.concatenate(rows)
 
 
-def _openness(fitted: FittedCharacter) -> Float64:
+def _openness(points: Float64, normal: Float64) -> Float64:
     """Return the share of ambient light at each vertex, from the usual body, which has the same joints."""
-    shape, points = Shape(parts_of(DEFAULT_BODY)), fitted.position
+    shape = Shape(parts_of(DEFAULT_BODY))
     inside = np.minimum(shape.distance(points), 0.0)
     total = np.zeros(len(points))
     for reach in _OCCLUSION_REACH:
-        total += np.clip((shape.distance(points + fitted.normal * reach) - inside) / reach, 0.25, 1.0)
+        total += np.clip((shape.distance(points + normal * reach) - inside) / reach, 0.25, 1.0)
     return total / len(_OCCLUSION_REACH)
 
 
 def _level(shape: _Shape, number: int, wanted: int) -> CharacterMesh:
-    fitted, weight, surface, openness, triangle = (
-        shape.fitted, shape.weight, shape.surface, shape.openness, shape.triangle,
-    )  # fmt: skip
+    fitted, weight, surface, triangle = shape.fitted, shape.weight, shape.surface, shape.triangle
     position, normal, movements = fitted.position, fitted.normal, {} if number == COARSE else shape.movements
     if len(triangle) > wanted:
         level = simplify_to(position, fitted.weight, surface[:, -1].astype(np.int64), triangle, wanted)
         movements = simplified(movements, level)
         position, normal, surface = level.mean_positions(position), level.mean(normal), level.mean(surface)
         weight = level.mean(weight.astype(np.float64)).astype(np.float32)
-        openness, triangle = level.mean(openness[:, None])[:, 0], level.triangle
+        triangle = level.triangle
     normal = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
     joint, share = strongest_weights(weight.astype(np.float64))
-    body = BodyMesh(
-        _as_float32(position), _as_float32(normal), joint, share, _as_float32(openness), triangle.astype(np.int32)
-    )
+    openness = _as_float32(_openness(position, normal))
+    body = BodyMesh(_as_float32(position), _as_float32(normal), joint, share, openness, triangle.astype(np.int32))
     carriers = np.concatenate([np.arange(FIRST, dtype=np.int32), shape.own.joint])
     rigid = replace(body, joint=carriers[joint])
     columns = _as_float32(surface[:, :2]), _as_float32(surface[:, 2:6]), _as_float32(surface[:, 6:10])

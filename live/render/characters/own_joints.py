@@ -12,7 +12,7 @@ import numpy as np
 
 from live.base.arrays import Float32, Float64, Int32
 from live.motion.cloth.spring_rig import MAX_SPRINGS
-from live.motion.skeleton import SKELETON
+from live.motion.skeleton import JOINT_COUNT
 from live.render.body.drawn_joints import DETAIL_JOINTS, DRAWN_COUNT, Term
 from live.render.characters.detail_bones import DetailBones
 from live.render.characters.expressions import BLINKS, MOUTH, Expressions
@@ -157,8 +157,8 @@ def own_weights(model: Model, own: OwnJoints, fixed: set[int]) -> Float32:
 def drawn_weights(weight: Float64, own: OwnJoints, owned: Float32) -> Float32:
     """Return skin weights (V, DRAWN_COUNT + M): those of the skeleton (V, J) less those of the own joints (V, M)."""
     whole = np.zeros((len(weight), FIRST + own.count), np.float32)
-    whole[:, : len(SKELETON.names)] = weight
-    for number, joint in enumerate(own.joint.tolist()):
-        whole[:, joint] -= owned[:, number]
+    carrier = np.zeros((own.count, JOINT_COUNT), np.float32)
+    carrier[np.arange(own.count), own.joint] = 1.0
+    whole[:, :JOINT_COUNT] = np.maximum(weight - owned @ carrier, 0.0)
     whole[:, FIRST:] = owned
-    return np.maximum(whole, 0.0)
+    return whole
