@@ -43,9 +43,9 @@ class DetailBones:
     """Nodes of a character that its fingers and its face move."""
 
     fingers: Mapping[str, tuple[int, ...]]
-    """Phalanges from the palm to the tip, at most three, by side and finger: `leftIndex`."""
+    """Phalanges from the palm to the tip, at most three, by side and finger, such as "leftIndex"."""
     face: Mapping[str, int]
-    """`leftEye`, `rightEye`, `leftLid`, `rightLid`, `jaw`."""
+    """Eyes, upper lids and jaw, named like the detail joints of the drawn body."""
 
     @property
     def missing(self) -> tuple[str, ...]:

@@ -34,7 +34,7 @@ class Channel:
     factor: float
     """... times this; the product, 0 to 1, is the weight of the blend shapes."""
     alternatives: tuple[tuple[tuple[str, float], ...], ...]
-    """Blend shapes and their weights, the best alternative first; `vrm:NAME` is a preset of VRM 1.0."""
+    """Blend shapes and their weights, the best alternative first; "vrm:" and a name is a preset of VRM 1.0."""
 
 
 def _both(name: str, weight: float) -> tuple[tuple[str, float], ...]:
@@ -145,8 +145,8 @@ def find_expressions(names: Mapping[int, Sequence[str]], presets: Mapping[str, t
 
 
 def _plain(name: str) -> list[str]:
-    """Return the forms of a name to compare: without separators, and from `Fcl_` on, which VRoid puts after the mesh's
-    name."""
-    whole = re.sub(r"[^a-z0-9]", "", name.lower())
+    """Return the forms of a name to compare: without separators and MPFB's "!ex-", and from "Fcl" on, which VRoid puts
+    after the mesh's name."""
+    whole = re.sub(r"[^a-z0-9]", "", name.lower().removeprefix("!ex-"))
     at = whole.find("fcl")
     return [whole, whole[at:]] if at > 0 else [whole]
