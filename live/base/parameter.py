@@ -10,13 +10,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final, Literal
 
-Kind = Literal["number", "switch", "choice", "colour", "place"]
+Kind = Literal["number", "switch", "choice", "names", "colour", "place"]
 SPOT_COUNT: Final = 4
 """Number of follow spots."""
 _COMPONENTS: Final[Mapping[Kind, tuple[str, ...]]] = {
     "number": ("how much",),
     "switch": ("1: on, 0: off",),
     "choice": ("which",),
+    "names": ("one name, or several with + between them: each dancer has one of these",),
     "colour": ("red, linear", "green, linear", "blue, linear"),
     "place": ("to the right as seen by the audience", "up", "towards the audience"),
 }
@@ -24,7 +25,10 @@ _COMPONENTS: Final[Mapping[Kind, tuple[str, ...]]] = {
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """One parameter: a number, a switch (0 or 1), a choice, a colour (r, g, b) or a place or direction (x, y, z)."""
+    """One parameter: a number, switch (0 or 1), choice, names, colour (r, g, b), or place or direction (x, y, z).
+
+    Names stand in the row as one number, the sum of the `choices` of each name, which are powers of two.
+    """
 
     address: str
     kind: Kind
@@ -66,5 +70,19 @@ class Parameter:
 
     @property
     def fades(self) -> bool:
-        """Whether it can fade; switches and choices change at once."""
-        return self.kind not in ("switch", "choice")
+        """Whether it can fade; switches, choices and names change at once."""
+        return self.kind not in ("switch", "choice", "names")
+
+    def number_of_names(self, words: str) -> float:
+        """Return the number of names with `+` between them; ValueError for an unknown one."""
+        total = 0
+        for name in words.split("+"):
+            known = self.choices.get(name.strip().casefold())
+            if known is None:
+                raise ValueError(f"{name.strip()!r} is none of {', '.join(self.choices)}")
+            total |= int(known)
+        return float(total)
+
+    def names_of_number(self, number: float) -> str:
+        """Return the names of a number, with `+` between them."""
+        return " + ".join(name for name, bit in self.choices.items() if int(number) & int(bit))

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Float64
+from live.base.body.appearance import COSTUMES, HAIRS, SHOES
 from live.base.custom_pass import MAX_PASSES, NUMBERS_PER_PASS, custom_pass_numbers
 from live.base.parameter import SPOT_COUNT, Parameter
 from live.base.stage_snapshot import Camera, Scene
@@ -49,6 +50,12 @@ def _place(
     address: str, low: float, high: float, start: _Triple, text: str, *, unit: str = "", patch: str = ""
 ) -> Parameter:
     return Parameter(address, "place", low, high, start, unit, text, patch=patch)
+
+
+def _names(address: str, names: tuple[str, ...], text: str) -> Parameter:
+    """Return a row of names; the first one is the start value."""
+    bits = {name: float(1 << place) for place, name in enumerate(names)}
+    return Parameter(address, "names", 1, sum(bits.values()), (1.0,), "", text, choices=bits)
 
 
 def _spot(number: int) -> tuple[Parameter, ...]:
@@ -232,6 +239,21 @@ _STYLE_ROWS: Final = (
     _number("emission", 0, 2, 0.0, "How much light the clothes emit."),
 )
 """Their addresses are names under `/dance/draw/`."""
+_CLOTHES_ROWS: Final = (
+    _names("costume", COSTUMES, f"What the dancers wear: {', '.join(COSTUMES)}."),
+    _names("shoes", SHOES, f"What they have on their feet: {', '.join(SHOES)}."),
+    _names("hair", HAIRS, f"How their hair is: {', '.join(HAIRS)}."),
+    _number("hair/tone", 0, 1, 0.1, "Colour of the hair, from black over brown and blond to white."),
+    _number("hair/variety", 0, 1, 0.2, "How much the hair's colours differ."),
+    _number("skin", 0, 1, 0.5, "Tone of the skin, from dark to pale."),
+    _number("skin/variety", 0, 1, 1.0, "How much the tones of skin differ."),
+    _colour("accent", (0.8, 0.8, 0.8), "Second colour of the costume: trousers, tights, lapels and trims."),
+    _number("accent/amount", 0, 1, 0.0, "How far these take that colour; 0: a dark shade of the first one."),
+    _number("skirt", 0, 1, 0.5, "Length of skirts and dresses, from the hips to the floor."),
+)
+"""What dancers wear and look like, under the same prefix: drawn in any style."""
+CLOTHES_NAMES: Final = tuple(row.address for row in _CLOTHES_ROWS)
+"""Their addresses without the prefix."""
 
 
 def _in_row(rows: Iterable[Parameter], first: int) -> tuple[Parameter, ...]:
@@ -259,7 +281,10 @@ GROUP_PARAMETERS: Final = {
     row.address: replace(row, per_group=True)
     for row in (
         *_in_row((_colour(GROUP_COLOUR_ADDRESS, (0.8, 0.8, 0.8), "Colour of the clothes of a group."),), COLOURS_START),
-        *_in_row((replace(row, address=STYLE_ADDRESS_PREFIX + row.address) for row in _STYLE_ROWS), STYLES_START),
+        *_in_row(
+            (replace(row, address=STYLE_ADDRESS_PREFIX + row.address) for row in (*_STYLE_ROWS, *_CLOTHES_ROWS)),
+            STYLES_START,
+        ),
     )
 }
 """The parameters that every group has, by address, with the positions of the first group."""

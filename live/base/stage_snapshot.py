@@ -10,6 +10,7 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Bool, Float32, Float64, Int32
+from live.base.body.appearance import DEFAULT_APPEARANCE
 from live.base.body.catalogue import CharacterFile
 from live.base.body.expression import FACE_SIZE, HAND_SIZE
 from live.base.custom_pass import PASSES, CustomShader
@@ -123,6 +124,8 @@ class StageView:
     spring: Float32
     """Rotations of the bones of characters that swing, from the rest pose and relative to the joint from which they
     hang, unit quaternions (w, x, y, z), shape (A, S, 4); S is 0 if nobody has such a character."""
+    appearance: Int32
+    """What each dancer looks like, shape (A, APPEARANCE_SIZE): the columns of `live.base.body.appearance`."""
     element_kind: Int32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.int32))
     element_position: Float32 = field(default_factory=lambda: np.zeros((ELEMENT_CAPACITY, 2), np.float32))
     """Stage positions (x, z) [m] of the active elements, shape (256, 2); the first `element_count` are valid."""
@@ -200,4 +203,5 @@ class StageView:
             face=np.zeros((dancer_count, FACE_SIZE), np.float32),
             hand=np.zeros((dancer_count, 2, HAND_SIZE), np.float32),
             spring=np.zeros((dancer_count, 0, 4), np.float32),
+            appearance=np.tile(np.array(DEFAULT_APPEARANCE, np.int32), (dancer_count, 1)),
         )

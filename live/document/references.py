@@ -151,7 +151,7 @@ def _mappings(document: Document, argument: str, renamed: Rename) -> Iterator[Re
 def _scene_keys(document: Document, kind: str, renamed: Rename) -> Iterator[Reference]:
     """Yield the scenes and looks that set a group's value, and the scenes that recall a view or look."""
     by_word = kind in ("group", "selections")
-    for place, values in _tables(document, "looks") if by_word else ():
+    for place, values in (*_tables(document, "looks"), *_tables(document, "group")) if by_word else ():
         for key, value in values.get("draw", {}).items():
             name, _, group = key.partition(" ")
             if renamed(group) != group:

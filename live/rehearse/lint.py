@@ -35,7 +35,7 @@ def _heights(patch: Patch) -> Iterator[tuple[str, float]]:
     for scene in patch.scene:
         eye = scene.set.get(EYE_ADDRESS)
         if isinstance(eye, tuple):
-            yield f"scene {scene.name!r}", eye[1]
+            yield f"scene {scene.name!r}", float(eye[1])
     for call, values, place in calls_of(patch):
         if call == EYE_ADDRESS and len(values) > 1 and isinstance(values[1], int | float):
             yield f"{place[0]} {int(place[1]) + 1}, call {call}", float(values[1])

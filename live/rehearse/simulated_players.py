@@ -7,6 +7,7 @@ import numpy as np
 
 from live.control.registry.control import ROLE_RANKS, Argument, ArgumentValue, Control, Role
 from live.control.registry.registry import QUERIES, REGISTRY
+from live.show.desk.parameter_table import NAME_CHOICES
 from live.show.patch.patch import Patch
 from live.show.patch.section_score import formation_names
 
@@ -52,6 +53,7 @@ class ArgumentGenerator:
             "look": ["start", *(look.name for look in patch.looks)],
             "signal": [*(signal.name for signal in patch.signal), "hit", "drop"],
             "gate": ["*", "left", "right", "back"],
+            **{kind: list(names) for kind, names in NAME_CHOICES.items()},
             "thing": ["tree", "rope", "chair"],
         }
 

@@ -53,6 +53,7 @@ from live.show.stages.show_clock import ShowClock
 from live.show.stages.soft_bodies_stage import SoftBodiesStage
 from live.show.stages.step_selection import StepSelection
 from live.show.stages.tripped_stages import TrippedStages
+from live.show.view.appearance import Appearances
 from live.show.view.view_builder import ViewBuilder
 
 
@@ -117,8 +118,9 @@ def assemble(
     light = LightStage(breakers)
     spring_cast = SpringCast.of(springs or {}, bodies_of(patch) if springs else (), len(casting.group))
     character_springs = CharacterSprings(spring_cast, dancers, motion, desk)
+    appearances = Appearances(seed, variation.division, desk.parameters)
     view_builder = ViewBuilder(
-        dancers, motion, variation.division, desk, audience, light, clock.follower, character_springs
+        dancers, motion, variation.division, desk, audience, light, clock.follower, appearances, character_springs
     )
     hot_swap = HotSwap(
         patch, graph, dancers, scheduler, motion, refusals, assemble=assemble, seed=seed,

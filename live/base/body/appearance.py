@@ -16,6 +16,10 @@ SHOES_WORN: Final = 5
 """… and the shoes, by their place in `SHOES`."""
 APPEARANCE_SIZE: Final = 6
 """Number of columns."""
+BY_CHANCE: Final = -1
+"""In a column: the renderer chooses, the same for a dancer of that number in every show (the body: as in the scene)."""
+DEFAULT_APPEARANCE: Final = (BY_CHANCE, BY_CHANCE, 0, BY_CHANCE, 0, 0)
+"""The appearance of a dancer of whom nothing is said."""
 
 HAIRS: Final = ("bun", "bald", "crop", "bob", "ponytail", "long", "curls", "braid")
 """Hair styles; the first is the default."""

@@ -10,7 +10,7 @@ from live.base.picture_parameters import GROUP_PARAMETERS, PARAMETERS
 from live.control.events.event import ControlEvent
 from live.control.events.parameters import SetParameter
 from live.control.registry.command import DANCERS
-from live.control.registry.control import Argument, Control
+from live.control.registry.control import Argument, ArgumentValue, Control
 
 _MEASURES: Final = Argument("measures", "float", "how long it takes; 0 is at once", "measures", 0, 1024, 0.0)
 _GROUP: Final = replace(DANCERS, name="group", default="*")
@@ -18,6 +18,10 @@ _GROUP: Final = replace(DANCERS, name="group", default="*")
 
 def value_arguments(row: Parameter) -> tuple[Argument, ...]:
     """Return the arguments for the numbers of a parameter."""
+    if row.kind == "names":
+        form = f"one of {', '.join(row.choices)}, or several with + between them"
+        kept = row.address.rpartition("/")[2]
+        return (Argument(kept, "name", row.components[0], convert=row.number_of_names, form=form, names=kept),)
     kind: Literal["bool", "float"] = "bool" if row.kind == "switch" else "float"
     return tuple(
         Argument(name, kind, words, row.unit, row.low, row.high)
@@ -36,7 +40,11 @@ def _maker(address: str) -> Callable[..., ControlEvent]:
 def parameter_control(row: Parameter) -> Control:
     """Return the control of a parameter: its numbers, the group if each has a value, and how long the fade takes."""
     values = value_arguments(row)
-    start = tuple(bool(number) for number in row.start) if row.kind == "switch" else row.start
+    start: tuple[ArgumentValue, ...] = row.start
+    if row.kind == "switch":
+        start = (bool(row.start[0]),)
+    elif row.kind == "names":
+        start = (row.names_of_number(row.start[0]),)
     rest = (*((_GROUP,) if row.per_group else ()), *((_MEASURES,) if row.fades else ()))
     return Control(
         row.address, _maker(row.address), (*values, *rest), row.description, "operator", "continuous",

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Float32
+from live.base.body.appearance import APPEARANCE_SIZE
 from live.base.stage_snapshot import Camera, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT
 from live.render.adaptive_quality import Quality
@@ -14,10 +15,11 @@ from live.render.body.body_lookup import bodies_of, characters_of, mesh_of
 from live.render.body.body_mesh import BodyMesh
 from live.render.characters.character_buffers import CharacterBuffers
 from live.render.characters.morphs import Morphs
-from live.render.dancers.group_styles import WARDROBE_TEXELS, GroupStyles, dancer_colours
+from live.render.dancers.group_styles import GroupStyles
 from live.render.dancers.instance_lists import InstanceLists, ViewVolume
 from live.render.dancers.own_poses import OwnPoses
 from live.render.dancers.skinning import POSE_TEXELS, SKIN_UNIT, MeshTexture, PoseTexture, SkinTexture, skin_levels
+from live.render.dancers.wardrobe import WARDROBE_TEXELS, dancer_colours
 from live.render.shader import release_all, set_uniform
 
 POSE_UNIT: Final = 0
@@ -122,9 +124,9 @@ class DancerBatch:
 
     def set_styles(self, row: npt.NDArray[np.float64]) -> None:
         """Set the groups' styles from a parameter row, from the next frame on."""
-        variety, sheen = self.styles.variety, self.styles.sheen
+        before = self.styles.clothes
         self.styles.apply_row(row)
-        if not (np.array_equal(variety, self.styles.variety) and np.array_equal(sheen, self.styles.sheen)):
+        if not np.array_equal(before, self.styles.clothes):
             self._group[:] = -1
 
     def _allocate(self, capacity: int) -> None:
@@ -139,6 +141,7 @@ class DancerBatch:
         self._wardrobe = self._ctx.texture((WARDROBE_TEXELS * blocks, self.rows), 4)
         self._wardrobe.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._group = np.full(capacity, -1, np.int32)
+        self._appearance = np.zeros((capacity, APPEARANCE_SIZE), np.int32)
         body = np.zeros(capacity, np.int32)
         known = self._bodies[:capacity]
         body[: len(known)] = [self.body_names.index(name) for name in known]
@@ -169,7 +172,8 @@ class DancerBatch:
         self._poses.upload(view)
         if self._own is not None:
             self._own.update(view)
-        if not np.array_equal(view.group, self._group[:count]):
+        same = np.array_equal(view.group, self._group[:count])
+        if not (same and np.array_equal(view.appearance, self._appearance[:count])):
             self._upload_colours(view, count)
 
     def skin(self) -> None:
@@ -182,10 +186,10 @@ class DancerBatch:
 
     def _upload_colours(self, view: StageView, count: int) -> None:
         """Upload the dancers' colours; only needed if groups or their colours have changed."""
-        self._group[:count] = view.group
+        self._group[:count], self._appearance[:count] = view.group, view.appearance
         blocks, rows = self._wardrobe.width // WARDROBE_TEXELS, self.rows
         padded = np.zeros((blocks * rows, WARDROBE_TEXELS, 4), np.uint8)
-        padded[:count] = dancer_colours(view.group, self._colours, self.styles.variety, self.styles.sheen)
+        padded[:count] = dancer_colours(view.group, self._colours, self.styles.clothes, view.appearance)
         columns = padded.reshape(blocks, rows, WARDROBE_TEXELS, 4).transpose(1, 0, 2, 3)
         self._wardrobe.write(np.ascontiguousarray(columns))
 

@@ -1,22 +1,20 @@
-"""Styles of all groups as a uniform block, the draw lists that they need, and each dancer's colours.
-
-A dancer's colours are cloth in the group's colour, tights, skin and hair, with individual variation.
-"""
+"""Styles of all groups as a uniform block, and the draw lists that they need."""
 
 from typing import Final
 
 import moderngl
 import numpy as np
-import numpy.typing as npt
 
 from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.picture_parameters import (
+    CLOTHES_NAMES,
     GROUP_PARAMETERS,
     PART_COUNT,
     STYLE_ADDRESS_PREFIX,
     STYLE_SIZE,
     STYLES_START,
 )
+from live.render.dancers.wardrobe import PLAIN_CLOTHES
 from live.render.shader import STYLE_VECTORS, STYLES_BINDING
 
 LISTS: Final = (
@@ -31,10 +29,11 @@ _PLACES: Final = {
 }
 
 
+_CLOTHES: Final = [_PLACES["variety"], _PLACES["sheen"], *range(_PLACES["accent"], _PLACES["accent"] + 4)]
 _ON_BODIES: Final = tuple(
     name
     for name in (address.removeprefix(STYLE_ADDRESS_PREFIX) for address in GROUP_PARAMETERS)
-    if name not in ("solid", "particles", "ribbons", "trails", "variety", "sheen") and "/" not in name
+    if name not in ("solid", "particles", "ribbons", "trails", "variety", "sheen", *CLOTHES_NAMES) and "/" not in name
 )
 """Amounts that change how a lit body is drawn; the others are drawn beside it or belong to the clothes."""
 
@@ -58,9 +57,8 @@ class GroupStyles:
         """Beats between ghosts."""
         self.share = 1.0
         """Largest share of a dancer's points that any group shows, 0 to 1."""
-        self.variety: Float32 = np.full(PART_COUNT, 0.2, np.float32)
-        self.sheen: Float32 = np.ones(PART_COUNT, np.float32)
-        """Variation and sheen of the clothes by group."""
+        self.clothes: Float32 = np.tile(np.array(PLAIN_CLOTHES, np.float32), (PART_COUNT, 1))
+        """The clothes of each group, see `wardrobe.PLAIN_CLOTHES`, shape (PART_COUNT, 6)."""
 
     def apply_row(self, row: Float64) -> None:
         """Apply a parameter row, shape (live.base.picture_parameters.ROW_SIZE,)."""
@@ -83,7 +81,7 @@ class GroupStyles:
         self.list_bits[:] = self._lists()
         self.share = float((of("particles/share") * self.masks["particles"]).max())
         self.spacing = np.maximum(of("trails/spacing"), 0.25)
-        self.variety, self.sheen = of("variety").astype(np.float32), of("sheen").astype(np.float32)
+        self.clothes = own[:, _CLOTHES].astype(np.float32)
 
     def _lists(self) -> Int32:
         masks, bits = self.masks, np.zeros(PART_COUNT, np.int32)
@@ -102,59 +100,3 @@ class GroupStyles:
     def release(self) -> None:
         """Free the buffer."""
         self._buffer.release()
-
-
-CLOTH: Final = 0
-TIGHTS: Final = 1
-SKIN: Final = 2
-HAIR: Final = 3
-MATERIALS: Final = 4
-IDENTITY: Final = 4
-"""Texel after the materials: the dancer's group (no square root), and three random numbers."""
-WARDROBE_TEXELS: Final = 5
-"""Texels per dancer in the wardrobe texture."""
-
-_SHEEN: Final = (0.30, 0.30, 0.14, 0.35)
-_DARK_SKIN, _PALE_SKIN = (0.20, 0.098, 0.058), (0.56, 0.33, 0.225)
-_BLACK_HAIR, _BROWN_HAIR = (0.012, 0.009, 0.008), (0.070, 0.035, 0.016)
-_SATURATION: Final = 1.25
-"""Saturation of cloth relative to the group's colour, because light on it makes it paler."""
-_VARIETY: Final = 0.2
-_SEED: Final = 7
-
-
-def dancer_colours(
-    group: Int32, colours: Float32, variety: Float32 | None = None, sheen: Float32 | None = None
-) -> npt.NDArray[np.uint8]:
-    """Return the colours of A dancers as square roots of linear RGB and sheen, 0 to 255, shape (A, 5 texels, 4).
-
-    group (A,) indexes `colours` (G, 3), `variety` and `sheen` (G,), modulo their length. `variety`: variation of
-    colours in a group (default 0.2); `sheen` of its clothes (default 1). The same dancer always looks the same.
-    """
-    draw = np.random.default_rng(_SEED).random((len(group), 4))
-    differ = np.full((len(group), 1), _VARIETY) if variety is None else variety[group % len(variety)][:, None]
-    shine = np.ones((len(group), 1)) if sheen is None else sheen[group % len(sheen)][:, None]
-    cloth = colours[group % len(colours)].astype(np.float64)
-    grey = cloth @ np.array([0.2126, 0.7152, 0.0722])
-    cloth = np.maximum(grey[:, None] + _SATURATION * (cloth - grey[:, None]), 0.0)
-    cloth *= 0.61 + np.minimum(1.3 * differ, 0.7) * (draw[:, :1] - 0.5)
-    turn = 0.5 * differ * (draw[:, 1:2] - 0.5)  # a little of the neighbouring hue
-    cloth = np.where(
-        turn > 0.0, (1.0 - turn) * cloth + turn * cloth[:, [1, 2, 0]], (1.0 + turn) * cloth - turn * cloth[:, [2, 0, 1]]
-    )
-    out = np.empty((len(group), WARDROBE_TEXELS, 4))
-    out[:, CLOTH, :3] = cloth
-    out[:, TIGHTS, :3] = cloth * np.array([0.34, 0.33, 0.36])
-    out[:, SKIN, :3] = _mix(_DARK_SKIN, _PALE_SKIN, np.sqrt(draw[:, 2:3]))
-    out[:, HAIR, :3] = _mix(_BLACK_HAIR, _BROWN_HAIR, draw[:, 3:4] ** 2)
-    out[:, :MATERIALS, :3] = np.sqrt(np.clip(out[:, :MATERIALS, :3], 0.0, 1.0))
-    out[:, :MATERIALS, 3] = np.array(_SHEEN)
-    out[:, CLOTH : TIGHTS + 1, 3] *= np.minimum(shine, 1.0 / max(_SHEEN))
-    out[:, IDENTITY, 0], out[:, IDENTITY, 1:] = (group % PART_COUNT) / 255.0, draw[:, [1, 2, 3]]
-    return np.ascontiguousarray(np.rint(out * 255.0), np.uint8)
-
-
-def _mix(
-    a: tuple[float, float, float], b: tuple[float, float, float], part: npt.NDArray[np.float64]
-) -> npt.NDArray[np.float64]:
-    return np.array(a) * (1.0 - part) + np.array(b) * part

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from live.control.registry.registry import FIRST_NAMES
 from live.show.desk.pad import SHAPES
+from live.show.desk.parameter_table import NAME_CHOICES
 from live.show.patch.patch import Patch
 from live.show.patch.section_score import formation_names
 from live.show.show import Show
@@ -21,6 +22,7 @@ def completion_names(patch: Patch, steps: Sequence[str]) -> dict[str, list[str]]
         "section": [section.name for section in patch.section],
         "signal": sorted({signal.name for signal in patch.signal}),
         "background": [background.name for background in patch.background],
+        **{kind: list(names) for kind, names in NAME_CHOICES.items()},
         "performer": [performer.name for performer in patch.mocap],
     }
     return {address: names[kind] for address, kind in FIRST_NAMES.items() if kind in names}

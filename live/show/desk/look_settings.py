@@ -26,6 +26,20 @@ def draw_settings(values: Mapping[str, Setting]) -> dict[str, Setting]:
     return settings
 
 
+def group_settings(name: str, draw: Mapping[str, Setting]) -> tuple[dict[str, Setting], dict[str, Setting]]:
+    """Return how a group is drawn at the start, by address, and how those of its dancers are for whom a selection
+    stands behind the key, by address and selection."""
+    whole: dict[str, Setting] = {}
+    selected: dict[str, Setting] = {}
+    for key, value in draw_settings(draw).items():
+        address, space, words = key.partition(" ")
+        if space and words.strip():
+            selected[f"{address} {name} & {words.strip()}"] = value
+        else:
+            whole[address] = value
+    return whole, selected
+
+
 def look_settings(look: NamedLookSection) -> dict[str, Setting]:
     """Return the parameters that a look sets, by address."""
     return parameter_values("look", look) | draw_settings(look.draw)

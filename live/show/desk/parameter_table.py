@@ -44,6 +44,12 @@ ROWS: Final = {row.address: row for row in (
 """All parameters by address."""
 
 
+NAME_CHOICES: Final = {
+    row.address.rpartition("/")[2]: tuple(row.choices) for row in ROWS.values() if row.kind == "names"
+}
+"""The names that each parameter of names can have, by the last word of its address: costume, shoes, hair."""
+
+
 def split_key(key: str) -> tuple[str, str]:
     """Return address and group of a key such as `/dance/motion/larger ember`; the group is "*" if there is none."""
     address, _, group = key.strip().partition(" ")
@@ -67,6 +73,8 @@ def parse_value(address: str, value: object) -> tuple[float, ...]:
     row = ROWS.get(address)
     if row is None:
         raise PersonError(f"{address!r} has no value that can be set", f"there are: {', '.join(ROWS)}")
+    if row.kind == "names":
+        return (_number_of_names(row, value),)
     parts: list[Any] = list(value) if isinstance(value, list | tuple) else [value]
     arguments = value_arguments(row)
     checked = [argument.check(part) for argument, part in zip(arguments, parts, strict=False)]
@@ -75,6 +83,19 @@ def parse_value(address: str, value: object) -> tuple[float, ...]:
         expected = arguments[0].expected.removeprefix(f"{row.names[0]} ")
         raise PersonError(f"{address!r} = {value!r}", f"expected {many}{expected}")
     return tuple(float(part) for part in parts)
+
+
+def _number_of_names(row: Parameter, value: object) -> float:
+    """Return the number of names in a patch, a text or a list of texts, or in an event, which has the number."""
+    words = value if isinstance(value, list | tuple) else (value,)
+    number = words[0] if len(words) == 1 else None
+    if isinstance(number, int | float) and number in range(int(row.low), int(row.high) + 1):
+        return float(number)
+    try:
+        return row.number_of_names("+".join(map(str, words)))
+    except ValueError as error:
+        expected = 'expected one name, or several: ["a", "b"]'
+        raise PersonError(f"{row.address!r} = {value!r}: {error}", expected) from None
 
 
 class ParameterTable:

@@ -148,6 +148,12 @@ class Parameters:
             return
         self.fade(dict(zip(slot.numbers, numbers, strict=True)), beats=beats)
 
+    def begin_with(self, slot: Slot, numbers: Iterable[float]) -> None:
+        """Let a picture parameter of a part have these numbers now and whenever the patch's own values return."""
+        for place, number in zip(slot.numbers, numbers, strict=True):
+            self.value[place] = self.start[place] = number
+            self._fading[place] = False
+
     def fade(self, goals: Mapping[int, float], *, beats: float) -> None:
         """Fade numbers of the row, by place, to new values within `beats`."""
         self._read_variation()

@@ -19,7 +19,7 @@ from live.base.stage_snapshot import Camera
 from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.show.desk.camera_rig import NO_FOLLOW_WORDS, CameraRig
-from live.show.desk.look_settings import look_settings
+from live.show.desk.look_settings import group_settings, look_settings
 from live.show.desk.parameter_table import LOOK, VIEW, ParameterTable, Slot, parse_value, split_key
 from live.show.desk.parameters import Parameters
 from live.show.patch.patch import Patch
@@ -137,10 +137,24 @@ class Scenes:
             self._views[_folded(name)] = self._scene(table, name, settings, 0.0, whom)
         for look in patch.looks:
             self._looks[_folded(look.name)] = self._scene(table, look.name, look_settings(look), look.measures)
-        self._scenes = {START: Scene(START, self._whole(start), 2.0)}
+        drawn: dict[str, Setting] = {}
+        for group in patch.group:
+            drawn |= group_settings(group.name, group.draw)[1]
+        self._scenes = {START: self._scene(table, START, drawn, 2.0)}
+        self._set_start()
+        self._scenes[START] = replace(self._scenes[START], goals=self._whole(start))
         for scene in patch.scene:
             whom = self._follow_of(scene.set)
             self._scenes[_folded(scene.name)] = self._scene(table, scene.name, scene.set, scene.measures, whom)
+
+    def _set_start(self) -> None:
+        """Give selected dancers the values with which the patch lets them begin."""
+        scene = self._scenes[START]
+        if scene.selected:
+            self._selected_slots(scene)  # divides groups; only then every part is known
+        for some, (_, _, numbers) in zip(self._selected_slots(scene), scene.selected, strict=True):
+            for slot in some:
+                self._parameters.begin_with(slot, numbers)
 
     def _whole(self, row: Float64) -> dict[int, float]:
         """Return the numbers of a row by place, without those of parts of groups."""
@@ -154,7 +168,10 @@ class Scenes:
 
     def apply_patch(self, fresh: "Scenes") -> None:
         """Adopt views, looks and scenes of an edited patch; scenes stored live stay."""
+        redressed = fresh._scenes[START].selected != self._scenes[START].selected
         self._views, self._looks, self._scenes = fresh._views, fresh._looks, fresh._scenes
+        if redressed:
+            self._set_start()
         self._custom_passes = fresh._custom_passes
 
     def _scene(
@@ -329,6 +346,8 @@ class Scenes:
 
 
 def _setting(slot: Slot, numbers: tuple[float, ...]) -> Setting:
+    if slot.parameter.kind == "names":
+        return slot.parameter.names_of_number(numbers[0])
     one = bool(numbers[0]) if slot.parameter.kind == "switch" else numbers[0]
     return one if len(numbers) == 1 else (numbers[0], numbers[1], numbers[2])
 

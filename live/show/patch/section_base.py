@@ -57,7 +57,8 @@ Size = tuple[
     Annotated[float, Field(ge=1, le=100, allow_inf_nan=False)],
 ]
 Measures = Annotated[float, Field(ge=0, le=1024, allow_inf_nan=False)]
-Setting = float | bool | str | tuple[float, float, float]
+Setting = float | bool | str | tuple[float, float, float] | tuple[str, ...]
+"""A value of a parameter: a number, a switch, a name, a colour or place, or names."""
 Draw = Annotated[dict[str, Setting], Field(max_length=400)]
 """Values by the control's address without `/dance/draw/`, with `_` or `/` between words: `ink_width`."""
 

@@ -24,7 +24,11 @@ class SceneSection(Section):
     def _settings_are_valid(self, info: ValidationInfo) -> "SceneSection":
         run_check(info, "scene", self)
         eye, target = (self.set.get(f"/dance/camera/{what}") for what in ("eye", "target"))
-        if isinstance(eye, tuple) and isinstance(target, tuple) and math.dist(eye, target) < 1e-3:
+        if (
+            isinstance(eye, tuple)
+            and isinstance(target, tuple)
+            and math.dist(map(float, eye), map(float, target)) < 1e-3
+        ):
             raise ValueError(
                 f"scene {self.name!r}: /dance/camera/eye and /dance/camera/target are the same point: "
                 "the camera looks nowhere"

@@ -181,8 +181,9 @@ class GroupSection(Section):
     """Bodies that its dancers get at random: `dancer`, `slim`, `strong`, `round`, `child`; all have the same joints.
     A name given twice is drawn twice as often. Left out: all have the default body."""
     draw: Draw = Field(default={})
-    """Initial drawing style, as in `{ solid = 0, ink = 1, ink_width = 3 }`: each key is a control at `/dance/draw/`
-    (see `live docs osc`)."""
+    """Initial drawing style and clothes, as in `{ costume = "dress", ink = 1, ink_width = 3 }`: each key is a control
+    at `/dance/draw/` (see `live docs osc`). For some of its dancers a selection stands behind the key:
+    `"costume soloist"`."""
     attributes: Annotated[tuple[Name, ...], Field(max_length=64)] = ()
     """Attributes of its dancers ("tall", "red"), by which they can be selected later."""
     soloists: Annotated[int, Field(ge=0, le=10_000)] = 0
@@ -249,9 +250,6 @@ class GroupSection(Section):
         if self.like is None and (self.beats_later or self.mirrored):
             raise ValueError(f"group {self.name!r}: beats_later and mirrored need like = another group's name")
         run_check(info, "group", self)
-        for key in self.draw:
-            if " " in key.strip():
-                raise ValueError(f"group {self.name!r}: draw {key!r}: leave out the group's name")
         if self.soloists > self.dancers:
             raise ValueError(f"group {self.name!r} has {self.soloists} soloists and only {self.dancers} dancers")
         return self

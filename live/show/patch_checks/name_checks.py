@@ -116,6 +116,11 @@ def _check_named_cues(patch: Patch) -> Iterator[InvalidEntry]:
 
 def _check_scenes(patch: Patch) -> Iterator[InvalidEntry]:
     selections = _SelectionTable(patch)
+    for index, dressed in enumerate(patch.group):
+        for key in dressed.draw:
+            whom = key.strip().partition(" ")[2].strip()
+            if whom and (fault := selections.fault(f"{dressed.name} & {whom}")) is not None:
+                yield InvalidEntry(f"group {dressed.name!r}: draw {key!r}: {fault}", "group", index, "draw", key)
     for index, reaction in enumerate(patch.react):
         if reaction.sets is not None and (fault := selections.fault(reaction.group)) is not None:
             yield InvalidEntry(fault, "react", index, "group")

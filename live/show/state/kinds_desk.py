@@ -57,6 +57,7 @@ from live.show.stages.step_selection import StepSelection
 from live.show.stages.tripped_stages import TrippedStages
 from live.show.state import consistency as whole
 from live.show.state.kind import Kind, no_value
+from live.show.view.appearance import Appearances
 from live.show.view.view_builder import ViewBuilder
 
 
@@ -267,9 +268,12 @@ KINDS: Final = [
     """),
     Kind("score", Score, "playhead:playhead _sections:dict[str,int] written:constant-written"),
     Kind("facing", Facing, "kind:str degrees:float dancer:int name:str"),
+    Kind("appearances", Appearances, "_seed:int _division:division _parameters:parameters",
+         factories={"_drawn": no_value}),
     Kind("seen", ViewBuilder, """
         _dancers:dancers _motion:group-motion _division:division _desk:desk _audience:audience _light:light
-        _follower:timeline-follower _springs:character-springs _frozen_view:stage-view|none
+        _follower:timeline-follower _frozen_view:stage-view|none _appearances:appearances
+        _springs:character-springs
     """, factories={"_easing": ArmEasing}),
     Kind("spots", Spots, "_parameters:parameters _followers:row[chase] _levels:list[int]"),
     Kind("subgroup", Subgroup, """

@@ -12,7 +12,7 @@ from live.base.stage_snapshot import GROUP_COLOURS, Background, Camera, Scene
 from live.motion.skeleton import JOINT_COUNT
 from live.render.media_background import check_background
 from live.show.dancers.character_casting import bodies_of
-from live.show.desk.look_settings import draw_settings
+from live.show.desk.look_settings import group_settings
 from live.show.desk.parameter_table import parse_value
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import find_resource
@@ -89,10 +89,8 @@ def make_scene(
         group.colour if group.colour is not None else GROUP_COLOURS[i % len(GROUP_COLOURS)]
         for i, group in enumerate(patch.group)
     )
-    styles = tuple(
-        tuple((address, parse_value(address, value)) for address, value in draw_settings(group.draw).items())
-        for group in patch.group
-    )
+    drawn = [group_settings(group.name, group.draw)[0] for group in patch.group]
+    styles = tuple(tuple((address, parse_value(address, value)) for address, value in one.items()) for one in drawn)
     known = {*BODIES, *(each.name for each in characters)}
     return Scene(
         stage_size=(patch.stage.width, patch.stage.depth),

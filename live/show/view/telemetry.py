@@ -172,7 +172,10 @@ class CurrentValues:
 
     def _parameter_rows(self, those: list[Slot]) -> Rows:
         """Return one value if all groups have the same, else one per group."""
-        as_said: Callable[[float], ArgumentValue] = bool if those[0].parameter.kind == "switch" else _round
+        known = those[0].parameter
+        as_said: Callable[[float], ArgumentValue] = bool if known.kind == "switch" else _round
+        if known.kind == "names":
+            as_said = known.names_of_number
         values = [tuple(as_said(self._row[place]) for place in one.numbers) for one in those]
         if all(value == values[0] for value in values):
             return (("", values[0]),)

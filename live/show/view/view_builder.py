@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from live.show.desk.light_desk import LightDesk
     from live.show.group.group_motion import GroupMotion
     from live.show.stages.light_stage import LightStage
+    from live.show.view.appearance import Appearances
 
 
 MAX_EXTRAPOLATION: Final = 2.0 * TICK
@@ -56,10 +57,12 @@ class ViewBuilder:
         audience: "Audience",
         light: "LightStage",
         follower: "TimelineFollower",
+        appearances: "Appearances",
         springs: "CharacterSprings",
     ) -> None:
         self._dancers, self._motion, self._division, self._desk = dancers, motion, division, desk
-        self._audience, self._light, self._follower, self._springs = audience, light, follower, springs
+        self._audience, self._light, self._follower = audience, light, follower
+        self._appearances, self._springs = appearances, springs
         self._frozen_view: StageView | None = None
         self._easing = ArmEasing()
 
@@ -111,6 +114,7 @@ class ViewBuilder:
         self._springs.show(view, time - now.time)
         self._motion.show(view)
         view.group[:] = self._division.part
+        view.appearance[:] = self._appearances.rows()
         view.time, view.beat, view.tempo = time, beat, self._follower.tempo
         view.measure, view.beats_per_measure = span.number, timeline.beats_per_measure
         view.phase = fraction * timeline.beats_per_measure

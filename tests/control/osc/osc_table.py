@@ -178,6 +178,9 @@ def parameter_controls():
         numbers = [struct.unpack("<f", struct.pack("<f", sent_value(row, each)))[0] for each in range(row.size)]
         if row.kind == "switch":
             types, words = "i", [str(int(numbers[0]))]
+        elif row.kind == "names":
+            names = list(row.choices)
+            types, words, numbers = "s", [f"{names[0]} + {names[2]}"], [5.0]
         else:
             types, words = "d" * row.size, [repr(number) for number in numbers]
         others = {}

@@ -3,7 +3,7 @@
 import numpy as np
 
 from live.base.stage_snapshot import GROUP_COLOURS
-from live.render.dancers.group_styles import CLOTH, SKIN, TIGHTS, dancer_colours
+from live.render.dancers.wardrobe import CLOTH, SECOND, SKIN, dancer_colours
 
 COLOURS = np.array(GROUP_COLOURS, np.float32)
 
@@ -31,4 +31,4 @@ def test_dancer_keeps_skin_colour_after_group_change() -> None:
 def test_group_colours_wrap_around_and_tights_are_darker() -> None:
     clothes = dancer_colours(np.array([1, 1 + len(COLOURS)], np.int32), COLOURS).astype(int)
     assert np.abs(clothes[0, CLOTH, :3] - clothes[1, CLOTH, :3]).max() < 60
-    assert (clothes[:, TIGHTS, :3] < clothes[:, CLOTH, :3]).all()
+    assert (clothes[:, SECOND, :3] < clothes[:, CLOTH, :3]).all()

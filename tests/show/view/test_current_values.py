@@ -5,6 +5,7 @@ import pytest
 from live.control.registry.control import Control
 from live.control.registry.registry import READABLE, REGISTRY, Values
 from live.control.registry.rejections import Rejection
+from live.show.desk.parameter_table import ROWS
 from live.show.view.status import Status
 from live.show.view.telemetry import CurrentValues
 from tests.show.desk.desk_show import DESK, DeskSession
@@ -23,6 +24,8 @@ def different_value(control: Control, now: tuple) -> tuple:
     for argument, value in zip(control.value_arguments, now, strict=False):
         if argument.type == "bool":
             values.append(not value)
+        elif control.address in ROWS and ROWS[control.address].kind == "names":
+            values.append(next(name for name in ROWS[control.address].choices if name != value))
         elif argument.type in ("name", "text"):
             values.append("back" if value != "back" else "front")
         else:

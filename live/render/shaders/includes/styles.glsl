@@ -1,7 +1,7 @@
 // The styles of all groups, and what a dancer's own chance makes of them. After surface.glsl.
 #include "style_values.glsl"
 
-vec4 who(int dancer) { return material(4, dancer); }   // group, three numbers by chance
+vec4 who(int dancer) { return material(5, dancer); }   // group, three numbers by chance
 int group_of(vec4 who_) { return int(who_.x * 255.0 + 0.5); }
 
 // solid, silhouette, ink, xray

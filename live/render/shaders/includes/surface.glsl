@@ -4,7 +4,7 @@ uniform int wardrobe_rows;
 
 
 vec4 material(int which, int dancer) {
-    return texelFetch(wardrobe, ivec2(which + dancer / wardrobe_rows * 5, dancer % wardrobe_rows), 0);
+    return texelFetch(wardrobe, ivec2(which + dancer / wardrobe_rows * 9, dancer % wardrobe_rows), 0);
 }
 
 #ifdef WORN
@@ -51,38 +51,61 @@ vec4 surface(vec3 rest, int dancer) {
 vec3 outward(vec3 normal) { return gl_FrontFacing ? normal : -normal; }
 #endif
 
-float seams(vec3 rest) { return 1.0; }
+float seams(vec3 rest, int dancer) { return 1.0; }
 #else
 vec3 outward(vec3 normal) { return normal; }
 vec3 bumped(vec3 n, vec3 place) { return n; }
 vec3 emitted() { return vec3(0.0); }
 
-// Square root of the colour, and sheen. Where pixels are dear the borders are sharp.
+// What a place on the body shows: the number of a material (wardrobe.py), and how far the next border is [m].
+struct Wear { int which; float border; };
+
+void put(inout Wear wear, int which, float inside) {
+    if (which == wear.which) return;
+    if (inside > 0.0) wear.which = which;
+    wear.border = min(wear.border, abs(inside));
+}
+
+const int SKIN = 2, HAIR = 3, SHOE = 4, SHIRT = 6, SOLE = 7;
+
+// By the cut of her costume and shoes: lengths in the rest pose, see wardrobe.py.
+Wear worn_at_place(vec3 rest, int dancer) {
+    vec4 neck = material(6, dancer), hem = material(7, dancer), feet = material(8, dancer);
+    int pair = int(feet.a * 255.0 + 0.5);
+    float side = abs(rest.x), front = smoothstep(-0.05, 0.05, rest.z);
+    float above = rest.y - mix(0.60, 1.20, hem.x) - hem.y * side * mix(0.70, 1.30, front);
+    Wear wear = Wear(pair >> 3, 1.0);
+    put(wear, pair & 7, above);
+    // the midriff of a short top
+    put(wear, SKIN, hem.z > 0.0 ? min(above, 0.3 * hem.z - above) : -1.0);
+    // an open front over a shirt, from the neck to its button
+    float lapel = 0.1 * neck.z * clamp((rest.y - 1.06) * 3.0, 0.0, 1.2) - side;
+    put(wear, SHIRT, neck.z > 0.0 && rest.z > 0.0 ? min(lapel, rest.y - 1.06) : -1.0);
+    // neckline: deeper behind the lower it is; arms beyond the sleeves; legs below their end
+    float line = rest.y - mix(1.20, 1.45, neck.x) - (rest.z > -0.02 ? 0.0 : 0.195 * neck.x - 0.147);
+    float scoop = min(line - 3.5 * side * side, 0.2 * neck.y - side);
+    float arms = min(side - 0.7 * neck.w - 0.8 * square(max(1.36 - rest.y, 0.0)), rest.y - 1.20);
+    put(wear, SKIN, max(max(scoop, rest.y - 1.428), arms));
+    put(wear, SKIN, min(hem.w - rest.y, -above));
+    // shoes
+    float instep = min(rest.z + 0.010, 0.118 - rest.z);      // open above the toes' box
+    float shoe = 0.5 * feet.x - rest.y - feet.y * max(min(instep * 4.0, 0.5 * feet.x - 0.022), 0.0);
+    put(wear, SHOE, shoe);
+    put(wear, SOLE, min(0.1 * feet.z - rest.y, shoe));
+    put(wear, HAIR, min(0.012 + 0.42 * (rest.y - 1.60) - rest.z, rest.y - 1.536));
+    return wear;
+}
+
+// Square root of the colour, and sheen. Where pixels are dear there are no seams.
 vec4 surface(vec3 rest, int dancer) {
-    float side = abs(rest.x);
-    float waist = rest.y - 0.808 - side * mix(0.42, 0.78, smoothstep(-0.05, 0.05, rest.z));
-    // a leotard with straps: scooped between them, cut round the arms
-    float scoop = min(rest.y - (rest.z > -0.02 ? 1.318 : 1.262) - 3.5 * side * side, 0.086 - side);
-    float arms = min(side - 0.124 - 0.8 * square(max(1.36 - rest.y, 0.0)), rest.y - 1.20);
-    float bare = max(max(scoop, rest.y - 1.428), max(arms, 0.108 - rest.y));
-    float hair = min(0.012 + 0.42 * (rest.y - 1.60) - rest.z, rest.y - 1.536);
+    Wear wear = worn_at_place(rest, dancer);
+    vec4 colour = wear.which >= SHIRT ? vec4(0.93, 0.92, 0.90, 0.12) : material(wear.which, dancer);
 #if SOFT
-    vec4 colour = mix(material(1, dancer), material(0, dancer), smoothstep(-0.004, 0.004, waist));
-    colour = mix(colour, material(2, dancer), smoothstep(-0.004, 0.004, bare));
-    return mix(colour, material(3, dancer), smoothstep(-0.004, 0.004, hair));
-#else
-    return material(hair > 0.0 ? 3 : (bare > 0.0 ? 2 : (waist > 0.0 ? 0 : 1)), dancer);
+    colour.rgb *= 0.72 + 0.28 * smoothstep(0.0, 0.004, wear.border);   // the seam's shade
 #endif
+    return colour;
 }
 
 // How far a place on the body is from a border of her clothes, in the rest pose [m].
-float seams(vec3 rest) {
-    float side = abs(rest.x);
-    float waist = rest.y - 0.808 - side * mix(0.42, 0.78, smoothstep(-0.05, 0.05, rest.z));
-    float scoop = min(rest.y - (rest.z > -0.02 ? 1.318 : 1.262) - 3.5 * side * side, 0.086 - side);
-    float arms = min(side - 0.124 - 0.8 * square(max(1.36 - rest.y, 0.0)), rest.y - 1.20);
-    float bare = max(max(scoop, rest.y - 1.428), max(arms, 0.108 - rest.y));
-    float hair = min(0.012 + 0.42 * (rest.y - 1.60) - rest.z, rest.y - 1.536);
-    return min(abs(bare), min(abs(hair), abs(waist)));
-}
+float seams(vec3 rest, int dancer) { return worn_at_place(rest, dancer).border; }
 #endif
