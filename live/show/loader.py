@@ -25,11 +25,13 @@ from live.motion.texture.live_bank import TextureBank
 from live.render.custom_pass import try_passes
 from live.show.assembly import assemble
 from live.show.dancers.character_casting import (
+    bodies_of,
     character_files,
     character_springs,
     check_characters,
     drawable_characters,
 )
+from live.show.dancers.character_springs import SpringCast
 from live.show.partner.example_bank import ExampleBank
 from live.show.partner.partner_sources import load_example_bank
 from live.show.patch.patch import Patch
@@ -151,7 +153,8 @@ class LoadedShow:
     tempo: ShowTempo = NO_TEMPO
     """What of its tempo was given beside the patch."""
     notes: tuple[str, ...] = ()
-    """Recorded steps that are danced at half or double time, or left out, because of the show's tempo."""
+    """Recorded steps that are danced at half or double time, or left out, because of the show's tempo; and whether
+    characters have more bones that swing than can."""
 
     def with_projector(self, projector: VenueProjector | None) -> "LoadedShow":
         """Return the show adapted to a venue's projector; PersonError if its picture cannot match this stage."""
@@ -336,7 +339,8 @@ def load_from_patch(
     _refuse_other_metres(patch, path, clips)
     bank, answers = load_texture_bank(patch, path), load_example_bank(patch, path, library)
     springs = character_springs(patch, path)
-    return LoadedShow(path, patch, graph, recordings, reserve, bank, answers, springs, tempo=tempo, notes=formed.notes)
+    notes = formed.notes + SpringCast.of(springs, bodies_of(patch), patch.dancer_count).notes()
+    return LoadedShow(path, patch, graph, recordings, reserve, bank, answers, springs, tempo=tempo, notes=notes)
 
 
 def _graph_of(library: StepLibrary, patch: Patch) -> MotionGraph:

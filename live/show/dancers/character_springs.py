@@ -57,6 +57,18 @@ class SpringCast:
                 rig_of[dancer] = worn.index(name)
         return SpringCast(tuple(rig_of_body[name] for name in worn), rig_of)
 
+    def notes(self) -> tuple[str, ...]:
+        """Return a note if not all bones can swing at a time."""
+        sizes = [rig.count for rig in self.rigs]
+        bones = sum(sizes[rig] for rig in self.rig_of.tolist() if rig >= 0)
+        if bones <= MAX_BONES:
+            return ()
+        dancers = int((self.rig_of >= 0).sum())
+        return (
+            f"the characters of {dancers} dancers have {bones} bones that swing; {MAX_BONES} do at a time: those of "
+            "the dancers nearest to the camera",
+        )
+
 
 class CharacterSprings:
     """The springs of all dancers of one show. Thread: the show's."""

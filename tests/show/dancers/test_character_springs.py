@@ -133,6 +133,8 @@ def test_nearest_dancers_swing_if_there_are_too_many_springs(loaded, monkeypatch
     swinging = angles(view.spring[:5]).max(axis=1) > 1e-3
     assert swinging.sum() == 2
     assert show.springs.resting == 3
+    (note,) = show.springs.cast.notes()
+    assert f"of 5 dancers have {5 * size} bones" in note
     eye = show.desk.parameters.picture[module.EYE]
     away = np.hypot(*(show.dancers.drawn_hips[:5] - eye[::2]).T)
     assert away[swinging].max() < away[~swinging].min() + 1.0
