@@ -19,11 +19,11 @@ MAX_PHALANGES: Final = 3
 """Bones of a finger that bend; further ones only mark its tip."""
 
 _PATTERNS: Final[tuple[tuple[str, str], ...]] = (
-    ("Thumb", r"thumb|finger1(?=[-_. ]\d)|finger0\d?$|fingera"),
-    ("Index", r"index|pointer|forefinger|finger2(?=[-_. ]\d)|finger1\d?$|fingerb"),
-    ("Middle", r"middle|midfinger|\bmid\d|finger3(?=[-_. ]\d)|finger2\d?$|fingerc"),
-    ("Ring", r"ring|finger4(?=[-_. ]\d)|finger3\d?$|fingerd"),
-    ("Little", r"pinky|pinkie|little|smallfinger|finger5(?=[-_. ]\d)|finger4\d?$|fingere"),
+    ("Thumb", r"thumb|finger1(?=[-_. ]\d)|finger0\d?$|finger_?a(?![a-z])"),
+    ("Index", r"index|pointer|forefinger|finger2(?=[-_. ]\d)|finger1\d?$|finger_?b(?![a-z])"),
+    ("Middle", r"middle|midfinger|\bmid\d|finger3(?=[-_. ]\d)|finger2\d?$|finger_?c(?![a-z])"),
+    ("Ring", r"ring|finger4(?=[-_. ]\d)|finger3\d?$|finger_?d(?![a-z])"),
+    ("Little", r"pinky|pinkie|little|smallfinger|finger5(?=[-_. ]\d)|finger4\d?$|finger_?e(?![a-z])"),
 )
 """Pattern of each finger: by word, by MakeHuman's numbers (finger1-1 is the thumb), by Biped's (Finger0 is it)."""
 _PALM: Final = re.compile(r"metacarpal|carpal|palm|inhand|(?:^|[-_. ])hand$")
@@ -112,6 +112,8 @@ def _named_fingers(model: Model, names: list[str], below: list[int]) -> dict[str
         chain = found.setdefault(finger, [])
         if not chain or _is_below(model, node, chain[-1]):
             chain.append(node)
+    if "Thumb" in found and len(found) == 2:  # one chain for all fingers
+        found = {finger if finger == "Thumb" else "Middle": chain for finger, chain in found.items()}
     moved = {finger: tuple(chain[:MAX_PHALANGES]) for finger, chain in found.items()}
     return moved if len(moved) >= 2 else {}
 

@@ -4,13 +4,14 @@ Fingers and face move like the engine's own detail joints (`live.render.body.dra
 the character has its bones. The numbers of these joints in a mesh follow those of the drawn joints.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from live.base.arrays import Float32, Float64, Int32
+from live.motion import quaternion
 from live.motion.cloth.spring_rig import MAX_SPRINGS
 from live.motion.skeleton import JOINT_COUNT
 from live.render.body.drawn_joints import DETAIL_JOINTS, DRAWN_COUNT, Term
@@ -73,7 +74,11 @@ def own_joints(
 ) -> OwnJoints:
     """Return the own joints of a character. `owner`: the skeleton's joint that carries each node; `fixed`: nodes that
     are joints of the skeleton."""
-    turned = _turned_nodes(model, details)
+
+    def place_of(node: int) -> Float64:
+        return np.asarray(fitted.transform.apply(model.node_position[[node]], np.array([owner[node]]))[0])
+
+    turned = _turned_nodes(model, details, place_of)
     place = {node: number for number, node in enumerate(springs.nodes)}
     order = [node for node in model.order if node in turned or node in place]
     number = {node: at for at, node in enumerate(order)}
@@ -92,14 +97,19 @@ def own_joints(
     )
 
 
-def _turned_nodes(model: Model, details: DetailBones) -> dict[int, tuple[str, tuple[Term, Term]]]:
-    """Return for the nodes that an expression turns their names and terms."""
+def _turned_nodes(
+    model: Model, details: DetailBones, place_of: Callable[[int], Float64]
+) -> dict[int, tuple[str, tuple[Term, Term]]]:
+    """Return for the nodes that an expression turns their names and terms; `place_of`: places in the rest pose."""
     found: dict[int, tuple[str, tuple[Term, Term]]] = {}
     for name, chain in details.fingers.items():
         bends = _THUMB if name.endswith("Thumb") and len(chain) == 3 else _BENDS[len(chain)]
+        lean = _lean(name, place_of(chain[1]) - place_of(chain[0]) if len(chain) > 1 else None)
         for phalanx, (node, (which, share)) in enumerate(zip(chain, bends, strict=True), start=1):
             like = _DETAIL[name + which]
-            found[node] = f"{name}{phalanx}", (_scaled(like.first, share), like.second)
+            first = _scaled(like.first, share)
+            first = _straightened(first, lean) if which == "Proximal" else _turned(first, lean)
+            found[node] = f"{name}{phalanx}", (first, _turned(like.second, lean))
     for name, node in details.face.items():
         if not _is_shaped(name, model.expressions):
             like = _DETAIL[name]
@@ -112,6 +122,27 @@ def _is_shaped(name: str, expressions: Expressions) -> bool:
     if name == "jaw":
         return MOUTH in expressions.binds
     return name.endswith("Lid") and (bool(expressions.both_eyes) or any(each in expressions.binds for each in BLINKS))
+
+
+def _lean(name: str, way: Float64 | None) -> Float64:
+    """Return the rotation from the direction of the engine's finger to that of the character's."""
+    own = np.subtract(_DETAIL[name + "Distal"].pivot, _DETAIL[name + "Proximal"].pivot)
+    if way is None or not np.linalg.norm(way) > 1e-6:
+        return np.array([1.0, 0.0, 0.0, 0.0])
+    return np.asarray(quaternion.from_two_vectors(own, way), np.float64)
+
+
+def _straightened(term: Term, lean: Float64) -> Term:
+    """Return the rotation that brings a finger which leans to where the engine's ends."""
+    closed = quaternion.mul(quaternion.from_rotation_vector(np.array(term[1])), quaternion.inverse(lean))
+    x, y, z = quaternion.to_rotation_vector(closed).tolist()
+    return term[0], (x, y, z)
+
+
+def _turned(term: Term, lean: Float64) -> Term:
+    """Return a rotation about an axis that leans like the finger."""
+    x, y, z = quaternion.rotate(lean, np.array(term[1])).tolist()
+    return term[0], (x, y, z)
 
 
 def _scaled(term: Term, share: float) -> Term:

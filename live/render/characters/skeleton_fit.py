@@ -309,6 +309,7 @@ def fit(
     origin = np.array([place[_joint("hips"), 0], floor, ankles[2] - _REST[_joint("leftFoot"), 2] / scale])
     position, place = (position - origin) * scale, (place - origin) * scale
     _fill_in(place, known)
+    _raise_toes(place)
     weight = _split_weights(weight, position, place, known)
     turn = _limb_turns(place, {name: (places[chain[0]] - origin) * scale for name, chain in fingers.items()})
     shift, place = _limb_shifts(place, turn)
@@ -381,6 +382,18 @@ def _fill_in(place: Float64, known: npt.NDArray[np.bool_]) -> None:
             place[toes, 1] = max(place[toes, 1], 0.02)
 
 
+_LOWEST_TOES: Final = 0.016
+"""Least height of the joints of the toes over the floor [m]."""
+
+
+def _raise_toes(place: Float64) -> None:
+    """Put joints of toes that lie almost on the floor at their height in the rest pose: the warp keeps the floor, and
+    must not stretch the foot between both."""
+    for joint in (_joint("leftToes"), _joint("rightToes")):
+        if place[joint, 1] < _LOWEST_TOES:
+            place[joint, 1] = _REST[joint, 1]
+
+
 def _split_weights(weight: Float64, position: Float64, place: Float64, known: npt.NDArray[np.bool_]) -> Float64:
     """Move skin weights beyond a joint that the character lacks from its parent to that joint."""
     pairs = [(_TRUNK[n], _TRUNK[n + 1]) for n in range(len(_TRUNK) - 1)]
@@ -402,7 +415,7 @@ def _split_weights(weight: Float64, position: Float64, place: Float64, known: np
 
 
 _LEAST_ROLL: Final = 0.15
-"""Hands whose palms look down within this angle [rad] are not rolled."""
+"""Hands whose palms look down, and which are straight, within this angle [rad] are not turned."""
 
 
 def _limb_turns(place: Float64, knuckles: Mapping[str, Float64]) -> Float64:
@@ -421,6 +434,14 @@ def _limb_turns(place: Float64, knuckles: Mapping[str, Float64]) -> Float64:
             for joint, share in ((hand, 1.0), (arm, 0.5)):  # half of it along the forearm
                 about = quaternion.from_axis_angle(np.array([1.0, 0.0, 0.0]), np.array(share * roll))
                 turn[joint] = quaternion.mul(about, turn[joint])
+        if side + "Middle" in knuckles:
+            way = quaternion.rotate(turn[hand], knuckles[side + "Middle"] - place[hand])
+            outwards = np.array([1.0 if side == "left" else -1.0, 0.0, 0.0])
+            if (
+                np.linalg.norm(way) > 1e-4
+                and np.arccos(np.clip(quaternion.unit(way) @ outwards, -1.0, 1.0)) > _LEAST_ROLL
+            ):
+                turn[hand] = quaternion.mul(quaternion.from_two_vectors(way, outwards), turn[hand])
         ahead = (place[_joint(side + "Toes")] - place[_joint(side + "Foot")]) * (1.0, 0.0, 1.0)
         if np.linalg.norm(ahead) > 0.02:
             turn[_joint(side + "Foot")] = quaternion.from_two_vectors(ahead, np.array([0.0, 0.0, 1.0]))

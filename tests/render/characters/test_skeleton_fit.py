@@ -1,5 +1,7 @@
 """Fit of characters to the engine's skeleton, for any bone names, rest pose, unit and proportions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -51,6 +53,18 @@ def test_hands_and_feet_match_skeleton_at_any_proportions():
         assert np.linalg.norm(apart) < 0.012, name
     feet = own.weight[:, [SKELETON.index("leftFoot"), SKELETON.index("leftToes")]].sum(axis=1) > 0.8
     assert abs(own.position[feet, 1].min()) < 0.004  # the sole lies on the floor
+
+
+def test_joints_of_toes_near_the_floor_do_not_stretch_the_foot():
+    """MakeHuman's game engine rig has them 1 cm over the floor."""
+    model = parse_model(glb_of(), "anna.glb")
+    joints = find_joints(model, {})
+    place = model.node_position.copy()
+    place[[joints["leftToes"], joints["rightToes"]], 1] = 0.006
+    own = fit(replace(model, node_position=place), joints)
+    toes = own.weight[:, SKELETON.index("leftToes")] > 0.5
+    assert own.position[toes, 1].max() < BODY.position[toes, 1].max() + 0.03
+    assert np.ptp(own.position[toes, 2]) < 1.5 * np.ptp(BODY.position[toes, 2])
 
 
 def test_missing_joints_are_synthesized():
