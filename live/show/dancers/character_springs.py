@@ -2,6 +2,9 @@
 
 They hang from the poses of the tick. If there are more bones than `MAX_BONES`, the dancers nearest to the camera have
 theirs; those of the others come to rest. Whoever appears, jumps or comes back after skipped ticks begins at rest.
+
+Nothing in the show depends on them, so they are no part of its hash: a replay without the files of the characters is
+still a replay of the show.
 """
 
 from collections.abc import Mapping, Sequence
@@ -169,10 +172,6 @@ class CharacterSprings:
     def rest(self) -> Float32:
         """Return all rotations at rest, for a view."""
         return _identity((len(self.cast.rig_of), self.bone_count))
-
-    def hashed(self) -> tuple[Float32, ...]:
-        """Return the state that replays must have in common; nothing without springs."""
-        return (self._now, self._before, self._level) if self.cast.rigs else ()
 
 
 def _identity(shape: tuple[int, int]) -> Float32:

@@ -148,7 +148,6 @@ class ViewBuilder:
             motion.stage_area.half, motion.stage_area.border,
             np.array([beat, now.timeline.tempo, self._brightness]),
             *self._desk.hashed(),
-            *self._springs.hashed(),
             *(part for captured in dancers.captured.values() for part in captured.hashed()),
         )  # fmt: skip
 

@@ -47,6 +47,12 @@ def view_of(show, after=0.0) -> StageView:
     return view
 
 
+def state_of(show):
+    """All bits of the springs' state."""
+    springs = show.springs
+    return [array.tobytes() for array in (springs._now, springs._before, springs._turn, springs._turn_before)]
+
+
 def angles(turn):
     """How far bones are from rest [rad]."""
     return 2.0 * np.arccos(np.clip(np.abs(turn[..., 0]), 0.0, 1.0))
@@ -76,7 +82,7 @@ def test_frames_change_no_spring(loaded):
         watched.tick(tick * TICK)
         if tick % 3 == 0:
             view_of(watched, 0.4 * TICK)
-    assert plain.state_hash() == watched.state_hash()
+    assert state_of(plain) == state_of(watched)
     assert np.array_equal(view_of(plain, 0.003).spring, view_of(watched, 0.003).spring)
 
 
@@ -87,12 +93,12 @@ def test_restored_show_swings_on_with_the_same_bits(loaded):
     restored = restore(loaded, data)
     assert np.array_equal(view_of(restored, 0.004).spring, view_of(show, 0.004).spring)
     assert run(restored, at + 1, at + 100, {}) == run(show, at + 1, at + 100, {})
+    assert state_of(restored) == state_of(show)
 
 
-def test_hash_sees_the_springs(loaded):
-    one, other = ticked(loaded, 100), ticked(loaded, 100)
-    other.springs._now[2, 3, 1] += 1e-6
-    assert one.state_hash() != other.state_hash()
+def test_springs_change_nothing_else(loaded):
+    """So a replay where the files are gone has the same hashes."""
+    assert run(loaded.start(), 1, 200, {}) == run(replace(loaded, springs={}).start(), 1, 200, {})
 
 
 def test_show_is_restored_where_the_file_is_gone_or_another(loaded, tmp_path):
