@@ -89,7 +89,7 @@ def _view_of_step(step: StepClip, rig: SpringRig) -> StageView:
         view.joint_position[moment] = own
         view.joint_rotation[moment] = quaternion.mul(turn, turns[moment])
         view.group[moment] = moment % 3
-    view.spring = _springs(step, rig, rows)
+    view.spring, view.spring_slot = _springs(step, rig, rows), np.arange(MOMENTS, dtype=np.int32)
     return view
 
 

@@ -18,7 +18,7 @@ MAX_OWN = 256
 
 @kernel(
     "void(f4[:,:,::1], f4[:,:,::1], b1[::1], f4[:,::1], f4[:,::1], f4[:,:,::1], i4[::1], i4[::1], i4[::1], i4[::1], "
-    "f4[:,::1], i4[:,::1], f4[:,:,::1], i4[::1], i4[::1], f4[::1], f4[:,:,::1])"
+    "i4[::1], f4[:,::1], i4[:,::1], f4[:,:,::1], i4[::1], i4[::1], f4[::1], f4[:,:,::1])"
 )
 def own_poses(
     position: Float32,
@@ -27,6 +27,7 @@ def own_poses(
     rest: Float32,
     expression: Float32,
     spring: Float32,
+    slot: Int32,
     character: Int32,
     first: Int32,
     parent: Int32,
@@ -42,10 +43,11 @@ def own_poses(
     """Compute the texels of all dancers who are characters.
 
     position (A, J, 3), rotation (A, J, 4), present (A,): as in a `StageView`; rest (J, 3); expression (A, X); spring
-    (A, S, 4): rotations of swinging bones relative to their joint, S may be 0; character (A or more,): -1: none; first
-    (C + 1,): first own joint of each character in parent, joint (N,), place (N, 3), column (N, 2), turn (N, 2, 3), bone
-    (N,), see `OwnJoints`; channel, factor (K,): columns and factors of the blend shapes' weights; out (A or more, W,
-    4): two texels (real and dual part, x y z w) for each own joint, and at the end K / 4 texels of weights.
+    (S, B, 4): rotations of swinging bones relative to their joint; slot (A,): row of each dancer, -1: none; character
+    (A or more,): -1: none; first (C + 1,): first own joint of each character in parent, joint (N,), place (N, 3),
+    column (N, 2), turn (N, 2, 3), bone (N,), see `OwnJoints`; channel, factor (K,): columns and factors of the blend
+    shapes' weights; out (A or more, W, 4): two texels (real and dual part, x y z w) for each own joint, and at the end
+    K / 4 texels of weights.
     """
     world = np.empty((MAX_OWN, 7), np.float64)
     weights = out.shape[1] - (channel.shape[0] + 3) // 4
@@ -76,10 +78,11 @@ def own_poses(
             mx, my, mz = turn_vector(pw, px, py, pz, rx - fx, ry - fy, rz - fz)
             ox, oy, oz = ox + mx, oy + my, oz + mz
             b = bone[m]
-            if b >= 0 and b < spring.shape[1]:
+            row = slot[a]
+            if b >= 0 and row >= 0 and row < spring.shape[0] and b < spring.shape[1]:
                 w, x, y, z = times(
-                    jw, jx, jy, jz, np.float64(spring[a, b, 0]), np.float64(spring[a, b, 1]),
-                    np.float64(spring[a, b, 2]), np.float64(spring[a, b, 3]),
+                    jw, jx, jy, jz, np.float64(spring[row, b, 0]), np.float64(spring[row, b, 1]),
+                    np.float64(spring[row, b, 2]), np.float64(spring[row, b, 3]),
                 )  # fmt: skip
             else:
                 one, two = expression[a, column[m, 0]], expression[a, column[m, 1]]

@@ -66,7 +66,8 @@ class OwnPoses:
         expression[:, :FACE_SIZE] = view.face
         expression[:, FACE_SIZE:] = view.hand.reshape(count, EXPRESSION_SIZE - FACE_SIZE)
         own_poses(
-            view.joint_position, view.joint_rotation, view.present, _REST, expression, view.spring, self._character,
+            view.joint_position, view.joint_rotation, view.present, _REST, expression, view.spring, view.spring_slot,
+            self._character,
             self._first, *self._table, _CHANNEL, _FACTOR, self._out,
         )  # fmt: skip
         for block, first in enumerate(range(0, count, self._rows)):

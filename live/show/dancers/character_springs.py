@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
-from live.base.arrays import Bool, Float32, Int32
+from live.base.arrays import Bool, Float32, Int32, Int64
 from live.base.picture_parameters import EYE, TARGET
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
@@ -29,12 +29,14 @@ if TYPE_CHECKING:
 
 MAX_BONES: Final = 4096
 """Maximum number of bones that swing at a time: 100 dancers of 40."""
+MAX_DANCERS: Final = 200
+"""Maximum number of dancers whose bones swing at a time."""
 CHOICE_TICKS: Final = 16
 """Ticks between two choices of the dancers whose bones swing."""
 NEARNESS_KEPT: Final = 0.8
 """Who swings counts as nearer by this factor, so that the choice does not alternate."""
 FADE_TICKS: Final = 32
-"""Ticks until the bones of a dancer are at rest, or swing."""
+"""Ticks until the bones of a dancer who is not chosen any more are at rest."""
 JUMP: Final = 0.5
 """A dancer whose hips move farther in a tick [m] begins at rest."""
 _BEHIND: Final = 1e3
@@ -64,17 +66,17 @@ class SpringCast:
         """Return a note if not all bones can swing at a time."""
         sizes = [rig.count for rig in self.rigs]
         bones = sum(sizes[rig] for rig in self.rig_of.tolist() if rig >= 0)
-        if bones <= MAX_BONES:
-            return ()
         dancers = int((self.rig_of >= 0).sum())
+        if bones <= MAX_BONES and dancers <= MAX_DANCERS:
+            return ()
         return (
-            f"the characters of {dancers} dancers have {bones} bones that swing; {MAX_BONES} do at a time: those of "
-            "the dancers nearest to the camera",
+            f"the characters of {dancers} dancers have {bones} bones that swing; {MAX_BONES} of at most {MAX_DANCERS} "
+            "dancers do at a time: of those nearest to the camera",
         )
 
 
 class CharacterSprings:
-    """The springs of all dancers of one show. Thread: the show's."""
+    """The springs of all dancers of one show, in slots: whoever swings has one. Thread: the show's."""
 
     def __init__(self, cast: SpringCast, dancers: "Dancers", motion: "GroupMotion", desk: "LightDesk") -> None:
         self.cast = cast
@@ -82,23 +84,33 @@ class CharacterSprings:
         self._begin()
 
     def _begin(self) -> None:
-        """Put all springs to rest, in arrays of the rigs' sizes."""
-        shape = len(self.cast.rig_of), self.bone_count
+        """Free all slots, in arrays of the rigs' sizes."""
+        slots, bones = self.slot_count, self.bone_count
         self._time, self._ticks = 0.0, 0
-        self._chosen: Bool = self.cast.rig_of >= 0
-        self._running: Bool = np.zeros(shape[0], np.bool_)
-        self._level: Float32 = self._chosen.astype(np.float32)
-        """Share of its motion that each dancer's springs show, 0: at rest; shape (A,)."""
-        self._hips: Float32 = np.zeros((shape[0], 2), np.float32)
-        self._now, self._before = np.zeros((*shape, 3), np.float32), np.zeros((*shape, 3), np.float32)
-        self._turn, self._turn_before = self.rest(), self.rest()
+        self._chosen: Bool = np.zeros(len(self.cast.rig_of), np.bool_)
+        self._dancer: Int32 = np.full(slots, -1, np.int32)
+        """Dancer of each slot, -1: it is free."""
+        self._level: Float32 = np.zeros(slots, np.float32)
+        """Share of its motion that each slot shows, 0: at rest."""
+        self._running: Bool = np.zeros(slots, np.bool_)
+        self._hips: Float32 = np.zeros((slots, 2), np.float32)
+        self._now, self._before = np.zeros((slots, bones, 3), np.float32), np.zeros((slots, bones, 3), np.float32)
+        self._turn, self._turn_before = self._at_rest(), self._at_rest()
 
     def check_sizes(self) -> None:
         """Begin at rest if a snapshot's arrays are of other files than those that were read."""
-        shape = len(self.cast.rig_of), self.bone_count
-        if any(array.shape != (*shape, 3) for array in (self._now, self._before)) or any(
-            array.shape != (*shape, 4) for array in (self._turn, self._turn_before)
-        ):
+        slots, bones = self.slot_count, self.bone_count
+        wanted = (
+            (slots,), (slots,), (slots,), (slots, 2), (slots, bones, 3), (slots, bones, 3), (slots, bones, 4),
+            (slots, bones, 4),
+        )  # fmt: skip
+        state = (
+            self._dancer, self._level, self._running, self._hips, self._now, self._before, self._turn,
+            self._turn_before,
+        )  # fmt: skip
+        dancers = self._dancer[self._dancer >= 0]
+        worn = (self.cast.rig_of[dancers] >= 0).all() if (dancers < len(self.cast.rig_of)).all() else False
+        if not worn or any(array.shape != shape for array, shape in zip(state, wanted, strict=True)):
             self._begin()
 
     @property
@@ -107,9 +119,14 @@ class CharacterSprings:
         return max((rig.count for rig in self.cast.rigs), default=0)
 
     @property
+    def slot_count(self) -> int:
+        """Number of dancers that can swing at a time, with those who come to rest."""
+        return min(int((self.cast.rig_of >= 0).sum()), 2 * MAX_DANCERS)
+
+    @property
     def resting(self) -> int:
-        """Number of dancers whose springs rest because there are too many."""
-        return int(((self.cast.rig_of >= 0) & ~self._chosen).sum())
+        """Number of dancers on the stage whose springs rest because there are too many."""
+        return int(((self.cast.rig_of >= 0) & self._motion.present & ~self._chosen).sum())
 
     def tick(self, now: "Now", fraction: float) -> None:
         """Advance all springs to the tick `now`, in which dancers are at `fraction` of the measure."""
@@ -119,62 +136,77 @@ class CharacterSprings:
         if self._ticks % CHOICE_TICKS == 0:
             self._choose()
         self._ticks += 1
-        self._level += np.clip(self._chosen - self._level, -1.0 / FADE_TICKS, 1.0 / FADE_TICKS).astype(np.float32)
-        hips = self._dancers.drawn_hips
-        jumped = np.abs(hips - self._hips).max(axis=1) > JUMP
-        self._hips[:] = hips
-        swinging = self._motion.present & (self._level > 0.0)
-        rows = np.flatnonzero(swinging).astype(np.int32)
-        if len(rows):
-            starting = ~self._running | jumped | skipped
-            position, rotation = self._dancers.drawn_poses(rows, fraction, now.time)
-            for number, rig in enumerate(self.cast.rigs):
-                mine = np.flatnonzero(self.cast.rig_of[rows] == number)
-                if len(mine):
-                    self._swing(rig, rows[mine], position[mine], rotation[mine], starting)
-        self._running = swinging
+        self._assign()
+        slots = np.flatnonzero(self._dancer >= 0)
+        slots = slots[self._motion.present[self._dancer[slots]]]
+        rows, hips = self._dancer[slots], self._dancers.drawn_hips
+        starting = ~self._running[slots] | (np.abs(hips[rows] - self._hips[slots]).max(axis=1, initial=0.0) > JUMP)
+        self._running[:] = False
+        self._running[slots], self._hips[slots] = True, hips[rows]
+        if not len(rows):
+            return
+        position, rotation = self._dancers.drawn_poses(rows, fraction, now.time)
+        for number, rig in enumerate(self.cast.rigs):
+            mine = np.flatnonzero(self.cast.rig_of[rows] == number)
+            if len(mine):
+                self._swing(rig, slots[mine], position[mine], rotation[mine], starting[mine] | skipped)
 
-    def _swing(self, rig: SpringRig, rows: Int32, position: Float32, rotation: Float32, starting: Bool) -> None:
-        count, start = rig.count, starting[rows]
-        tips, tips_before = self._now[rows, :count], self._before[rows, :count]
-        turn = np.empty((len(rows), count, 4), np.float32)
+    def _assign(self) -> None:
+        """Free the slots of those who have come to rest, and give free ones to those who are chosen."""
+        worn = self._dancer >= 0
+        chosen = worn & self._chosen[self._dancer]
+        self._level[worn] = np.where(chosen[worn], 1.0, np.maximum(self._level[worn] - 1.0 / FADE_TICKS, 0.0))
+        self._dancer[self._level <= 0.0] = -1
+        without = self._chosen.copy()
+        without[self._dancer[self._dancer >= 0]] = False
+        free, new = np.flatnonzero(self._dancer < 0), np.flatnonzero(without)
+        count = min(len(free), len(new))
+        self._dancer[free[:count]], self._level[free[:count]] = new[:count], 1.0
+        self._running[free] = False
+
+    def _swing(self, rig: SpringRig, slots: Int64, position: Float32, rotation: Float32, start: Bool) -> None:
+        count = rig.count
+        tips, tips_before = self._now[slots, :count], self._before[slots, :count]
+        turn = np.empty((len(slots), count, 4), np.float32)
         swing(
             position, rotation, _REST, rig.parent, rig.joint, rig.centre, rig.head, rig.tail, rig.setting, rig.hits,
             rig.collider_joint, rig.collider, start.astype(np.uint8), TICK, tips, tips_before, turn,
         )  # fmt: skip
-        self._now[rows, :count], self._before[rows, :count] = tips, tips_before
-        self._turn_before[rows, :count] = np.where(start[:, None, None], turn, self._turn[rows, :count])
-        self._turn[rows, :count] = turn
+        self._now[slots, :count], self._before[slots, :count] = tips, tips_before
+        self._turn_before[slots, :count] = np.where(start[:, None, None], turn, self._turn[slots, :count])
+        self._turn[slots, :count] = turn
 
     def _choose(self) -> None:
         """Choose the dancers whose bones swing: the nearest to the camera, those behind it last."""
-        worn = self.cast.rig_of >= 0
-        sizes = np.array([rig.count for rig in self.cast.rigs], np.int64)[self.cast.rig_of] * (
-            worn & self._motion.present
-        )
-        if sizes.sum() <= MAX_BONES:
-            self._chosen[:] = worn
+        there = (self.cast.rig_of >= 0) & self._motion.present
+        sizes = np.array([rig.count for rig in self.cast.rigs], np.int64)[self.cast.rig_of] * there
+        if sizes.sum() <= MAX_BONES and there.sum() <= MAX_DANCERS:
+            self._chosen[:] = there
             return
         picture = self._desk.parameters.picture
         away = self._dancers.drawn_hips.astype(np.float64) - picture[EYE][::2]
         ahead = (picture[TARGET] - picture[EYE])[::2]
         distance = np.hypot(away[:, 0], away[:, 1]) * np.where(self._chosen, NEARNESS_KEPT, 1.0)
         order = np.argsort(distance + np.where(away @ ahead < 0.0, _BEHIND, 0.0), kind="stable")
+        order = order[there[order]][:MAX_DANCERS]
         self._chosen[:] = False
-        self._chosen[order] = (np.cumsum(sizes[order]) <= MAX_BONES) & worn[order]
+        self._chosen[order[np.cumsum(sizes[order]) <= MAX_BONES]] = True
 
     def show(self, view: StageView, after: float) -> None:
         """Write the springs `after` [s] the last tick into a view: between the last two ticks, so one tick late, but
         relative to joints that are not."""
         if self.cast.rigs:
-            mix_springs(self._turn_before, self._turn, self._level, min(max(after / TICK, 0.0), 1.0), view.spring)
+            share = min(max(after / TICK, 0.0), 1.0)
+            mix_springs(self._turn_before, self._turn, self._level, share, view.spring)
+            view.spring_slot[:] = -1
+            worn = np.flatnonzero(self._dancer >= 0)
+            view.spring_slot[self._dancer[worn]] = worn
 
-    def rest(self) -> Float32:
-        """Return all rotations at rest, for a view."""
-        return _identity((len(self.cast.rig_of), self.bone_count))
+    def prepare(self, view: StageView) -> None:
+        """Give a new view the arrays that `show` fills."""
+        view.spring = self._at_rest()
 
-
-def _identity(shape: tuple[int, int]) -> Float32:
-    turn = np.zeros((*shape, 4), np.float32)
-    turn[..., 0] = 1.0
-    return turn
+    def _at_rest(self) -> Float32:
+        turn = np.zeros((self.slot_count, self.bone_count, 4), np.float32)
+        turn[..., 0] = 1.0
+        return turn

@@ -97,7 +97,7 @@ KINDS: Final = [
     """),
     Kind("character-springs", CharacterSprings, """
         cast:constant-spring-cast _dancers:dancers _motion:group-motion _desk:desk _time:float _ticks:int _chosen:b1
-        _running:b1 _level:f4 _hips:f4 _now:f4* _before:f4* _turn:f4* _turn_before:f4*
+        _dancer:i4* _running:b1* _level:f4* _hips:f4* _now:f4* _before:f4* _turn:f4* _turn_before:f4*
     """, after_read=CharacterSprings.check_sizes),
     Kind("choices", StepChoices, """
         edge:i4(edge) candidate:i4(candidate) terms:f8 end:f8 node:i4(node) start_position:f8 heading:f8 step:i4(step)

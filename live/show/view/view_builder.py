@@ -70,7 +70,7 @@ class ViewBuilder:
         """Return an empty drawing snapshot of the right size, to be filled each frame."""
         view = StageView.allocate(len(self._division.part), JOINT_COUNT)
         view.picture = self._desk.parameters.picture.copy()
-        view.spring = self._springs.rest()
+        self._springs.prepare(view)
         return view
 
     @property

@@ -197,6 +197,7 @@ def test_shader_skins_own_joints_and_blend_shapes_as_matrices_do(gl_context, tmp
     view.hand[..., CURL], view.hand[..., SPREAD] = random.uniform(0.0, 1.0, (2, 2, 5)), random.uniform(-1, 1, (2, 2))
     spring = random.normal(size=(2, loaded.springs.rig.count, 4))
     view.spring = (spring / np.linalg.norm(spring, axis=-1, keepdims=True)).astype(np.float32)
+    view.spring_slot = np.array([1, 0], np.int32)
     batch = DancerBatch(gl_context, stage, HARDWARE, (640, 360))
     batch.update(view, np.array([0.3, 0.9, 0.2], np.float32))
     batch.skin()
@@ -211,7 +212,7 @@ def test_shader_skins_own_joints_and_blend_shapes_as_matrices_do(gl_context, tmp
         expression = np.zeros(EXPRESSION_SIZE)
         expression[:FACE_SIZE], expression[FACE_SIZE:] = view.face[dancer], view.hand[dancer].ravel()
         frames = own_frames(
-            loaded, view.joint_position[dancer], view.joint_rotation[dancer], expression, view.spring[dancer]
+            loaded, view.joint_position[dancer], view.joint_rotation[dancer], expression, view.spring[1 - dancer]
         )
         moved = movements_of(mesh.morphs, vertices)
         weights = [np.clip(expression[c.column] * c.factor, 0.0, 1.0) for c in CHANNELS]
