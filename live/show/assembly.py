@@ -50,7 +50,7 @@ from live.show.stages.light_stage import LightStage
 from live.show.stages.measure_lines import MeasureBegin, MeasureLines
 from live.show.stages.plan_stage import PlanStage
 from live.show.stages.show_clock import ShowClock
-from live.show.stages.soft_bodies_stage import SoftBodiesStage
+from live.show.stages.springs_stage import SpringsStage
 from live.show.stages.step_selection import StepSelection
 from live.show.stages.tripped_stages import TrippedStages
 from live.show.view.appearance import Appearances
@@ -163,7 +163,7 @@ def assemble(
             breakers, dancers=dancers, scheduler=scheduler, mocap=mocap, motion=motion, reactions=reactions,
             score_runner=score_runner,
         ),
-        soft_bodies=SoftBodiesStage(breakers, character_springs),
+        springs=SpringsStage(breakers, character_springs),
         light=light,
         view_builder=view_builder,
         motion=motion,

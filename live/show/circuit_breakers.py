@@ -32,7 +32,7 @@ class Stage(IntEnum):
     VARIATION = 14
     REACTIONS = 15
     LIGHT = 16
-    SOFT_BODIES = 18
+    SPRINGS = 19
     TICK = 17
     """The whole tick. Its breaker is tripped last; then the show stands still and only its clock runs."""
     DRAWING = 32
@@ -56,7 +56,7 @@ EFFECTS: Final = {
     Stage.VARIATION: "all dancers dance a step alike",
     Stage.REACTIONS: "nothing reacts to the music",
     Stage.LIGHT: "the blackout does not fade",
-    Stage.SOFT_BODIES: "hair and skirts of characters do not swing",
+    Stage.SPRINGS: "hair and skirts of characters do not swing",
     Stage.TICK: "the dance stands still",
 }
 """The visible effect while a stage is out of service."""

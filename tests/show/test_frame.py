@@ -15,7 +15,7 @@ MOTION = [
     "DANCERS",
     "CAPTURE",
     "PARTNERS",
-    "SOFT_BODIES",
+    "SPRINGS",
     "LIGHT",
     "OUTSIDE",
 ]

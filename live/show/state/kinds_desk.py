@@ -52,7 +52,7 @@ from live.show.stages.measure_lines import MeasureBegin, MeasureLines
 from live.show.stages.measure_span import MeasureSpan
 from live.show.stages.plan_stage import PlanStage
 from live.show.stages.show_clock import ShowClock
-from live.show.stages.soft_bodies_stage import SoftBodiesStage
+from live.show.stages.springs_stage import SpringsStage
 from live.show.stages.step_selection import StepSelection
 from live.show.stages.tripped_stages import TrippedStages
 from live.show.state import consistency as whole
@@ -95,10 +95,10 @@ KINDS: Final = [
     """),
     Kind("frame", Frame, """
         breakers:breakers router:event-router clock:show-clock measure_lines:measure-lines plan:plan-stage
-        group:group-stage crowd:crowd-stage dancers:dancers-stage soft_bodies:soft-bodies-stage light:light
+        group:group-stage crowd:crowd-stage dancers:dancers-stage springs:springs-stage light:light
         view_builder:seen motion:group-motion tripped:tripped-stages
     """),
-    Kind("soft-bodies-stage", SoftBodiesStage, "_breakers:breakers _springs:character-springs"),
+    Kind("springs-stage", SpringsStage, "_breakers:breakers _springs:character-springs"),
     Kind("event-router", EventRouter, """
         _parts:row[audience|desk|directions|elements|group-controls|hot-swap|launcher|light|mocap|score-requests|seen|show-clock|tripped-stages]
         _clock:show-clock _motion:group-motion _undo_history:edits _refusals:refusals

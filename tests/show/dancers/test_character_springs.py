@@ -158,8 +158,8 @@ def test_nearest_dancers_swing_if_there_are_too_many_springs(loaded, monkeypatch
 
 def test_show_goes_on_while_springs_are_out_of_service(loaded):
     show = ticked(loaded, 50)
-    show.breakers.trip("soft_bodies", "a test")
+    show.breakers.trip("springs", "a test")
     still = view_of(ticked(loaded, 120, 51, show)).spring
     assert np.array_equal(still, view_of(ticked(loaded, 150, 121, show)).spring)
-    show.breakers.reset("soft_bodies")
+    show.breakers.reset("springs")
     assert not np.array_equal(still, view_of(ticked(loaded, 200, 151, show)).spring)

@@ -1,4 +1,4 @@
-"""What moves by itself on the dancers' bodies in a tick: the springs of characters."""
+"""Springs of characters in a tick: hair, skirts and tails of files."""
 
 from typing import TYPE_CHECKING
 
@@ -9,13 +9,13 @@ if TYPE_CHECKING:
     from live.show.dancers.character_springs import CharacterSprings
 
 
-class SoftBodiesStage:
-    """Stage SOFT_BODIES of one show."""
+class SpringsStage:
+    """Stage SPRINGS of one show."""
 
     def __init__(self, breakers: CircuitBreakers, springs: "CharacterSprings") -> None:
         self._breakers, self._springs = breakers, springs
 
     def tick(self, now: Now, fraction: float) -> None:
         """Advance to `fraction` of the measure, after the dancers."""
-        if self._breakers.closed(Stage.SOFT_BODIES):
+        if self._breakers.closed(Stage.SPRINGS):
             self._springs.tick(now, fraction)
