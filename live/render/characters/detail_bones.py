@@ -26,6 +26,7 @@ _PATTERNS: Final[tuple[tuple[str, str], ...]] = (
     ("Little", r"pinky|pinkie|little|smallfinger|finger5(?=[-_. ]\d)|finger4\d?$|finger_?e(?![a-z])"),
 )
 """Pattern of each finger: by word, by MakeHuman's numbers (finger1-1 is the thumb), by Biped's (Finger0 is it)."""
+_DEEPEST: Final = 50
 _PALM: Final = re.compile(r"metacarpal|carpal|palm|inhand|(?:^|[-_. ])hand$")
 """Bones within the palm, which stay with the hand; a thumb's metacarpal bends."""
 _TIP: Final = re.compile(r"(?:^|[-_. ])?(?:end|tip|nub|leaf)(?:[-_. ]?[lr])?$|twist|roll|helper|_ik$")
@@ -110,7 +111,7 @@ def _named_fingers(model: Model, names: list[str], below: list[int]) -> dict[str
         if finger is None or palm or _TIP.search(name):
             continue
         chain = found.setdefault(finger, [])
-        if not chain or _is_below(model, node, chain[-1]):
+        if not chain or (len(chain) < MAX_PHALANGES and _is_below(model, node, chain[-1])):
             chain.append(node)
     if "Thumb" in found and len(found) == 2:  # one chain for all fingers
         found = {finger if finger == "Thumb" else "Middle": chain for finger, chain in found.items()}
@@ -119,7 +120,10 @@ def _named_fingers(model: Model, names: list[str], below: list[int]) -> dict[str
 
 
 def _is_below(model: Model, node: int, top: int) -> bool:
-    while node >= 0 and node != top:
+    """Whether a node is below another, at most `_DEEPEST` nodes."""
+    for _ in range(_DEEPEST):
+        if node < 0 or node == top:
+            break
         node = model.parents[node]
     return node == top
 

@@ -108,13 +108,12 @@ class Expressions:
     both_eyes: tuple[Bind, ...] = ()
     """Those that close both eyes; empty if each eye has its own."""
 
-    def of_mesh(self, mesh: int) -> dict[int, list[tuple[int, float]]]:
-        """Return for the blend shapes of a mesh the channels and weights; channel -1: both eyes."""
-        found: dict[int, list[tuple[int, float]]] = {}
+    def by_mesh(self) -> dict[int, dict[int, list[tuple[int, float]]]]:
+        """Return for each mesh and its blend shapes the channels and weights; channel -1: both eyes."""
+        found: dict[int, dict[int, list[tuple[int, float]]]] = {}
         for channel, binds in (*self.binds.items(), (-1, self.both_eyes)):
-            for (where, number), weight in binds:
-                if where == mesh:
-                    found.setdefault(number, []).append((channel, weight))
+            for (mesh, number), weight in binds:
+                found.setdefault(mesh, {}).setdefault(number, []).append((channel, weight))
         return found
 
 

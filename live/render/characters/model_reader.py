@@ -108,6 +108,7 @@ class _Reader:
         self._matrix = self._matrices()
         self._materials = read_materials(self._root)
         self._expressions = expressions_of(self._root, self._nodes)
+        self._shapes = self._expressions.by_mesh()
         self._joints: set[int] = set()
         self._notes: list[str] = []
         self._triangles = 0
@@ -209,11 +210,11 @@ class _Reader:
 
     def _morphs(self, primitive: JsonObject, mesh: int, moved: Float64) -> dict[int, tuple[Float64, Float64]]:
         """Return the blend shapes that faces move, by channel: sums of the file's, (V, 3) for positions and normals."""
-        wanted = self._expressions.of_mesh(mesh)
+        wanted = self._shapes.get(mesh, {})
         found: dict[int, tuple[Any, Any]] = {}
-        targets = list(primitive.elements("targets"))
-        for number in sorted(set(wanted) & set(range(len(targets)))):
-            shifts = [self._shift(targets[number], key, len(moved)) for key in ("POSITION", "NORMAL")]
+        for number in sorted(set(wanted) & set(range(primitive.length("targets")))):
+            target = primitive.element("targets", number)
+            shifts = [self._shift(target, key, len(moved)) for key in ("POSITION", "NORMAL")]
             turned = [np.einsum("vij,vj->vi", moved, shift) for shift in shifts]
             for channel, weight in wanted[number]:
                 before = found.get(channel, (0.0, 0.0))

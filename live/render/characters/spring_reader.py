@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import islice, pairwise
 from typing import Final
 
 from live.motion.formats.gltf_document import JsonObject
@@ -75,7 +75,7 @@ def _sorted(bones: Iterator[SpringBone], colliders: tuple[Collider, ...], nodes:
     """Return springs with each node once, parents first."""
     place = {node: number for number, node in enumerate(nodes.order)}
     unique: dict[int, SpringBone] = {}
-    for bone in bones:
+    for bone in islice(bones, 20 * LIMIT):
         if bone.node not in unique and len(unique) < LIMIT:
             unique[bone.node] = bone
     return Springs(tuple(sorted(unique.values(), key=lambda bone: place[bone.node])), colliders[:LIMIT], "VRM")
@@ -104,8 +104,8 @@ def _colliders_1(springs: JsonObject, nodes: NodeTree) -> tuple[Collider, ...]:
 def _bones_1(springs: JsonObject, nodes: NodeTree) -> Iterator[SpringBone]:
     count = springs.length("colliders")
     groups = [row.integers("colliders", below=count) for row in springs.elements("colliderGroups")]
-    for spring in springs.elements("springs"):
-        used = [number for group in spring.integers("colliderGroups", below=len(groups)) for number in groups[group]]
+    for spring in islice(springs.elements("springs"), LIMIT):
+        used = _collider_numbers(spring, groups)
         centre = spring.integer("center", below=nodes.count) if spring.has("center") else -1
         rows = list(spring.elements("joints"))
         for row, following in pairwise(rows):
@@ -114,8 +114,14 @@ def _bones_1(springs: JsonObject, nodes: NodeTree) -> Iterator[SpringBone]:
             yield SpringBone(
                 row.integer("node", below=nodes.count), following.integer("node", below=nodes.count),
                 max(row.number("stiffness", 1.0), 0.0), _share(row.number("dragForce", 0.5)), (x, y, z),
-                max(row.number("hitRadius", 0.0), 0.0), centre, tuple(dict.fromkeys(used)),
+                max(row.number("hitRadius", 0.0), 0.0), centre, used,
             )  # fmt: skip
+
+
+def _collider_numbers(place: JsonObject, groups: list[list[int]]) -> tuple[int, ...]:
+    """Return the numbers of all colliders in the groups that a spring names."""
+    named = (number for group in place.integers("colliderGroups", below=len(groups)) for number in groups[group])
+    return tuple(dict.fromkeys(islice(named, LIMIT)))
 
 
 def _vector(place: JsonObject, key: str, default: Vector = (0.0, 0.0, 0.0)) -> Vector:
@@ -145,15 +151,14 @@ def _colliders_0(animation: JsonObject, nodes: NodeTree) -> tuple[list[list[int]
 
 
 def _bones_0(animation: JsonObject, nodes: NodeTree, groups: list[list[int]]) -> Iterator[SpringBone]:
-    for group in animation.elements("boneGroups"):
-        used = [number for which in group.integers("colliderGroups", below=len(groups)) for number in groups[which]]
+    for group in islice(animation.elements("boneGroups"), LIMIT):
         power = group.number("gravityPower", 0.0)
         x, y, z = (part * power for part in _axes(group, "gravityDir", -1.0))
         has_centre = group.has("center") and group.number("center", -1.0) >= 0.0
         bone = SpringBone(
             -1, -1, max(group.number("stiffiness", 1.0), 0.0), _share(group.number("dragForce", 0.4)), (x, y, z),
             max(group.number("hitRadius", 0.02), 0.0), group.integer("center", below=nodes.count) if has_centre else -1,
-            tuple(dict.fromkeys(used)),
+            _collider_numbers(group, groups),
         )  # fmt: skip
         for top in group.integers("bones", below=nodes.count):
             yield from whole_chain(bone, top, nodes.children)

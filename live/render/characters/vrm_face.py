@@ -2,6 +2,7 @@
 
 import contextlib
 from collections.abc import Mapping
+from itertools import islice
 from typing import Final
 
 from live.motion.formats.file_error import MotionFileError
@@ -10,7 +11,7 @@ from live.motion.formats.gltf_skeleton import NodeTree
 from live.render.characters.expressions import VRM_0_PRESETS, Bind, Expressions, find_expressions
 
 TARGET_LIMIT: Final = 1000
-"""Maximum number of blend shapes of one mesh that are looked at."""
+"""Maximum number of blend shapes of one mesh, and of one expression, that are looked at."""
 
 
 def expressions_of(root: JsonObject, nodes: NodeTree) -> Expressions:
@@ -51,7 +52,7 @@ def _presets_1(vrm: JsonObject, nodes: NodeTree, counts: Mapping[int, int]) -> d
     presets, found = vrm.object("expressions").object("preset"), {}
     for name in presets.names():
         binds = []
-        for row in presets.object(name).elements("morphTargetBinds"):
+        for row in islice(presets.object(name).elements("morphTargetBinds"), TARGET_LIMIT):
             place = nodes.json_object(row.integer("node", below=nodes.count))
             if not place.has("mesh"):
                 continue
@@ -70,7 +71,7 @@ def _presets_0(vrm: JsonObject, counts: Mapping[int, int]) -> dict[str, tuple[Bi
         preset = group.text("presetName").lower()
         name = preset if preset not in ("", "unknown") else group.text("name").lower()
         binds = []
-        for row in group.elements("binds"):
+        for row in islice(group.elements("binds"), TARGET_LIMIT):
             mesh = row.integer("mesh", below=len(counts))
             index = row.integer("index", below=max(counts[mesh], 1))
             binds.append(((mesh, index), min(max(row.number("weight", 100.0) / 100.0, 0.0), 1.0)))
