@@ -43,6 +43,8 @@ class OwnPoses:
         )  # fmt: skip
         self.texels = 2 * max(each.count for each in own) + MORPH_TEXELS
         """Texels of a dancer."""
+        self.has_morphs = any(each.channels for each in characters.values())
+        """Whether any face has blend shapes."""
         self._rows = 0
 
     def allocate(self, capacity: int, rows: int, body: Int32) -> None:

@@ -60,6 +60,7 @@ def pose_texture(ctx: moderngl.Context, capacity: int) -> moderngl.Texture:
     return _texture(ctx, (width // _WIDEST * POSE_TEXELS, rows), 4, "f4")
 
 
+_MORPHS: Final = (("MORPH_TEXELS", MORPH_TEXELS), ("MORPH_RANGE", RANGE), ("NORMAL_RANGE", NORMAL_RANGE))
 _CONSTANTS: Final = (("JOINTS", JOINT_COUNT), ("DETAILS", len(DETAIL_JOINTS)), ("EXPRESSION", EXPRESSION_SIZE))
 
 
@@ -215,16 +216,7 @@ class SkinTexture:
     def __init__(self, ctx: moderngl.Context, own: OwnPoses | None = None) -> None:
         """`own`: the own joints of characters, if there are any."""
         self._ctx, self._own = ctx, own
-        constants = (
-            ()
-            if own is None
-            else (
-                ("OWN_FIRST", FIRST),
-                ("MORPH_TEXELS", MORPH_TEXELS),
-                ("MORPH_RANGE", RANGE),
-                ("NORMAL_RANGE", NORMAL_RANGE),
-            )
-        )
+        constants = () if own is None else (("OWN_FIRST", FIRST), *(_MORPHS if own.has_morphs else ()))
         self._program = compile_program(ctx, "bare_vertex.glsl", "skin_fragment.glsl", constants)
         if own is not None:
             for name, value in (

@@ -6,7 +6,7 @@ uniform isampler2D skin_rows;    // of each row: mesh's first vertex, its vertic
 uniform isampler2D skin_list;    // dancers
 uniform int mesh_shift;          // binary logarithms of the widths
 uniform int list_shift;
-#ifdef OWN_FIRST
+#ifdef MORPH_TEXELS
 uniform usampler2D morph_index;  // of each vertex: number of its first movement, times 256, and how many there are
 uniform usampler2D morphs;       // movements: position and normal as 16-bit numbers, channel
 #endif
@@ -17,7 +17,7 @@ int dancer_at(int place) {
     return texelFetch(skin_list, ivec2(place & ((1 << list_shift) - 1), place >> list_shift), 0).x;
 }
 
-#ifdef OWN_FIRST
+#ifdef MORPH_TEXELS
 vec2 signed_pair(uint numbers) { return (unpackUnorm2x16(numbers) * 65535.0 - 32768.0) / 32767.0; }
 
 // What a character's face does to a vertex: the dancer's weights stand after the own joints.
@@ -50,7 +50,7 @@ void main() {
     vec4 weights = unpackUnorm4x8(second.w);
     vec3 position = uintBitsToFloat(first.xyz), normal = uintBitsToFloat(second.xyz);
     int dancer = dancer_at(row.w + which);
-#ifdef OWN_FIRST
+#ifdef MORPH_TEXELS
     add_morphs(dancer, number, position, normal);
 #endif
     Skinned here = posed(dancer, joint, weights, position, normal);
