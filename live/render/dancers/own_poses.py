@@ -9,7 +9,7 @@ import numpy as np
 from live.base.arrays import Int32
 from live.base.body.expression import FACE_SIZE
 from live.base.stage_snapshot import StageView
-from live.motion.skeleton import SKELETON
+from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.body.drawn_joints import EXPRESSION_SIZE
 from live.render.characters.character import Character
 from live.render.characters.expressions import CHANNELS
@@ -60,6 +60,7 @@ class OwnPoses:
         self._character = np.ascontiguousarray(self._character_of_body[body], np.int32)
         self._out = np.zeros((capacity, self.texels, 4), np.float32)
         self._expression = np.zeros((capacity, EXPRESSION_SIZE), np.float32)
+        self.update(StageView.allocate(0, JOINT_COUNT))  # the kernel is loaded now, not in the first frame
 
     def update(self, view: StageView) -> None:
         """Compute and upload the own joints of all dancers of a moment."""
