@@ -12,6 +12,7 @@ from typing import Final
 import numpy as np
 
 from live.base.body.expression import FINGERS
+from live.render.characters.bone_names import plain_name
 from live.render.characters.model import Model
 
 SIDES: Final = ("left", "right")
@@ -21,7 +22,7 @@ MAX_PHALANGES: Final = 3
 _PATTERNS: Final[tuple[tuple[str, str], ...]] = (
     ("Thumb", r"thumb|finger1(?=[-_. ]\d)|finger0\d?$|finger_?a(?![a-z])"),
     ("Index", r"index|pointer|forefinger|finger2(?=[-_. ]\d)|finger1\d?$|finger_?b(?![a-z])"),
-    ("Middle", r"middle|midfinger|\bmid\d|finger3(?=[-_. ]\d)|finger2\d?$|finger_?c(?![a-z])"),
+    ("Middle", r"middle|midfinger|(?:^|[-_. ])mid[-_. ]?\d|finger3(?=[-_. ]\d)|finger2\d?$|finger_?c(?![a-z])"),
     ("Ring", r"ring|finger4(?=[-_. ]\d)|finger3\d?$|finger_?d(?![a-z])"),
     ("Little", r"pinky|pinkie|little|smallfinger|finger5(?=[-_. ]\d)|finger4\d?$|finger_?e(?![a-z])"),
 )
@@ -78,11 +79,11 @@ def find_details(model: Model, joints: Mapping[str, int | None]) -> DetailBones:
 
 
 def _plain_names(model: Model) -> list[str]:
-    """Return all names in lower case without name spaces; humanoid bones of a VRM under their own names."""
-    names = [re.sub(r"^.*:", "", name) for name in model.names]
+    """Return all names to compare; humanoid bones of a VRM under their own."""
+    names = list(model.names)
     for bone, node in model.bones.items():
         names[node] = bone
-    return [re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()[:200] for name in names]
+    return [plain_name(name) for name in names]
 
 
 def _descendants(model: Model, top: int) -> list[int]:

@@ -8,6 +8,7 @@ from typing import Final
 
 from live.motion.formats.gltf_document import JsonObject
 from live.motion.formats.gltf_skeleton import NodeTree
+from live.render.characters.bone_names import plain_name
 
 Vector = tuple[float, float, float]
 _DOWN: Final[Vector] = (0.0, -1.0, 0.0)
@@ -201,7 +202,7 @@ def springs_by_name(
     for node in order:
         if parents[node] >= 0 and node not in taken:
             children[parents[node]].append(node)
-    plain = [re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", re.sub(r"^.*:", "", name)).lower()[:200] for name in names]
+    plain = [plain_name(name) for name in names]
     bones: dict[int, SpringBone] = {}
     for node in order:
         if node in bones or node in taken or node not in joints:

@@ -12,8 +12,9 @@ from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.adaptive_quality import HARDWARE
 from live.render.body.body_mesh import FINE
 from live.render.body.drawn_joints import EXPRESSION_SIZE
+from live.render.characters.bone_names import plain_name
 from live.render.characters.character import load_character
-from live.render.characters.detail_bones import find_details
+from live.render.characters.detail_bones import _finger_of, find_details
 from live.render.characters.expressions import CHANNEL_NAMES, CHANNELS, find_expressions
 from live.render.characters.model_reader import parse_model
 from live.render.characters.own_joints import FIRST
@@ -38,6 +39,19 @@ def load(tmp_path, **wanted):
     path = tmp_path / "anna.glb"
     path.write_bytes(detailed_glb(**wanted))
     return load_character(CharacterFile("anna", str(path)))
+
+
+@pytest.mark.parametrize(
+    ("name", "finger"),
+    [
+        ("mixamorig:LeftHandPinky2", "Little"), ("CC_Base_L_Mid1", "Middle"), ("lMid2", "Middle"), ("lCarpal1", None),
+        ("finger1-1.L", "Thumb"), ("finger4-2.R", "Ring"), ("Bip01 L Finger0", "Thumb"), ("Bip01 L Finger12", "Index"),
+        ("Bip01 R Finger4", "Little"), ("thumb_01_l", "Thumb"), ("DEF-f_pinky.03.R", "Little"), ("Forearm_L", None),
+        ("J_Bip_R_Ring3", "Ring"), ("Finger_B_1_L", "Index"), ("LeftFingerBase", None),
+    ],
+)  # fmt: skip
+def test_finger_of_a_bone_is_told_by_its_name(name, finger):
+    assert _finger_of(plain_name(name)) == finger
 
 
 @pytest.mark.parametrize("style", STYLES)
