@@ -35,6 +35,7 @@ class Stage(IntEnum):
     TICK = 17
     """The whole tick. Its breaker is tripped last; then the show stands still and only its clock runs."""
     EXPRESSION = 18
+    SPRINGS = 19
     DRAWING = 32
     """A frame is drawn and no tick is running. The supervisor handles failures here."""
 
@@ -57,6 +58,7 @@ EFFECTS: Final = {
     Stage.REACTIONS: "nothing reacts to the music",
     Stage.LIGHT: "the blackout does not fade",
     Stage.EXPRESSION: "faces and hands keep still",
+    Stage.SPRINGS: "hair and skirts of characters do not swing",
     Stage.TICK: "the dance stands still",
 }
 """The visible effect while a stage is out of service."""

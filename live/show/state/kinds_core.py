@@ -167,7 +167,8 @@ KINDS: Final = [
     """),
     Kind("gate", Gate, "name:str x:float z:float width:float out_x:float out_z:float"),
     Kind("stage-view", StageView, """
-        joint_position:f4 joint_rotation:f4 group:i4 present:b1 face:f4 hand:f4 appearance:i4 element_kind:i4
+        joint_position:f4 joint_rotation:f4 group:i4 present:b1 face:f4 hand:f4 spring:f4* spring_slot:i4 appearance:i4
+        element_kind:i4
         element_position:f4 element_level:f4
         element_radius:f4 element_strength:f4 element_flow:i4 element_first:i4 element_corners:i4 element_corner:f4
         element_count:int light:f4 light_count:int obstacle:f4 obstacle_count:int wall:f4 wall_count:int time:float

@@ -1,0 +1,1 @@
+"""What moves by itself: springs of characters. May import what `motion` may."""
