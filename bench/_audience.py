@@ -24,7 +24,7 @@ from live.clock.ticks import TICK
 from live.clock.time_source import SystemClock
 from live.control.events.audience import VoicePlace
 from live.control.events.events import AudienceHeard, ControlEvent
-from live.render.frame_stats import Pacer
+from live.render.timing.frame_stats import Pacer
 from live.show.engine import Engine
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH

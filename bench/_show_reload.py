@@ -14,7 +14,7 @@ from live.cli.bench import Row
 from live.clock.time_source import SystemClock
 from live.control.events.events import ControlEvent
 from live.rehearse.fault_injection import PatchEditor
-from live.render.frame_stats import Pacer
+from live.render.timing.frame_stats import Pacer
 from live.show.engine import Engine
 from live.show.loader import load_show
 from live.show.patch.hot_reload import PatchWatch

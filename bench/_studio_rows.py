@@ -23,7 +23,7 @@ from live.cli.bench import BENCH_FOLDER, Row
 from live.clock.time_source import SystemClock
 from live.control.events.event import ControlEvent
 from live.document.document_store import DocumentStore
-from live.render.frame_stats import Pacer
+from live.render.timing.frame_stats import Pacer
 from live.show.engine import Engine
 from live.show.loader import load_show
 from live.show.patch.hot_reload import PatchWatch

@@ -30,7 +30,7 @@ from live.control.events.events import ControlEvent, Signal
 from live.control.osc.osc_codec import encode
 from live.control.osc.osc_process import OscRemote
 from live.control.osc.osc_server import OscInput
-from live.render.frame_stats import Pacer
+from live.render.timing.frame_stats import Pacer
 from live.show.engine import Engine
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH

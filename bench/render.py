@@ -8,6 +8,7 @@ the same: `processor` is what all threads of this process computed for a frame, 
 
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import moderngl
@@ -17,12 +18,17 @@ from bench._show import crowd
 from bench.render_crowd import drawn, timed
 from live.app.film.live_recording import SOFTWARE_FPS
 from live.base.arrays import Float64
-from live.base.picture_parameters import BY_ADDRESS, STYLE_ADDRESS_PREFIX, STYLE_NAMES, group_parameter, picture_row
+from live.base.parameter import WORLD_NAMES
+from live.base.picture_parameters import (
+    BY_ADDRESS,
+    STYLE_ADDRESS_PREFIX,
+    STYLE_NAMES,
+    group_parameter,
+    picture_row,
+)
 from live.base.stage_snapshot import Scene, StageView
 from live.cli.bench import Row
 from live.clock.ticks import TICK
-from live.render.frame_budget import FrameBudget
-from live.render.frame_stats import Pacer
 from live.render.headless import OffscreenTarget, create_headless_context, is_software
 from live.render.outputs.output import Output, SoftEdge
 from live.render.outputs.output_pass import OutputPass
@@ -30,6 +36,8 @@ from live.render.outputs.photosensitivity import FlashLimiter
 from live.render.outputs.screen import FrameBuffers
 from live.render.renderer import Renderer
 from live.render.shader import release_all
+from live.render.timing.frame_budget import FrameBudget
+from live.render.timing.frame_stats import Pacer
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from live.show.show import Show
@@ -50,16 +58,20 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     rows: list[Row] = []
     for dancers in (24, 50, 100, 200) if full else (50, 100):
         show = crowd(dancers, loaded)
-        rows += _settled(ctx, show, make_scene(show.patch), dancers, full)
+        rows += _settled(ctx, show, f"{dancers} dancers", dancers, full)
+    for name in WORLD_NAMES:
+        look = loaded.patch.look.model_copy(update={"world": name})
+        show = crowd(50, replace(loaded, patch=loaded.patch.model_copy(update={"look": look})))
+        rows += _settled(ctx, show, f"50 dancers in {name}", 50, full=False)
     show = crowd(24, loaded)
     rows += _styles(ctx, show, make_scene(show.patch), full)
     ctx.release()
     return rows
 
 
-def _settled(ctx: moderngl.Context, show: Show, scene: Scene, dancers: int, full: bool) -> list[Row]:
+def _settled(ctx: moderngl.Context, show: Show, words: str, dancers: int, full: bool) -> list[Row]:
     """In the best step, and in the one that the ladder chooses."""
-    software, view = is_software(ctx), show.view()
+    software, view, scene = is_software(ctx), show.view(), make_scene(show.patch)
     bars = {50: 30.0, 100: 20.0} if software else {}
     _dance(show, view)
     with drawn(ctx, scene, SIZE, steps=True) as (renderer, target):
@@ -67,10 +79,10 @@ def _settled(ctx: moderngl.Context, show: Show, scene: Scene, dancers: int, full
         def draw() -> None:
             renderer.draw(view, target)
 
-        rows = [_row(f"{dancers} dancers, best step", _frames(ctx, show, view, draw, full))]
+        rows = [_row(f"{words}, best step", _frames(ctx, show, view, draw, full))]
         changes = _settle(show, view, renderer, draw, ctx, SOFTWARE_FPS if software else CARD_FPS)
         step, quality = renderer.step, renderer.quality
-        name = f"{dancers} dancers, step {step} of {len(renderer.steps) - 1}: {renderer.steps[step].name}"
+        name = f"{words}, step {step} of {len(renderer.steps) - 1}: {renderer.steps[step].name}"
         measured = _frames(ctx, show, view, draw, full)
         rows.append(_row(name, measured, bars.get(dancers)))
         passes = ", ".join(one for one in scene.passes if one not in quality.left_out)
@@ -78,13 +90,11 @@ def _settled(ctx: moderngl.Context, show: Show, scene: Scene, dancers: int, full
             "samples": quality.samples, "scale": quality.scale, "floor map": quality.floor_map,
             "far body from m": quality.far_from, "changes": changes,
         }  # fmt: skip
-        rows.append(Row(f"{dancers} dancers, passes left on there: {passes}", len(passes.split(", ")), "", peers=told))
+        rows.append(Row(f"{words}, passes left on there: {passes}", len(passes.split(", ")), "", peers=told))
         if full and dancers == 50:
             for number, one in enumerate(renderer.steps):
                 renderer.set_step(number)
-                rows.append(
-                    _row(f"{dancers} dancers held at {number}: {one.name}", _frames(ctx, show, view, draw, full))
-                )
+                rows.append(_row(f"{words} held at {number}: {one.name}", _frames(ctx, show, view, draw, full)))
     return rows
 
 
@@ -108,7 +118,7 @@ def _dance(show: Show, view: StageView, ticks: int = 2, row: Float64 | None = No
     for _ in range(ticks):
         show.tick(show.time + TICK)
     show.fill(view, show.time)
-    view.picture = view.picture if row is None else row
+    view.picture = view.picture if row is None else row.copy()  # the next fill writes into it
 
 
 def _row(name: str, measured: Float64, bar: float | None = None) -> Row:

@@ -22,6 +22,7 @@ TESTS = (
     "tests/motion/pose/test_turning_kernels.py",
     "tests/motion/formats/test_bvh_numbers.py",
     "tests/graph/test_motion_graph.py",
+    "tests/render/passes/test_world_parts.py",
     "tests/render/test_render_kernels.py",
     "tests/agents/test_steering_kernels.py",
     "tests/agents/crowd/test_cells.py",

@@ -10,9 +10,9 @@ from live.base.errors import PersonError
 from live.base.stage_snapshot import StageView
 from live.control.events.event import ControlEvent
 from live.control.events.events import HoldQuality, ResetBreaker
-from live.render.frame_budget import FrameBudget
 from live.render.renderer import Renderer
 from live.render.shader import builtin_text, set_override_folder, shader_names
+from live.render.timing.frame_budget import FrameBudget
 from live.show.patch.patch import Patch
 from live.show.selection.library_watch import folder_stamp
 from live.show.view.render_scene import draw_patch

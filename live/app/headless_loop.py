@@ -21,7 +21,7 @@ from live.base.errors import PersonError
 from live.base.fault_isolation import FAULTS
 from live.base.stage_snapshot import Scene, StageView
 from live.control.keyboard import help_lines
-from live.render.frame_stats import Pacer
+from live.render.timing.frame_stats import Pacer
 from live.render.window.monitors import Monitor, UnknownMonitor, list_monitors, resolve_monitor, screen_problem
 from live.show.loader import LoadedShow
 from live.show.patch.patch_search_path import show_stem

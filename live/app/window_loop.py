@@ -18,8 +18,8 @@ from live.app.window_operator import OperatorInput
 from live.base.errors import PersonError
 from live.base.fault_isolation import Bulkhead, callback_name
 from live.base.stage_snapshot import Scene, StageView
-from live.render.frame_stats import DisplayGrid, Pacer
 from live.render.outputs.projection import Projection
+from live.render.timing.frame_stats import DisplayGrid, Pacer
 from live.render.window.monitors import Monitor, UnknownMonitor
 from live.render.window.screensaver import ScreensaverInhibitor, x11_display
 from live.render.window.window import NoWindow

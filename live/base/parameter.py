@@ -13,6 +13,8 @@ from typing import Final, Literal
 Kind = Literal["number", "switch", "choice", "names", "colour", "place"]
 SPOT_COUNT: Final = 4
 """Number of follow spots."""
+WORLD_NAMES: Final = ("haze", "studio", "paper", "constellation", "water", "dusk")
+"""The worlds in which dancers are drawn; the amount of each is at `/dance/world/NAME`."""
 _COMPONENTS: Final[Mapping[Kind, tuple[str, ...]]] = {
     "number": ("how much",),
     "switch": ("1: on, 0: off",),

@@ -15,11 +15,16 @@ import numpy.typing as npt
 from live.base.arrays import Float64
 from live.base.body.appearance import COSTUMES, HAIRS, SHOES
 from live.base.custom_pass import MAX_PASSES, NUMBERS_PER_PASS, custom_pass_numbers
-from live.base.parameter import SPOT_COUNT, Parameter
+from live.base.parameter import SPOT_COUNT, WORLD_NAMES, Parameter
 from live.base.stage_snapshot import BACKGROUND_CAPACITY, Camera, Scene
 
 STYLE_NAMES: Final = ("solid", "silhouette", "ink", "particles", "ribbons", "trails", "xray")
 """The styles; each group's amount of a style is at `/dance/draw/NAME`."""
+WORLD_PREFIX: Final = "/dance/world/"
+GOBO_NAMES: Final = ("leaves", "window", "blinds", "breakup")
+"""Patterns in the key light; the amount of each is at `/dance/light/gobo/NAME`."""
+FLOOR_PATTERN_NAMES: Final = ("rings", "grid", "checker", "stripes")
+"""Patterns of light on the floor; the amount of each is at `/dance/floor/pattern/NAME`."""
 MAX_GHOSTS: Final = 8
 LONGEST_RIBBON: Final = 8.0
 """[beats]"""
@@ -69,6 +74,17 @@ def _spot(number: int) -> tuple[Parameter, ...]:
     )
 
 
+_WORLD_ROWS: Final = tuple(
+    _number(WORLD_PREFIX + name, 0, 1, 0.0, text)
+    for name, text in zip(WORLD_NAMES, (
+        "Share of the black box with haze, which fills what the other worlds leave.",
+        "Share of the white studio: a cove without corners.",
+        "Share of paper, ink and watercolour.",
+        "Share of the constellation: points of light and fine lines in the dark.",
+        "Share of the dark water that mirrors the dancers.",
+        "Share of the open field at dusk.",
+    ), strict=True)
+)  # fmt: skip
 _ROWS: Final = (
     _number("/dance/light/level", 0, 2, 1.0, "Level of all light; 1 is usual, 0 is dark.", patch="look.level"),
     _number(
@@ -145,6 +161,16 @@ _ROWS: Final = (
         "Opacity of the plan over the picture: circles with triangles for dancers, and their trails.",
         patch="camera.plan",
     ),
+    Parameter(
+        "/dance/camera/director", "switch", 0, 1, (0.0,), "",
+        "Whether the director leads the camera: it frames the dancers, moves and cuts with the phrases.",
+        patch="camera.director",
+    ),
+    Parameter(
+        "/dance/camera/mood", "choice", 0, 3, (0.0,), "", "How the director works.",
+        words="0: calm, 1: still, 2: lively, 3: cinematic", patch="camera.mood",
+        choices={"calm": 0.0, "still": 1.0, "lively": 2.0, "cinematic": 3.0},
+    ),
     _number(
         "/dance/light/side", 0, 4, 0.0,
         "Strength of the light from both sides, low, as for dance; by default none.", patch="look.side",
@@ -182,6 +208,11 @@ _ROWS: Final = (
         "How much all light follows the energy of the music.", patch="look.energy",
     ),
     _number(
+        "/dance/light/score", 0, 1, 1.0,
+        "How much the light follows the score: soloists, groups, beginning, end, build-ups and drops; 0: not at all.",
+        patch="look.follow_score",
+    ),
+    _number(
         "/dance/light/stage", 0, 1, 1.0,
         "How much of floor and wall is visible; 0: only the dancers on true black, as for a gauze.", patch="look.stage",
     ),
@@ -199,6 +230,44 @@ _ROWS: Final = (
         for number in range(1, MAX_BACKGROUNDS + 1)
     ),
     *(row for number in range(1, SPOT_COUNT + 1) for row in _spot(number)),
+    *_WORLD_ROWS,
+    _number(
+        "/dance/light/fill", 0, 4, 0.0,
+        "Strength of the soft light from all around, as of a sky and its ground; by default none.", patch="look.fill",
+    ),
+    _colour("/dance/light/fill/above", (0.9, 0.95, 1.0), "Colour of that light from above.", patch="look.fill_above"),
+    _colour("/dance/light/fill/below", (0.5, 0.46, 0.42), "Colour of that light from below.", patch="look.fill_below"),
+    *(
+        _number(f"/dance/light/gobo/{name}", 0, 1, 0.0, f"{text} in the key light, on floor and dancers.",
+                patch=f"look.gobo_{name}")
+        for name, text in zip(GOBO_NAMES, (
+            "Leaves", "The panes of a window", "The slats of a blind", "Soft irregular patches",
+        ), strict=True)
+    ),
+    _number(
+        "/dance/light/gobo/size", 0.2, 20, 2.4, "How large the pattern in the key light is.", unit="m",
+        patch="look.gobo_size",
+    ),
+    _number(
+        "/dance/light/gobo/turn", -4, 4, 0.0, "How fast the pattern in the key light turns.", unit="turns/measure",
+        patch="look.gobo_turn",
+    ),
+    *(
+        _number(f"/dance/floor/pattern/{name}", 0, 1, 0.0, f"{text}.", patch=f"look.floor_{name}")
+        for name, text in zip(FLOOR_PATTERN_NAMES, (
+            "Rings of light on the floor that spread from the dancers' steps",
+            "A grid of light on the floor that breathes with the beat",
+            "Squares of light on the floor that change places from beat to beat",
+            "Stripes of light on the floor that move by one with every beat",
+        ), strict=True)
+    ),
+    _number(
+        "/dance/floor/pattern/size", 0.1, 10, 1.0, "How wide one square or stripe of the floor's patterns is.",
+        unit="m", patch="look.floor_size",
+    ),
+    _colour(
+        "/dance/floor/pattern/colour", (0.55, 0.75, 1.0), "Colour of the floor's patterns.", patch="look.floor_colour",
+    ),
     *(
         _number(f"/dance/scenery/{number}", 0, 1, 0.0, f"How much of [[scenery]] {number} is seen.")
         for number in range(1, MAX_SCENERY + 1)
@@ -327,18 +396,24 @@ ORBIT: Final = BY_ADDRESS["/dance/camera/orbit"].first
 FOLLOWING: Final = BY_ADDRESS["/dance/camera/following"].first
 ALONG: Final = BY_ADDRESS["/dance/camera/along"].first
 PLAN: Final = BY_ADDRESS["/dance/camera/plan"].first
+DIRECTOR: Final = BY_ADDRESS["/dance/camera/director"].first
+DIRECTOR_MOOD: Final = BY_ADDRESS["/dance/camera/mood"].first
 LEVEL: Final = BY_ADDRESS["/dance/light/level"].first
 SHADOW: Final = BY_ADDRESS["/dance/pass/shadow"].first
 MIRROR: Final = BY_ADDRESS["/dance/pass/mirror"].first
 VIGNETTE: Final = BY_ADDRESS["/dance/pass/vignette"].first
-CAMERA: Final = slice(EYE.start, PLAN + 1)
+CAMERA: Final = slice(EYE.start, DIRECTOR_MOOD + 1)
 """The camera's numbers, which are contiguous."""
+DIRECTED: Final = range(EYE.start, PLAN)
+"""The camera's numbers that the director sets while it leads: position, direction, lens and motion."""
 LENS: Final = slice(EYE.start, ORBIT)
 """The camera's numbers that define the projection: position, direction and lens."""
 BACKDROP_INDICES: Final = _row_indices(
     "/dance/light/key", "/dance/light/key/colour", "/dance/light/rim", "/dance/light/rim/colour",
     "/dance/light/haze", "/dance/light/background", "/dance/light/floor",
     "/dance/background/gradient", "/dance/background/top", "/dance/background/bottom",
+    "/dance/light/key/direction", "/dance/light/fill", "/dance/light/fill/above", "/dance/light/fill/below",
+    *(row.address for row in _WORLD_ROWS),
     *(known.address for known in PARAMETERS if EYE.start <= known.first < ORBIT),
 )  # fmt: skip
 """The numbers on which floor, back wall and haze depend: the renderer keeps these until one changes."""

@@ -58,6 +58,7 @@ KEYS: Final[dict[str, Key]] = {
     "Backspace": Key("cancel a cue that is counting in, or put the previous cue on standby", "/dance/back"),
     "I": Key("hold or resume score, fades and cues", "/dance/hold"),
     "Delete": Key("panic: end everything added, restore the patch's light, hold the score", "/dance/panic"),
+    "F5": Key("give the camera to its director", "/dance/camera/director", (1.0,)),
     "Q": Key("show or hide the code for joining the audience", "/dance/audience/qr"),
     "E": Key("undo the last edit", "/dance/undo"),
     "Y": Key("redo the last undone edit", "/dance/redo"),

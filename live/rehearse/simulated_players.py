@@ -5,6 +5,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
+from live.base.parameter import WORLD_NAMES
 from live.control.registry.control import ROLE_RANKS, Argument, ArgumentValue, Control, Role
 from live.control.registry.registry import QUERIES, REGISTRY
 from live.show.desk.parameter_table import NAME_CHOICES
@@ -50,6 +51,7 @@ class ArgumentGenerator:
             "cue": [cue.name for cue in patch.cue] or ["1"],
             "scene": ["start", *(scene.name for scene in patch.scene)],
             "view": ["start", *(view.name for view in patch.view)],
+            "world": list(WORLD_NAMES),
             "look": ["start", *(look.name for look in patch.looks)],
             "signal": [*(signal.name for signal in patch.signal), "hit", "drop"],
             "gate": ["*", "left", "right", "back"],

@@ -60,7 +60,7 @@ class Quality:
 
 SOFTWARE: Final = Quality(0, LIGHT, 12, DISTANT, 256, 3, ("bloom", "focus", "blur"), close_level=CLOSE, close_count=6)
 """Without a graphics card: 50 dancers at 1280x720 in real time on two cores."""
-HARDWARE: Final = Quality(4, FINE, 120, LIGHT, 768, 2)
+HARDWARE: Final = Quality(4, CLOSE, 120, LIGHT, 768, 2, close_level=FINE, close_count=24, close_within=6.0)
 """For a graphics card, or for offline films."""
 
 

@@ -39,6 +39,8 @@ class Moment:
     batch: DancerBatch
     floor: moderngl.Texture
     """The floor's map: light of the elements, and shadows."""
+    rectangle: tuple[int, int, int, int] = (0, 0, 0, 0)
+    """Left, bottom, width and height of the part of the picture that dancers and items may cover [pixels]."""
     beats: float = 0.0
     """Beats since the previous picture, 0 or more."""
     cut: bool = True

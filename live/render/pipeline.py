@@ -28,7 +28,7 @@ from live.render.passes.bloom_pass import BloomPass
 from live.render.passes.blur_pass import BlurPass
 from live.render.passes.colour_pass import FinalPass, GradePass, VignettePass
 from live.render.passes.custom_pass import CustomPass
-from live.render.passes.dancer_pass import DancerPass, GBufferPass, MultisampleTarget
+from live.render.passes.dancer_pass import DancerPass, GBufferPass, MultisampleTarget, light_variant
 from live.render.passes.floor_pass import FloorPass, ReflectionPass
 from live.render.passes.focus_pass import FocusPass
 from live.render.passes.ink_pass import InkPass
@@ -40,7 +40,10 @@ from live.render.passes.styled_pass import StylePasses
 from live.render.passes.title_pass import TitlePass
 from live.render.passes.trail_pass import TrailsPass
 from live.render.shader import Releasable, release_all
-from live.render.uniforms import WALL_DISTANCE
+from live.render.worlds.constellation_pass import ConstellationPass
+from live.render.worlds.paper_pass import PaperPass
+from live.render.worlds.ripple_pass import RipplePass
+from live.render.worlds.world_textures import WorldTextures
 
 PICTURE_PASSES: Final[Mapping[str, Callable[[PassSetup], PicturePass]]] = {
     "focus": FocusPass,
@@ -65,7 +68,7 @@ class PassChain:
         self.vignette_at_end = order[-1:] == (AT_END,)
         own = {one.name: (one, slot) for slot, one in enumerate(setup.scene.custom_passes)}
         self._custom_passes: dict[str, CustomPass] = {}
-        self._passes: list[tuple[str, PicturePass]] = []
+        self._passes: list[tuple[str, PicturePass]] = [("paper", PaperPass(setup))]
         for name in order:
             if name in own:
                 self._custom_passes[name] = CustomPass(setup, *own[name])
@@ -77,7 +80,7 @@ class PassChain:
         self._create_targets(setup.size)
 
     def _create_targets(self, size: tuple[int, int]) -> None:
-        count = 2 if self._passes else 0
+        count = 2
         self._textures = [self._ctx.texture(size, 4, dtype=HDR) for _ in range(count)]
         for texture in self._textures:
             texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
@@ -140,13 +143,16 @@ class PassChain:
 
 
 SCENE_PASSES: Final[tuple[Callable[[PassSetup], ScenePass], ...]] = (
-    ItemPass, SceneryPass, BackgroundPass, StylePasses, BeamPass, PlanPass, TitlePass, FrontPass,
+    ItemPass, SceneryPass, BackgroundPass, StylePasses, RipplePass, ConstellationPass, BeamPass, PlanPass, TitlePass,
+    FrontPass,
 )  # fmt: skip
 """Scene passes, in drawing order."""
-_STAGE_PASSES: Final = (SceneryPass, BackgroundPass, PlanPass, FrontPass)
+_STAGE_PASSES: Final = (SceneryPass, BackgroundPass, RipplePass, PlanPass, FrontPass)
 """Scene passes of the stage around the dancers, which pictures with alpha lack."""
 SHARPENING: Final = 0.6
 """Strength of sharpening for a scene that is drawn smaller than the picture and stretched."""
+STUDIO_WALL_DISTANCE: Final = 7.0
+"""Distance of the studio's wall from the stage [m]: no wall is farther away."""
 _BODY_REACH: Final = 0.25
 """The generated body reaches at most this far beyond its joints [m]."""
 
@@ -162,6 +168,7 @@ class Pipeline:
         self.floor = FloorPass(ctx, quality, _floor_size(scene.stage_size))
         self._mirror = ReflectionPass(ctx, size, quality.mirror_divisor, characters=worn)
         self._backdrop = BackdropPass(ctx, size, coarse=quality.samples == 0)
+        self._textures = WorldTextures(ctx)
         self.chain = PassChain(setup)
         self.faults = PassFaults()
         """Circuit breakers of the passes."""
@@ -179,6 +186,7 @@ class Pipeline:
         self.titles = next(one for one in self._scene_passes if isinstance(one, TitlePass))
         """Titles, which may also lie over the finished picture."""
         self.floor.casters = [one.draw_shadows for one in self._scene_passes]
+        self._open_air = False
         self.set_camera(scene.camera)
 
     def set_stage(self, stage_size: tuple[float, float], items: tuple[SetItem, ...]) -> None:
@@ -214,7 +222,7 @@ class Pipeline:
 
     def set_camera(self, camera: Camera) -> None:
         """Update everything that depends on the camera, except the uniform block."""
-        self._floor_rows = _floor_row_count(camera, self._stage_size, self._size)
+        self._floor_rows = _floor_row_count(camera, self._stage_size, self._size, open_air=self._open_air)
         self._world_to_clip = world_to_clip(camera, self._size)
 
     def has_effect(self, kind: str, moment: Moment) -> bool:
@@ -243,8 +251,13 @@ class Pipeline:
         faults.begin_essential()
         active = self.chain.active(moment, (*self._quality.left_out, *faults.disabled))
         crowd.skin()
-        self._backdrop.draw(moving=frame.light_changed)
-        self.floor.draw(crowd, moment.view, shadows=self._has("shadow") and frame.shadows)
+        self._textures.bind()
+        if frame.open_air != self._open_air:
+            self._open_air = frame.open_air
+            self.set_camera(frame.camera)
+        self._backdrop.draw(frame.worlds, moving=frame.light_changed)
+        self.floor.draw(crowd, moment.view, shadows=self._has("shadow") and frame.shadows, beams=frame.beams_lit)
+        where = moment.rectangle = self._dancer_rectangle(moment)
         seen = faults.begin("mirror") and self._has("mirror") and frame.mirrors
         self._mirror.draw(crowd, visible=seen, rows=self._floor_rows)
         for one in faults.iterate(here):
@@ -260,7 +273,6 @@ class Pipeline:
                 self.chain.draw(active, light, matte.target, surfaces, moment, faults)
                 matte.draw(target, moment.view.brightness)
             return
-        where = self._dancer_rectangle(moment)
         overs = [one for one in here if one.light_active(moment)]
         hdr = bool(active or overs)
         surfaces = self._draw_surfaces(moment, here, named=_needs_surfaces(active))
@@ -268,7 +280,7 @@ class Pipeline:
         into = smooth.target
         into.use()
         into.scissor = where
-        self._surface.shade(moment.floor, hdr=hdr, extra_lamps=moment.uniforms.extra_lamps_lit)
+        self._surface.shade(moment.floor, light_variant(frame), hdr=hdr)
         self._draw_stage(into, moment, hdr=hdr)
         for one in faults.iterate(overs):
             one.draw_light(moment)
@@ -282,7 +294,7 @@ class Pipeline:
 
     def _draw_lit(self, moment: Moment, here: list[ScenePass]) -> None:
         into = self._target.begin()
-        self._dancer.draw(moment.batch, moment.floor)
+        self._dancer.draw(moment.batch, moment.floor, light_variant(moment.uniforms))
         for one in self.faults.iterate(here):
             one.draw_lit(moment)
         overs = [one for one in here if one.light_active(moment)]
@@ -305,7 +317,8 @@ class Pipeline:
         frame = moment.uniforms
         self._stages[hdr].draw(
             into, self._floor_rows, self._backdrop.texture, moment.floor, self._mirror.texture,
-            pools=frame.floor_lit, resized=frame.stage_resized,
+            pools=frame.spots_lit, resized=frame.stage_resized, patterned=frame.floor_patterned,
+            water=frame.worlds["water"] > 0.0,
         )  # fmt: skip
 
     def _dancer_rectangle(self, moment: Moment) -> tuple[int, int, int, int]:
@@ -340,7 +353,14 @@ class Pipeline:
 
     def release(self) -> None:
         """Free everything."""
-        own: list[Releasable] = [self.floor, self._mirror, self._backdrop, self.chain, *self._stages.values()]
+        own: list[Releasable] = [
+            self._textures,
+            self.floor,
+            self._mirror,
+            self._backdrop,
+            self.chain,
+            *self._stages.values(),
+        ]
         if self._lit and self._matte is not None:
             own.append(self._matte)
         own += [*self._targets.values(), self._dancer] if self._lit else [*self._smooth.values()]
@@ -356,13 +376,15 @@ def _needs_surfaces(active: list[PicturePass]) -> bool:
     return any(one.needs_surfaces for one in active)
 
 
-def _floor_row_count(camera: Camera, stage_size: tuple[float, float], size: tuple[int, int]) -> int:
-    """Return how many pixel rows from below can show the floor; the rows above show only the back wall."""
+def _floor_row_count(
+    camera: Camera, stage_size: tuple[float, float], size: tuple[int, int], *, open_air: bool = False
+) -> int:
+    """Return how many pixel rows from below can show the floor; the rows above show only the back wall, or the sky."""
     corner, right, up = view_rays(camera, size)
     if abs(right[1]) > 1e-9:
         return size[1]  # the picture is tilted: the floor may be anywhere
     rows = (np.arange(size[1])[:, None] + 1.0) / size[1]
-    wall = -0.5 * stage_size[1] - WALL_DISTANCE
+    wall = -np.inf if open_air else -0.5 * stage_size[1] - STUDIO_WALL_DISTANCE
     seen = 0
     for side in (0.0, 0.5, 1.0):
         ways = corner + side * right + rows * up

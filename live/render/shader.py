@@ -43,6 +43,8 @@ PICTURE_BINDING: Final = 3
 _BLOCKS: Final = {
     "Frame": FRAME_BINDING, "Styles": STYLES_BINDING, "Corners": CORNERS_BINDING, "Picture": PICTURE_BINDING,
 }  # fmt: skip
+SHARED_TEXTURES: Final = {"ripple_map": 13, "noise_map": 14, "gobo_map": 15}
+"""Texture units of the samplers that all programs share: `live/render/worlds` fills them."""
 MAX_FILE_BYTES: Final = 1_000_000
 """Maximum size of a shader file [bytes]."""
 _LINE: Final = re.compile(r"\b0(?::(\d+)|\((\d+)\))")
@@ -203,6 +205,8 @@ def compile_program(
         raise PersonError(_first_error(log, above_places if "vertex_shader" in log else below_places)) from None
     bind_blocks(linked)
     linked.extra = {}
+    for name, unit in SHARED_TEXTURES.items():
+        set_uniform(linked, name, unit)
     return linked
 
 

@@ -7,17 +7,20 @@ import moderngl
 import numpy as np
 
 from live.base.arrays import Float64
-from live.base.parameter import SPOT_COUNT
+from live.base.parameter import SPOT_COUNT, WORLD_NAMES
 from live.base.picture_parameters import (
     BACKDROP_INDICES,
     BY_ADDRESS,
     COLOURS_START,
+    FLOOR_PATTERN_NAMES,
+    GOBO_NAMES,
     LENS,
     LEVEL,
     MIRROR,
     SHADOW,
     STYLES_START,
     VIGNETTE,
+    WORLD_PREFIX,
     camera_from_row,
     picture_row,
 )
@@ -49,6 +52,11 @@ _BLOCK: Final = np.dtype(
         ("beam_light", "f4", 4),
         ("spot_place", "f4", (SPOT_COUNT, 4)),
         ("spot_light", "f4", (SPOT_COUNT, 4)),
+        ("worlds", "f4", 4),
+        ("open_sky", "f4", 4),
+        ("fill_above", "f4", 4),
+        ("fill_below", "f4", 4),
+        ("gobo", "f4", 4),
     ]
 )
 
@@ -64,9 +72,24 @@ _SPOT_ROWS: Final = tuple(
     for at in (f"/dance/spot/{number}" for number in range(1, SPOT_COUNT + 1))
 )
 _SIDE, _BACK, _BEAMS = (BY_ADDRESS[f"/dance/light/{name}"].first for name in ("side", "back", "beams"))
+_FILL: Final = BY_ADDRESS["/dance/light/fill"].first
+_GOBOS: Final = [BY_ADDRESS[f"/dance/light/gobo/{name}"].first for name in GOBO_NAMES]
+_GOBO_SIZE, _GOBO_TURN = (BY_ADDRESS[f"/dance/light/gobo/{name}"].first for name in ("size", "turn"))
+_FLOOR_PATTERNS: Final = [BY_ADDRESS[f"/dance/floor/pattern/{name}"].first for name in FLOOR_PATTERN_NAMES]
+_WORLDS: Final = np.array([BY_ADDRESS[WORLD_PREFIX + name].first for name in WORLD_NAMES])
 ENERGY: Final = BY_ADDRESS["/dance/light/energy"].first
 MIN_TARGET_DISTANCE: Final = 1e-3
 """A camera nearer to its target than this [m] is ignored; the last one stays."""
+
+
+def world_shares(row: Float64) -> Float64:
+    """Return the share of each world in a parameter row, shape (6,); they sum to 1, and haze fills what is left."""
+    amounts = np.clip(row[_WORLDS], 0.0, 1.0)
+    total = float(amounts.sum())
+    if total > 1.0:
+        return np.asarray(amounts / total)
+    amounts[0] += 1.0 - total
+    return np.asarray(amounts)
 
 
 class FrameUniforms:
@@ -86,6 +109,9 @@ class FrameUniforms:
         colours, their colours or styles."""
         self._row = self._initial_row.copy()
         self._spots_changed = True
+        self.worlds: dict[str, float] = {}
+        """Share of each world, by name; they sum to 1."""
+        self._gobo_turns = self._last_measures = 0.0
         self.vignette_at_end = True
         """Whether the film curve includes the vignette; otherwise a pass draws it."""
         self.camera = scene.camera
@@ -137,6 +163,12 @@ class FrameUniforms:
         data["side_right"][:3] = of("side/right") * of("side")
         data["back_light"][:3] = of("back/colour") * of("back")
         data["beam_light"][:3] = of("beams/colour") * of("beams")
+        data["fill_above"][:3] = of("fill/above") * of("fill")
+        data["fill_below"][:3] = of("fill/below") * of("fill")
+        haze, studio, paper, constellation, water, dusk = shares = world_shares(row).tolist()
+        self.worlds = dict(zip(WORLD_NAMES, shares, strict=True))
+        data["worlds"] = studio, paper, constellation, water
+        data["open_sky"] = dusk, haze, studio + paper + dusk, 0.0
         self._numbers[:PICTURE_SIZE] = row[:PICTURE_SIZE]
         self._numbers_buffer.write(self._numbers)
 
@@ -151,6 +183,7 @@ class FrameUniforms:
         self._data["key_light"][3] = min(max(view.brightness, 0.0), 1.0) * self._row[LEVEL] * answers
         self._data["beam_light"][3] = view.beat % SWING_PERIOD
         self._write_spots(view)
+        self._write_gobo(view)
         width, depth = view.stage_size if view.stage_size[0] > 0.0 else self._stage_size
         changed = max(abs(width - self._stage_size[0]), abs(depth - self._stage_size[1]))
         self._data["edge"] = (0.5 * width, 0.5 * depth, min(changed / BORDER_FADE, 1.0), phase)
@@ -175,6 +208,15 @@ class FrameUniforms:
             data["spot_place"][number] = (view.spot[number, 0], view.spot[number, 1], self._row[radius], strength)
             lit = lit or strength > 0.0
         data["spot_light"][0, 3] = float(lit)
+
+    def _write_gobo(self, view: StageView) -> None:
+        """Write how the pattern in the key light is turned: it goes on from where it is when its speed changes."""
+        measures = view.beat / max(view.beats_per_measure, 1)
+        passed, rate = measures - self._last_measures, float(self._row[_GOBO_TURN])
+        self._gobo_turns = (self._gobo_turns + rate * passed if 0.0 <= passed <= 16.0 else rate * measures) % 1.0
+        self._last_measures = measures
+        angle, size = math.tau * self._gobo_turns, float(self._row[_GOBO_SIZE])
+        self._data["gobo"] = math.cos(angle) / size, math.sin(angle) / size, float(self._row[_GOBOS].sum()), 0.0
 
     def _apply_row(self, row: Float64) -> None:
         """Apply a parameter row, and set the flags of what has changed."""
@@ -204,15 +246,39 @@ class FrameUniforms:
         return bool(self._data["spot_light"][0, 3] > 0.0)
 
     @property
-    def extra_lamps_lit(self) -> bool:
-        """Whether any lamp is lit that is off in the usual light, beams excluded."""
-        row = self._row
-        return self.spots_lit or bool(row[_SIDE] > 0.0 or row[_BACK] > 0.0)
+    def side_lamps_lit(self) -> bool:
+        """Whether the lamps at the sides or straight behind are lit."""
+        return bool(self._row[_SIDE] > 0.0 or self._row[_BACK] > 0.0)
 
     @property
-    def floor_lit(self) -> bool:
-        """Whether spots or beams light the floor."""
-        return self.spots_lit or bool(self._row[_BEAMS] > 0.0)
+    def beams_lit(self) -> bool:
+        """Whether the beams light the floor."""
+        return bool(self._row[_BEAMS] > 0.0)
+
+    @property
+    def gobos_lit(self) -> bool:
+        """Whether the key light has a pattern."""
+        return bool(self._row[_GOBOS].any())
+
+    @property
+    def light_moves(self) -> bool:
+        """Whether the light on dancers has a gobo, or comes up from water."""
+        return self.gobos_lit or self.worlds["water"] > 0.0
+
+    @property
+    def floor_patterned(self) -> bool:
+        """Whether the floor shows gobos or patterns."""
+        return self.gobos_lit or bool(self._row[_FLOOR_PATTERNS].any())
+
+    @property
+    def rippled(self) -> bool:
+        """Whether rings that spread from the dancers' steps are seen: in water or as light on the floor."""
+        return bool(self.worlds["water"] > 0.0 or self._row[_FLOOR_PATTERNS[0]] > 0.0)
+
+    @property
+    def open_air(self) -> bool:
+        """Whether a world is seen that no wall ends, so that the floor reaches the horizon."""
+        return any(self.worlds[name] > 0.0 for name in ("constellation", "water", "dusk"))
 
     @property
     def stage_resized(self) -> bool:

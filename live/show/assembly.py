@@ -115,7 +115,7 @@ def assemble(
         "formations": motion.evolutions, "sequences": scheduler, "facings": scheduler.targets.headings,
         "ripples": variation, "set": commands, "mocap": mocap, "launches": launcher,
     }  # fmt: skip
-    desk = LightDesk(patch, score_runner, motion, variation, editable)
+    desk = LightDesk(patch, score_runner, motion, variation, editable, dancers, seed=seed)
     audience = Audience(patch.audience, motion.elements, VoteNames(patch, dancers, desk.scenes),
         Words(patch, seed=seed), seed=seed)  # fmt: skip
     directions = StepRequests(motion, dancers, variation, scheduler, interrupts)

@@ -148,6 +148,8 @@ class LoadedShow:
     """File and line of each key of the patch; None if it was not read from files."""
     projector: VenueProjector | None = None
     """The venue's projector, if the patch is adapted to it; see `with_projector`."""
+    in_venue: bool = False
+    """Whether the patch is adapted to a venue."""
     tables: BridgeTables = ()
     """The tables of bridges that the patch was read with."""
     tempo: ShowTempo = NO_TEMPO
@@ -157,8 +159,9 @@ class LoadedShow:
     characters have more bones that swing than can."""
 
     def with_projector(self, projector: VenueProjector | None) -> "LoadedShow":
-        """Return the show adapted to a venue's projector; PersonError if its picture cannot match this stage."""
-        return replace(self, patch=with_venue_projector(self.patch, projector), projector=projector)
+        """Return the show adapted to a venue and its projector, if it has one; PersonError if the projector's picture
+        cannot match this stage."""
+        return replace(self, patch=with_venue_projector(self.patch, projector), projector=projector, in_venue=True)
 
     def start(self, *, seed: int | None = None, tempo: float | None = None, begin: bool = True) -> Show:
         """Return a fresh show at time 0; PersonError for a missing step. `begin`: see `assemble`."""

@@ -5,7 +5,7 @@ import pytest
 from live.rehearse.lint import MAX_WARNINGS, camera_warnings, lint_show, span_warnings
 from live.show.patch.patch_reader import parse_patch, read_patch
 from live.show.patch_checks.call_response_check import call_response_warnings
-from tests.show.made_show import PATCH, made_show
+from tests.show.made_show import PATCH, PATCH_WITHOUT_CAMERA, made_show
 
 SECTIONS = '[[section]]\nname = "a"\nmeasures = 8\n[[section]]\nname = "b"\nmeasures = 4\n[[section]]\nname = "c"\n'
 SECTIONS += "measures = 8\n{}\n"
@@ -64,7 +64,7 @@ def test_number_of_span_warnings_is_limited():
     ],
 )
 def test_camera_below_floor_is_warned_about(extra, words):
-    assert_warning(camera_warnings(patch_of(extra)), words)
+    assert_warning(camera_warnings(parse_patch(PATCH_WITHOUT_CAMERA + extra, "made.toml")), words)
 
 
 def improvise(front, back):

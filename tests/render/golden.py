@@ -22,7 +22,7 @@ Law = Callable[[Picture], bool]
 FOLDER: Final = Path(__file__).parent / "golden"
 KINDS: Final = ("camera", "card", "light", "output", "pass", "style")
 """First words of names whose pictures are kept in a separate folder."""
-LARGEST: Final = 40_000
+LARGEST: Final = 48_000
 """Maximum size of a golden picture [bytes]."""
 OFF: Final = 12
 """A pixel is off if one of its colours differs by more steps of 255 than this."""

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.render.frame_stats import GRAPH_FRAMES, HISTORY_FRAMES, PARTS, WAITING, FrameTimes
+from live.render.timing.frame_stats import GRAPH_FRAMES, HISTORY_FRAMES, PARTS, WAITING, FrameTimes
 
 USUAL = {"events": 0.2, "simulation": 3.0, "poses": 1.0, "upload": 0.3, "draw": 4.0, "rest": 0.5, "swap": 6.0}
 

@@ -6,7 +6,7 @@ from live.show.assembly import assemble
 from live.show.patch.patch_reader import parse_patch
 from tests.fixtures.made_steps import made_steps
 
-PATCH = """
+PATCH = """camera = {}
 name = "test"
 seed = 3
 reserve = 0
@@ -29,6 +29,9 @@ centre = [0.0, -1.5]
 size = [8.0, 2.0]
 """
 
+PATCH_WITHOUT_CAMERA = PATCH.replace("camera = {}", "", 1)
+"""Its camera has a director."""
+
 
 def made_graph(threshold=0.2):
     """The motion graph of the synthetic steps."""
@@ -38,7 +41,11 @@ def made_graph(threshold=0.2):
 GRAPH = made_graph()
 
 
-def made_show(extra="", *, top=False, reserve=0, **options):
-    """A new show of PATCH with `extra` TOML at its end (`top`: at its beginning) and `reserve` dancers in reserve."""
-    patch = PATCH.replace("reserve = 0", f"reserve = {reserve}")
+def made_show(extra="", *, top=False, reserve=0, directed=False, **options):
+    """A new show of PATCH with `extra` TOML at its end (`top`: at its beginning) and `reserve` dancers in reserve.
+
+    Its camera stands still unless it is `directed` or `extra` has a camera of its own.
+    """
+    own = directed or "[camera]" in extra or "[projector]" in extra or "camera." in extra
+    patch = (PATCH_WITHOUT_CAMERA if own else PATCH).replace("reserve = 0", f"reserve = {reserve}")
     return assemble(parse_patch(extra + patch if top else patch + extra, "test.toml"), GRAPH, **options)

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.app.session_audio import AudioChoice, make_map_clock, make_show_analysis
+from live.base.arrays import Float64
 from live.base.picture_parameters import BY_ADDRESS, STYLE_ADDRESS_PREFIX, group_parameter
 from live.base.stage_snapshot import StageView
 from live.clock.ticks import TICK
@@ -80,7 +81,7 @@ class MomentSelector:
         return range(len(self.show.patch.group))
 
     def _describe(self, time: float) -> SheetMoment:
-        show, row = self.show, self._view.picture
+        show, row = self.show, self.show.desk.parameters.picture  # colours as such, in whatever light
         beats = show.timeline.beats_per_measure
         within = show.danced_beats - show.span.number * show.desk.beats
         section = show.score_runner.facts()["section"]
@@ -113,9 +114,7 @@ class MomentSelector:
         return next(labels, None)
 
 
-def _colour(row: "np.ndarray[tuple[int], np.dtype[np.float64]] | None", group: int) -> tuple[float, float, float]:
-    if row is None:
-        return 0.6, 0.6, 0.6
+def _colour(row: Float64, group: int) -> tuple[float, float, float]:
     red, green, blue = row[group_parameter("/dance/group/colour", group).row_slice].tolist()
     return red, green, blue
 

@@ -31,7 +31,7 @@ from live.rehearse.network_sender import TimedPacket, UdpSender, osc_packets, pa
 from live.rehearse.simulated_band import SimulatedBand
 from live.rehearse.simulated_players import ArgumentGenerator, SimulatedPlayers
 from live.rehearse.soak_test import SoakOptions, SoakReport, SoakTest
-from live.render.frame_stats import Pacer
+from live.render.timing.frame_stats import Pacer
 from live.show.patch.patch_search_path import MAIN_FILE, PATCHES, find_patch
 
 ROW_SECONDS: Final = 20.0

@@ -16,7 +16,7 @@ from live.base.event_queue import EventQueue
 from live.clock.time_source import SystemClock
 from live.control.events.events import ControlEvent, TakeOver
 from live.control.osc.osc_server import OscInput
-from live.render.frame_stats import Pacer
+from live.render.timing.frame_stats import Pacer
 from live.show.journal.replay import ReplayError
 from live.show.loader import LoadedShow
 from live.supervisor.cpu_priority import ENGINE_NICE, raise_priority

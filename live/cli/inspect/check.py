@@ -34,6 +34,7 @@ def check(
     from live.app.session_audio import choose_audio
     from live.rehearse.lint import lint_show
     from live.rehearse.open_ends import next_formation_hints
+    from live.show.desk.scenes import is_locked
 
     options = LaunchOptions(patch=patch, steps=steps, venue=venue)
     hall = options.read_venue()
@@ -53,7 +54,8 @@ def check(
     if graph.missing:
         raise PersonError("; ".join(graph.missing), "raise locomotion.threshold_m, or change those steps' ends")
     warnings = [words for doubts in lint_show(show) for words in doubts.warnings]
-    for note in (*loaded.notes, *installed_bridges().notes(loaded, hall), *warnings):
+    locked = ["the camera is locked: it matches the hall, and its director never leads it"] * is_locked(loaded.patch)
+    for note in (*loaded.notes, *locked, *installed_bridges().notes(loaded, hall), *warnings):
         console.print(f"note: {note}", style="yellow", soft_wrap=True, markup=False)
     for hint in next_formation_hints(loaded.start(begin=False)) if loaded.patch.element else ():
         console.print(f"hint: {hint}", style="cyan", soft_wrap=True, markup=False)

@@ -2,7 +2,7 @@
 
 from typing import Annotated
 
-from live.base.parameter import SPOT_COUNT
+from live.base.parameter import SPOT_COUNT, WORLD_NAMES
 from live.control.events.event import ControlEvent
 from live.control.registry.command import FadeMeasures, OwnFadeMeasures, command
 from live.control.registry.control import Argument
@@ -82,6 +82,14 @@ class RecallLook(ControlEvent):
     """Changes the light to a look."""
 
     name: Annotated[str, Argument.label("one of the patch's [[looks]]; `start` is its [look]", "look")]
+    measures: OwnFadeMeasures = -1.0
+
+
+@command("/dance/world", "operator", edits="parameters")
+class RecallWorld(ControlEvent):
+    """Changes to another world, with its light wherever the patch says nothing."""
+
+    name: Annotated[str, Argument.label(f"one of {', '.join(WORLD_NAMES)}", "world")]
     measures: OwnFadeMeasures = -1.0
 
 

@@ -62,6 +62,8 @@ _NORMAL_STEP: Final = 2e-3
 """Width over which the surface is averaged for normals [m]."""
 _ON_SURFACE: Final = 1e-4
 """Nearer to the surface than this [m] a vertex is on it."""
+_LEAST_OPENNESS: Final = 0.4
+"""Limbs move: armpits and what lies between the legs are seen in other poses."""
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
 _CACHE: Final = ArrayCache("body", max_entries=512)
 _SHADOW_OFFSET: Final = 0.006
@@ -166,7 +168,7 @@ def build_body(level: int, name: str = DEFAULT_BODY) -> BodyMesh:
     one. Built once per machine and version, in a fraction of a second."""
     if level not in LEVELS:
         raise ValueError(
-            f"level of detail {level}: {COARSE} (coarse), {LIGHT} (light), {FINE} (fine) or {DISTANT} (far)"
+            f"level of detail {level}: {COARSE} coarse, {LIGHT} light, {FINE} fine, {DISTANT} far, {CLOSE} close"
         )
     return cached_mesh(f"body {name} {level}", lambda: _build(level, name))
 
@@ -233,7 +235,7 @@ def _build(level: int, name: str) -> BodyMesh:
         kept = (np.abs(points[:, 0]) > _FINGERS_FROM) & (level in _FINGERS)
         used, triangles = simplify(points, triangles, weights, _TRIANGLES[level], kept)
         points, weights, normals, part = points[used], weights[used], normals[used], part[used]
-    openness = occlusion(Shape(parts_of(name)), points, normals)
+    openness = np.maximum(occlusion(Shape(parts_of(name)), points, normals), _LEAST_OPENNESS)
     place = points
     if level == COARSE:
         points = points + normals * _SHADOW_OFFSET

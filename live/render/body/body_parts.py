@@ -129,21 +129,20 @@ def _rod(start: tuple[float, float, float], end: tuple[float, float, float], rad
 
 
 COLLAR: Final = Loft(
-    (0.014, 1.404, 0.024),
-    (0.138, 1.408, 0.004),
+    (0.014, 1.403, 0.022),
+    (0.138, 1.404, 0.002),
     _VERTICAL,
     ((0.0, 0.0070, 0.0075, 0.0075, 0.0), (0.4, 0.0060, 0.0065, 0.0065, 0.008), (1.0, 0.0070, 0.0070, 0.0070, 0.0)),
-    0.016,
+    0.026,
 )
 """The collar bone, an S seen from above."""
-NAVEL: Final = Ellipsoid((0.0, 1.030, 0.089), (0.0065, 0.0085, 0.009), 0.008, hollow=True)
+NAVEL: Final = Ellipsoid((0.0, 1.030, 0.0905), (0.0065, 0.0090, 0.0085), 0.010, hollow=True)
 TORSO_DETAILS: Final[tuple[Part, ...]] = (
     Ellipsoid((0.062, 1.345, 0.050), (0.060, 0.050, 0.024), 0.030),  # upper part of the chest's muscle
     Ellipsoid((0.098, 1.240, -0.040), (0.032, 0.100, 0.036), 0.045),  # the broad back under the arm
     Ellipsoid((0.082, 1.300, -0.076), (0.034, 0.056, 0.015), 0.016, 0.0, 10.0),  # shoulder blade
     Ellipsoid((0.030, 1.080, -0.050), (0.022, 0.120, 0.020), 0.030),  # straight muscle of the back
     Ellipsoid((0.104, 0.968, 0.042), (0.018, 0.030, 0.020), 0.028),  # crest of the hip bone
-    Ellipsoid((0.036, 1.070, 0.070), (0.032, 0.090, 0.016), 0.030),  # straight muscle of the belly
     Ellipsoid((0.0, 1.282, 0.112), (0.010, 0.075, 0.015), 0.030, hollow=True),  # breast bone
     replace(
         upright(

@@ -17,6 +17,7 @@ from live.render.body.body_mesh import (
     LIGHT,
     WITH_HEAD,
     BodyMesh,
+    cached_mesh,
     empty_mesh,
     merged,
     occlusion,
@@ -311,6 +312,10 @@ def build_head(level: int, body: str = DEFAULT_BODY, face: int = 0) -> BodyMesh:
     levels at which bodies have heads of their own."""
     if level in WITH_HEAD:
         return empty_mesh()
+    return cached_mesh(f"head {body} {level} {face}", lambda: _build(level, body, face))
+
+
+def _build(level: int, body: str, face: int) -> BodyMesh:
     shape = faces_of(body)[face]
     parts = [_face_mesh(level, body, shape), *(_ear(level, sign, shape) for sign in (1.0, -1.0))]
     if level in _EYE_RINGS:

@@ -13,7 +13,7 @@ import numpy as np
 
 from live.base.arrays import Bool, Float64, Int64
 
-_DATA_COST: Final = 1.5e-4
+_DATA_COST: Final = 2e-4
 """Cost of a full change of weights along a metre [m^4]."""
 _FLIP: Final = 0.25
 """A triangle must not rotate by more than the angle with this cosine."""

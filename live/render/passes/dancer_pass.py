@@ -1,5 +1,7 @@
 """Render passes for the dancers: forward shading with multisampling, or deferred shading where fill rate is scarce."""
 
+from typing import Final
+
 import moderngl
 
 from live.render.adaptive_quality import Quality
@@ -8,6 +10,25 @@ from live.render.dancers.dancer_batch import DancerBatch
 from live.render.dancers.group_styles import NEARNESS
 from live.render.pass_context import HDR, Surfaces
 from live.render.shader import HEAD, WORN, compile_program, release_all, set_uniform
+from live.render.uniforms import FrameUniforms
+
+LIGHT_VARIANTS: Final = ((0, 0, 0), (1, 0, 0), (0, 0, 1), (1, 1, 1))
+"""What the programs that light dancers have beside the usual light: lamps from the sides and behind, follow spots, and
+what moves in the light (gobos, what water throws up). The first that has all that is seen is taken."""
+
+
+def light_variant(frame: FrameUniforms) -> int:
+    """Return the index of the variant for a frame."""
+    seen = frame.side_lamps_lit, frame.spots_lit, frame.light_moves
+    return next(
+        index
+        for index, has in enumerate(LIGHT_VARIANTS)
+        if all(one <= other for one, other in zip(seen, has, strict=True))
+    )
+
+
+def _light_constants(variant: tuple[int, int, int]) -> tuple[tuple[str, int], ...]:
+    return tuple(zip(("BESIDE", "SPOTS", "MOVING"), variant, strict=True))
 
 
 class DancerPass:
@@ -16,25 +37,25 @@ class DancerPass:
     def __init__(self, ctx: moderngl.Context, quality: Quality, *, characters: bool = False) -> None:
         self._ctx, self.quality = ctx, quality
         files = "dancer_vertex.glsl", "dancer_fragment.glsl"
-        self._program = compile_program(ctx, *files, (("SOFT", 1),))
-        self._head_program = compile_program(ctx, *files, (("SOFT", 1), *HEAD))
-        self._character_program = compile_program(ctx, *files, (("SOFT", 1), *WORN)) if characters else None
+        lights = [(("SOFT", 1), *_light_constants(variant)) for variant in LIGHT_VARIANTS]
+        self._programs = [compile_program(ctx, *files, light) for light in lights]
+        self._head_programs = [compile_program(ctx, *files, (*light, *HEAD)) for light in lights]
+        self._character_programs = [compile_program(ctx, *files, (*light, *WORN)) for light in lights if characters]
 
-    def draw(self, crowd: DancerBatch, floor_map: moderngl.Texture) -> None:
-        """Draw all dancers of this frame, the near ones first (they hide others)."""
+    def draw(self, crowd: DancerBatch, floor_map: moderngl.Texture, light: int) -> None:
+        """Draw all dancers of this frame, the near ones first (they hide others); `light`: see `LIGHT_VARIANTS`."""
         self._ctx.enable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         floor_map.use(1)
-        for linked in filter(None, (self._program, self._head_program, self._character_program)):
+        program, head = self._programs[light], self._head_programs[light]
+        worn = self._character_programs[light] if self._character_programs else None
+        for linked in filter(None, (program, head, worn)):
             set_uniform(linked, "floor_map", 1)
         for where in NEARNESS:
-            crowd.draw(
-                self._program, self.quality.level_of(where), where,
-                character_program=self._character_program, head_program=self._head_program,
-            )  # fmt: skip
+            crowd.draw(program, self.quality.level_of(where), where, character_program=worn, head_program=head)
 
     def release(self) -> None:
         """Free the programs."""
-        release_all(*filter(None, (self._program, self._head_program, self._character_program)))
+        release_all(*self._programs, *self._head_programs, *self._character_programs)
 
 
 class GBufferPass:
@@ -64,10 +85,10 @@ class GBufferPass:
         self._shades = [
             compile_program(
                 ctx, "full_vertex.glsl", "shade_fragment.glsl",
-                (("NEAR", NEAR), ("FAR", FAR), ("HDR", hdr), ("BESIDE", beside)),
+                (("NEAR", NEAR), ("FAR", FAR), ("HDR", hdr), *_light_constants(variant)),
             )
             for hdr in (0, 1)
-            for beside in (0, 1)
+            for variant in LIGHT_VARIANTS
         ]  # fmt: skip
         self._triangles = [ctx.vertex_array(shade, []) for shade in self._shades]
         self._make(size)
@@ -95,10 +116,10 @@ class GBufferPass:
         for where in NEARNESS:
             crowd.draw(linked, self.quality.level_of(where), where, character_program=worn, head_program=head)
 
-    def shade(self, floor_map: moderngl.Texture, *, hdr: bool = False, extra_lamps: bool = True) -> None:
-        """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light;
-        `extra_lamps`: with the additional lamps, which are off in the default light."""
-        which = 2 * hdr + extra_lamps
+    def shade(self, floor_map: moderngl.Texture, light: int, *, hdr: bool = False) -> None:
+        """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light; `light`:
+        see `LIGHT_VARIANTS`."""
+        which = len(LIGHT_VARIANTS) * hdr + light
         linked = self._shades[which]
         self._ctx.enable(moderngl.DEPTH_TEST)
         self._ctx.depth_func = ">"

@@ -42,6 +42,8 @@ class FloorPass:
         self._triangles = [ctx.vertex_array(blur, []) for blur in self._blurs]
         self._floor_size, self._long_side = floor_size, quality.floor_map
         texel = max(floor_size) / quality.floor_map
+        self._pools = compile_program(ctx, "full_vertex.glsl", "pool_fragment.glsl")
+        self._pool_triangle = ctx.vertex_array(self._pools, [])
         self._elements = ElementPass(ctx, texel)
         self._set = SetPass(ctx, texel)
         self._framebuffers: dict[int, list[moderngl.Framebuffer]] = {}
@@ -86,14 +88,19 @@ class FloorPass:
         texture.repeat_x = texture.repeat_y = False
         return texture
 
-    def draw(self, crowd: DancerBatch, view: StageView, *, shadows: bool = True) -> None:
-        """Fill `texture` for this frame, with the dancers' `shadows` or without."""
+    def draw(self, crowd: DancerBatch, view: StageView, *, shadows: bool = True, beams: bool = False) -> None:
+        """Fill `texture` for this frame, with the dancers' `shadows` or without, and with the pools of `beams`."""
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         if shadows:
             self._draw_shadows(crowd)
         else:
             self._targets[-1].use()
             self._targets[-1].clear()
+        if beams:
+            self._ctx.enable(moderngl.BLEND)
+            self._ctx.blend_func = moderngl.ONE, moderngl.ONE
+            self._pool_triangle.render(moderngl.TRIANGLES, vertices=3)
+            self._ctx.disable(moderngl.BLEND)
         self._elements.draw(view)
         self._set.draw(view)
 
@@ -124,7 +131,7 @@ class FloorPass:
     def release(self) -> None:
         """Free everything."""
         self._release_maps()
-        release_all(*self._triangles)
+        release_all(*self._triangles, self._pool_triangle, self._pools)
         release_all(self._elements, self._set, *self._shadow_programs, *self._blurs)
 
 

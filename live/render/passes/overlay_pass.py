@@ -7,9 +7,9 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.stage_snapshot import GUIDE_CAPACITY, StageView
-from live.render.frame_stats import GRAPH_FRAMES
 from live.render.lettering.glyph_atlas import GlyphAtlas, bake_atlas
 from live.render.shader import compile_program, release_all, set_uniform
+from live.render.timing.frame_stats import GRAPH_FRAMES
 
 _MAX_LETTERS: Final = 1024
 """Maximum number of letters."""

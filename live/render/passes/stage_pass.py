@@ -3,15 +3,21 @@
 The backdrop is computed once for a camera, light and size.
 """
 
+from collections.abc import Mapping
 from typing import Final
 
 import moderngl
 
+from live.base.parameter import WORLD_NAMES
 from live.render.shader import compile_program, release_all, set_uniform
 from live.render.uniforms import WALL_DISTANCE
 
 _WALL_PROGRAM: Final = 3
 """Index of the program for pixels above the floor."""
+_PATTERN_PROGRAM: Final = 4
+"""Index of the program with gobos and patterns; the next one is the one with water."""
+_WHOLE_PROGRAM: Final = 6
+"""Index of the program with all that the floor can show."""
 
 
 class StagePass:
@@ -23,9 +29,13 @@ class StagePass:
         self._programs = [
             compile_program(
                 ctx, "full_vertex.glsl", "stage_fragment.glsl",
-                (("HDR", int(hdr)), ("FLOOR", floor), ("POOLS", pools), ("EDGE", edge)),
+                (("HDR", int(hdr)), ("FLOOR", floor), ("POOLS", pools), ("EDGE", edge),
+                 ("PATTERNS", patterns), ("WATER", water)),
             )
-            for floor, edge, pools in ((1, 0, 0), (1, 1, 0), (1, 1, 1), (0, 0, 0))
+            for floor, edge, pools, patterns, water in (
+                (1, 0, 0, 0, 0), (1, 1, 0, 0, 0), (1, 1, 1, 0, 0), (0, 0, 0, 0, 0),
+                (1, 0, 0, 1, 0), (1, 0, 0, 0, 1), (1, 1, 1, 1, 1),
+            )
         ]  # fmt: skip
         self._triangles = [ctx.vertex_array(linked, []) for linked in self._programs]
 
@@ -39,10 +49,13 @@ class StagePass:
         *,
         pools: bool = False,
         resized: bool = True,
+        patterned: bool = False,
+        water: bool = False,
     ) -> None:
         """Draw at the far plane, after the dancers; the floor is visible only in the lowest `floor_rows` rows.
 
-        `pools`: with the light pools of spots and beams; `resized`: the stage size may differ from the scene's.
+        `pools`: with the light pools of spots and beams; `resized`: the stage size may differ from the scene's;
+        `patterned`: with gobos and patterns; `water`: with waves.
         """
         self._ctx.enable(moderngl.DEPTH_TEST)
         self._ctx.depth_func = "<="
@@ -51,6 +64,8 @@ class StagePass:
             texture.use(unit)
         regions = ((0, 0, width, floor_rows), (0, floor_rows, width, height - floor_rows))
         floor = 2 if pools else int(resized)
+        if patterned or water:
+            floor = _WHOLE_PROGRAM if pools or resized or patterned == water else _PATTERN_PROGRAM + water
         for which, region in ((floor, regions[0]), (_WALL_PROGRAM, regions[1])):
             linked, triangle = self._programs[which], self._triangles[which]
             if region[3] <= 0:
@@ -68,7 +83,9 @@ class StagePass:
 
 
 class BackdropPass:
-    """Fills `texture` with linear light; alpha: the share of it that a shadow on the floor removes.
+    """Fills `texture` with square roots of light; alpha: the share of it that a shadow on the floor removes.
+
+    Each world has a program of its own; while worlds fade into each other the shares of all are added.
 
     While light or camera move, each frame needs a new backdrop. With software rendering (`coarse`) it is then drawn at
     half the size and enlarged, until they stop.
@@ -76,10 +93,11 @@ class BackdropPass:
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int], *, coarse: bool) -> None:
         self._ctx, self._divisor = ctx, 2 if coarse else 1
-        self._program = compile_program(
-            ctx, "full_vertex.glsl", "backdrop_fragment.glsl", (("WALL_BEHIND", WALL_DISTANCE),)
-        )
-        self._triangle = ctx.vertex_array(self._program, [])
+        self._programs = {
+            name: compile_program(ctx, "full_vertex.glsl", f"{name}_fragment.glsl", (("WALL_BEHIND", WALL_DISTANCE),))
+            for name in WORLD_NAMES
+        }
+        self._triangles = {name: ctx.vertex_array(linked, []) for name, linked in self._programs.items()}
         self._make(size)
 
     def _make(self, size: tuple[int, int]) -> None:
@@ -93,15 +111,23 @@ class BackdropPass:
         self._small_target = self._ctx.framebuffer([self._small])
         self._is_cached = False
 
-    def draw(self, *, moving: bool) -> None:
-        """Fill `texture` if it is not cached; `moving`: light or camera have changed since the last frame."""
+    def draw(self, worlds: Mapping[str, float], *, moving: bool) -> None:
+        """Fill `texture` if it is not cached, with the share of each world; `moving`: light or camera have changed
+        since the last frame."""
         if self._is_cached:
             return
         coarse = moving and self._divisor > 1
         self.texture = self._small if coarse else self._full_size
         (self._small_target if coarse else self._full_size_target).use()
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
-        self._triangle.render(moderngl.TRIANGLES, vertices=3)
+        for name, share in worlds.items():
+            if share <= 0.0:
+                continue
+            set_uniform(self._programs[name], "share", share)
+            self._triangles[name].render(moderngl.TRIANGLES, vertices=3)
+            self._ctx.enable(moderngl.BLEND)  # the first one fills, the others are added
+            self._ctx.blend_func = moderngl.ONE, moderngl.ONE
+        self._ctx.disable(moderngl.BLEND)
         self._is_cached = not coarse
 
     def invalidate(self) -> None:
@@ -119,4 +145,4 @@ class BackdropPass:
     def release(self) -> None:
         """Free everything."""
         self._release_targets()
-        release_all(self._triangle, self._program)
+        release_all(*self._triangles.values(), *self._programs.values())

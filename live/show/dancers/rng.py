@@ -18,6 +18,8 @@ class Purpose(IntEnum):
     """The pad that follows a launched one."""
     EXPRESSION = 5
     """When each dancer's first blink, breath and glance are."""
+    SHOT = 6
+    """The camera's next shot."""
 
 
 def generator_for(seed: int, purpose: Purpose, measure: int) -> np.random.Generator:

@@ -83,6 +83,15 @@ class DampedFollower:
         middle: Float64 = position[there].mean(axis=0, dtype=np.float64)
         return middle
 
+    @property
+    def count(self) -> int:
+        """Number of dancers A."""
+        return len(self._motion.state.position)
+
+    def followed(self) -> Bool:
+        """Return the followed dancers, (A,)."""
+        return np.zeros(self.count, np.bool_) if self._selected is None else self._selected
+
     def position_at(self, seconds: float) -> Float64:
         """Return the point (x, z) [m] this long after the last tick."""
         where: Float64 = self._centre + self._speed * seconds
@@ -187,6 +196,14 @@ class Spots:
         for number, chase in enumerate(self._followers):
             if chase.running:
                 view.spot[number] = chase.position_at(seconds)
+
+    def followed(self) -> Bool:
+        """Return whom a lit spot follows, (A,)."""
+        found = np.zeros(self._followers[0].count, np.bool_)
+        for chase in self._followers:
+            if chase.running:
+                found |= chase.followed()
+        return found
 
     def hashed(self) -> tuple[Float64, ...]:
         """Return the arrays that belong to the state hash; none while all spots are dark."""

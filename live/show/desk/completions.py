@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 
+from live.base.parameter import WORLD_NAMES
 from live.control.registry.registry import FIRST_NAMES
 from live.show.desk.pad import SHAPES
 from live.show.desk.parameter_table import NAME_CHOICES
@@ -18,6 +19,7 @@ def completion_names(patch: Patch, steps: Sequence[str]) -> dict[str, list[str]]
         "cue": [cue.name for cue in patch.cue],
         "scene": ["start", *(scene.name for scene in patch.scene)],
         "view": ["start", *(view.name for view in patch.view)],
+        "world": list(WORLD_NAMES),
         "look": ["start", *(look.name for look in patch.looks)],
         "section": [section.name for section in patch.section],
         "signal": sorted({signal.name for signal in patch.signal}),

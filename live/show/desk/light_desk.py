@@ -13,15 +13,18 @@ import numpy.typing as npt
 from live.base.picture_parameters import BY_ADDRESS, MAX_BACKGROUNDS
 from live.base.scalar_kernels import damper
 from live.clock.ticks import TICK
-from live.clock.timeline import Timeline
 from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.show.dancers.variation import Variation
+from live.show.desk.camera_director import CameraDirector
+from live.show.desk.camera_framing import Framing
 from live.show.desk.camera_rig import CameraRig, Spots, check_follow
+from live.show.desk.camera_subjects import Subjects
 from live.show.desk.cue_list import CueList
 from live.show.desk.parameter_table import ParameterTable
 from live.show.desk.parameters import Parameters
-from live.show.desk.scenes import SCENE_EVENTS, Scenes, start_row
+from live.show.desk.scenes import SCENE_EVENTS, Scenes, is_locked, start_row
+from live.show.desk.score_light import ScoreLight
 from live.show.desk.titles import TITLE_EVENTS, Titles
 from live.show.desk.undo_history import EditablePart, UndoHistory
 from live.show.patch.patch import Patch
@@ -29,6 +32,7 @@ from live.show.score.score_runner import ScoreRunner
 from live.show.stages.now import Now
 
 if TYPE_CHECKING:
+    from live.show.dancers.dancers import Dancers
     from live.show.group.group_motion import GroupMotion
 
 MASTER_EVENTS: Final = (
@@ -137,6 +141,9 @@ class LightDesk:
         motion: "GroupMotion",
         variation: Variation,
         editable: Mapping[str, EditablePart],
+        dancers: "Dancers",
+        *,
+        seed: int,
     ) -> None:
         """`editable`: other parts whose edits can be undone, by the names in `ControlEvent.edits`.
 
@@ -149,6 +156,15 @@ class LightDesk:
         """The moving camera."""
         check_follow(patch, motion)
         self.spots = Spots(self.parameters, motion)
+        subjects = Subjects(motion, dancers, self.spots)
+        self.score_light = ScoreLight(self.parameters, subjects, score_runner, variation.division)
+        """The layer of light that follows the score."""
+        self.director = CameraDirector(
+            self.parameters, subjects, score_runner,
+            Framing(patch.camera.aspect, 0.5 * np.array([patch.stage.width, patch.stage.depth])),
+            locked=is_locked(patch), seed=seed, beats=beats,
+        )  # fmt: skip
+        """Who leads the camera while `/dance/camera/director` is on."""
         self.energy = 0.5
         """Smoothed energy of the music, 0 to 1."""
         self.background_age = np.zeros((MAX_BACKGROUNDS, 2))
@@ -172,6 +188,7 @@ class LightDesk:
     def handle(self, event: ControlEvent, now: Now) -> list[ControlEvent]:
         """Handle an event of `EVENTS`; raises PersonError if it names unknown parts. Returns its effects elsewhere."""
         if type(event) in SCENE_EVENTS:  # frequent events first
+            self.director.check(event)
             self.scenes.handle(event, beats_per_measure=float(now.timeline.beats_per_measure))
             return []
         if type(event) in TITLE_EVENTS:
@@ -202,7 +219,7 @@ class LightDesk:
             case events.Redo():
                 self.undo_history.redo()
             case events.TicksSkipped():
-                self.tick(now.timeline, event.count)
+                self.tick(now, event.count)
             case _:
                 self.master.handle(event)
         return []
@@ -211,6 +228,7 @@ class LightDesk:
         self.cues.stop()
         self.parameters.held = False
         self.parameters.reset(beats=PANIC_FADE_BEATS)
+        self.score_light.suspended = True
         self.camera_rig.follower.set_selection(self.camera_rig.start_selection)
         self.held = True
         self._score_runner.suppress(True)
@@ -225,20 +243,22 @@ class LightDesk:
     def _release_hold(self, event: ControlEvent, now: Now) -> list[ControlEvent]:
         if not self.held:
             return []
-        self.held = self.parameters.held = False
+        self.held = self.parameters.held = self.score_light.suspended = False
         self._score_runner.suppress(False)
         self.cues.resume(now.danced_beats)
         return [events.HoldScore(time=event.time, source=event.source, on=False)]
 
     # -- time --------------------------------------------------------------------------------------------------
 
-    def tick(self, timeline: Timeline, ticks: int = 1) -> None:
+    def tick(self, now: Now, ticks: int = 1) -> None:
         """Advance by `ticks`."""
-        beats = ticks * TICK * timeline.tempo / 60.0
+        beats = ticks * TICK * now.timeline.tempo / 60.0
         self.parameters.tick(beats)
         self.master.tick(beats)
         self.camera_rig.tick(ticks * TICK, beats)
         self.spots.tick(ticks * TICK)
+        self.director.tick(now, ticks)
+        self.score_light.tick(now.timeline.tempo, ticks)
         self.background_age += ticks * TICK, beats
         self.background_age[self.parameters.picture[_BACKGROUND_ROWS] <= 0.0] = 0.0
         self.energy = damper(self.energy, self._score_runner.mood.value("energy"), ENERGY_HALFLIFE, ticks * TICK)
@@ -247,11 +267,13 @@ class LightDesk:
         """Return the events of cues due by the danced beat, at `time` [s]."""
         return [] if self.held else self.cues.fire(danced_beats, time)
 
-    def begin_measure(self, danced_beats: float) -> list[ControlEvent]:
+    def begin_measure(self, now: Now) -> list[ControlEvent]:
         """Begin a measure: return the jumps of cues."""
+        self.director.begin_measure(now.span.number, now)
+        self.score_light.begin_measure()
         self.camera_rig.follower.begin_measure()
         self.spots.begin_measure()
-        return [] if self.held else self.cues.begin_measure(danced_beats)
+        return [] if self.held else self.cues.begin_measure(now.danced_beats)
 
     # -- reports -------------------------------------------------------------------------------------------------
 
@@ -259,7 +281,13 @@ class LightDesk:
         """Return the arrays that belong to the state hash; none until the desk is used."""
         used = self.parameters.touched or self.cues.state() != [0, -1] or self.held
         own = (self.parameters.value, np.array([self.held, *self.cues.state()], np.float64)) if used else ()
-        return (*own, *self.camera_rig.follower.hashed(), *self.spots.hashed())
+        return (
+            *own,
+            *self.camera_rig.follower.hashed(),
+            *self.spots.hashed(),
+            *self.director.hashed(),
+            *self.score_light.hashed(),
+        )
 
     def status_lines(self, danced_beats: float) -> tuple[str, ...]:
         """Return the overlay's lines on cues; none in a show without cues."""
@@ -274,7 +302,7 @@ class LightDesk:
             lines.append("stands by: " + "   ".join(word for word in (facts["standby"], facts["text"]) if word))
         if facts["next"] is not None:
             lines.append(f"then: {facts['next']}")
-        return (*self.master.status_lines(), *lines)
+        return (*self.master.status_lines(), *lines, *self.director.status_lines())
 
     def facts(self, danced_beats: float) -> dict[str, Any]:
         """Return cues, fades, edits and hold for the status."""
@@ -285,6 +313,8 @@ class LightDesk:
             "master": self.master.facts(),
             "titles": self.titles.facts(),
             **self.camera_rig.facts(),
+            **self.director.facts(),
+            **self.score_light.facts(),
             **self.spots.facts(),
             **self.undo_history.facts(),
         }

@@ -3,7 +3,10 @@
 from collections.abc import Mapping
 from typing import Final
 
+from live.base.parameter import WORLD_NAMES
 from live.base.picture_parameters import GROUP_PARAMETERS, STYLE_ADDRESS_PREFIX
+from live.show.desk.worlds import is_drawing_style, world_values
+from live.show.patch.patch import Patch
 from live.show.patch.section_base import Setting, parameter_values
 from live.show.patch.section_stage import NamedLookSection
 
@@ -40,6 +43,30 @@ def group_settings(name: str, draw: Mapping[str, Setting]) -> tuple[dict[str, Se
     return whole, selected
 
 
-def look_settings(look: NamedLookSection) -> dict[str, Setting]:
-    """Return the parameters that a look sets, by address."""
-    return parameter_values("look", look) | draw_settings(look.draw)
+def world_settings(patch: Patch, name: str) -> dict[str, Setting]:
+    """Return the parameters that a world sets, by address, those of the stage first; the patch's own values come first.
+
+    What `[look]` and `[picture.set]` say is said of the world in which the show begins; the other worlds come whole, or
+    a floor that is dark for the black box would be dark in the white studio, too. A group's parameters are followed by
+    its name: how a group is drawn is said of all worlds. KeyError for an unknown world.
+    """
+    values = world_values(name)
+    begins = patch.look.world or WORLD_NAMES[0]
+    said = {**patch.picture.set, **parameter_values("look", patch.look)} if name == begins else {}
+    settings: dict[str, Setting] = {
+        address: said.get(address, value) for address, value in values.items() if not is_drawing_style(address)
+    }
+    for group in patch.group:
+        own = group_settings(group.name, group.draw)[0]
+        settings |= {
+            f"{address} {group.name}": value
+            for address, value in values.items()
+            if is_drawing_style(address) and address not in own
+        }
+    return settings
+
+
+def look_settings(patch: Patch, look: NamedLookSection) -> dict[str, Setting]:
+    """Return the parameters that a look sets, by address: those of its world first."""
+    world = {} if look.world is None else world_settings(patch, look.world)
+    return world | parameter_values("look", look) | draw_settings(look.draw)

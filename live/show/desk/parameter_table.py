@@ -21,7 +21,10 @@ from live.control.registry.rejections import Reason
 
 VIEW: Final = "/dance/camera"
 LOOK: Final = "/dance/look"
-"""In a scene these two hold the name of a view or look instead of a value."""
+WORLD: Final = "/dance/world"
+"""In a scene these three hold the name of a view, look or world instead of a value."""
+NAMED: Final = {VIEW: "view", LOOK: "look", WORLD: "world"}
+"""What is named at each of these addresses."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,9 +62,9 @@ def split_key(key: str) -> tuple[str, str]:
 def check_setting(key: str, value: object) -> None:
     """Raise PersonError if `key` is no parameter, or `value` is invalid for it; group names are not checked."""
     address, group = split_key(key)
-    if address in (VIEW, LOOK):
+    if address in NAMED:
         if not isinstance(value, str) or group != "*":
-            raise PersonError(f"{key!r} = {value!r}", f"the name of a {'view' if address == VIEW else 'look'} expected")
+            raise PersonError(f"{key!r} = {value!r}", f"the name of a {NAMED[address]} expected")
         return
     parse_value(address, value)
     if group != "*" and address in picture_parameters.BY_ADDRESS:
@@ -75,6 +78,8 @@ def parse_value(address: str, value: object) -> tuple[float, ...]:
         raise PersonError(f"{address!r} has no value that can be set", f"there are: {', '.join(ROWS)}")
     if row.kind == "names":
         return (_number_of_names(row, value),)
+    if isinstance(value, str) and value.casefold() in row.choices:
+        value = row.choices[value.casefold()]
     parts: list[Any] = list(value) if isinstance(value, list | tuple) else [value]
     arguments = value_arguments(row)
     checked = [argument.check(part) for argument, part in zip(arguments, parts, strict=False)]

@@ -27,6 +27,8 @@ MIN_LIGHT_FADE_BEATS: Final = 0.125
 """Fade time of light that is set at once [beats]: quick, but no flash; cameras cut."""
 PATCH_FADE_BEATS: Final = 4.0
 """Fade time of picture values from an edited patch [beats]."""
+FOLLOW_SCORE: Final = picture_parameters.BY_ADDRESS["/dance/light/score"].first
+"""Setting it gives all light back to the layer that follows the score."""
 VARIATION_UPDATE_TICKS: Final = 4
 """Ticks between updates of `Variation` during a fade."""
 
@@ -56,6 +58,8 @@ class Parameters:
         """Whether fades stand still."""
         self.touched = False
         """Whether anything was ever set here or faded."""
+        self.claimed: Bool = np.zeros(table.size, np.bool_)
+        """Whether each value was set by a hand, a cue, a scene or a look, so that no layer changes it, shape (P,)."""
 
     @property
     def picture(self) -> Float64:
@@ -104,7 +108,17 @@ class Parameters:
         self._variation.values[new] = self._variation.values[old]
         self._read_variation()
         there, here = self.table.part_places(old), self.table.part_places(new)
-        for row in (self.value, self.start, self._from, self._goal, self._start_beat, self._length, self._fading):
+        rows = (
+            self.value,
+            self.start,
+            self._from,
+            self._goal,
+            self._start_beat,
+            self._length,
+            self._fading,
+            self.claimed,
+        )
+        for row in rows:
             row[here] = row[there]
         self._running = int(np.count_nonzero(self._fading))
 
@@ -148,6 +162,10 @@ class Parameters:
             return
         self.fade(dict(zip(slot.numbers, numbers, strict=True)), beats=beats)
 
+    def release(self) -> None:
+        """Let layers change all values again."""
+        self.claimed[:] = False
+
     def begin_with(self, slot: Slot, numbers: Iterable[float]) -> None:
         """Let a picture parameter of a part have these numbers now and whenever the patch's own values return."""
         for place, number in zip(slot.numbers, numbers, strict=True):
@@ -155,9 +173,13 @@ class Parameters:
             self._fading[place] = False
 
     def fade(self, goals: Mapping[int, float], *, beats: float) -> None:
-        """Fade numbers of the row, by place, to new values within `beats`."""
+        """Fade numbers of the row, by place, to new values within `beats`; they are claimed."""
         self._read_variation()
         self.touched = True
+        goals = self._directed(goals)
+        self.claimed[list(goals)] = True
+        if list(goals) == [FOLLOW_SCORE]:
+            self.release()
         at_once: list[int] = []
         for place, goal in goals.items():
             light = (
@@ -177,9 +199,29 @@ class Parameters:
         if told:
             self._write_variation(np.array(told, np.intp))
 
+    def _directed(self, goals: Mapping[int, float]) -> Mapping[int, float]:
+        """Return goals after the rule of the camera director: who sets the camera takes it over, and a director who is
+        switched on together with a camera finds its own way."""
+        directed, director = picture_parameters.DIRECTED, picture_parameters.DIRECTOR
+        if not any(place in directed for place in goals):
+            return goals
+        if goals.get(director, 0.0) >= 0.5:
+            return {place: goal for place, goal in goals.items() if place not in directed}
+        return {**goals, director: 0.0}
+
+    def direct_camera(self, numbers: Float64) -> None:
+        """Set the camera as its director has it: the numbers of `picture_parameters.DIRECTED`, shape (D,). Their fades
+        end."""
+        led = slice(picture_parameters.DIRECTED.start, picture_parameters.DIRECTED.stop)
+        self.value[led] = numbers
+        if self._running and self._fading[led].any():
+            self._fading[led] = False
+            self._running = int(np.count_nonzero(self._fading))
+
     def reset(self, *, beats: float) -> None:
         """Fade all values to those of the patch."""
         self.fade(dict(enumerate(self.start.tolist())), beats=beats)
+        self.release()
 
     def apply_patch(self, fresh: "Parameters") -> None:
         """Fade picture values that changed in an edited patch within `NEW` beats; the others stay as set.
@@ -194,7 +236,9 @@ class Parameters:
             self.start[place] = number
         if len(changed):
             goals = {int(place): float(self.start[place]) for place in changed}
+            claimed = self.claimed.copy()
             self.fade(self.with_parts(goals), beats=PATCH_FADE_BEATS)
+            self.claimed = claimed
 
     def snapshot(self) -> Float64:
         """Return all present values, shape (P,): a copy; the state does not change."""
@@ -222,6 +266,8 @@ class Parameters:
         divided = self._division.is_divided
         if type(event) is SetParameter and event.address in ROWS:
             places = [place for slot in self.table.find(event.address) for place in slot.numbers]
+            if places[0] in picture_parameters.DIRECTED:
+                places.append(picture_parameters.DIRECTOR)
             if divided or max(places) < picture_parameters.ROW_SIZE:
                 return self.goals_at(places) | self._own_goals(self._indices(event.address))
         goals = self.goals()

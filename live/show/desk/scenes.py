@@ -1,4 +1,4 @@
-"""Scenes: named parameter values, from the patch or stored live, recalled with a cross-fade; also views and looks.
+"""Scenes: named parameter values, from the patch or stored live, recalled with a cross-fade; also views, looks, worlds.
 
 A stored scene contains all values; a scene of the patch only those it lists. `start` is the state at the start of the
 patch. Views are cameras by name: those of the patch and a few built-in ones.
@@ -15,16 +15,18 @@ from live.base import picture_parameters
 from live.base.arrays import Float64
 from live.base.custom_pass import PASS_ADDRESS, PASSES, custom_pass_numbers
 from live.base.errors import PersonError
+from live.base.parameter import WORLD_NAMES
 from live.base.stage_snapshot import Camera
 from live.control.events import events
 from live.control.events.events import ControlEvent
 from live.show.desk.camera_rig import NO_FOLLOW_WORDS, CameraRig
-from live.show.desk.look_settings import group_settings, look_settings
-from live.show.desk.parameter_table import LOOK, VIEW, ParameterTable, Slot, parse_value, split_key
+from live.show.desk.look_settings import group_settings, look_settings, world_settings
+from live.show.desk.parameter_table import LOOK, NAMED, VIEW, WORLD, ParameterTable, Slot, parse_value, split_key
 from live.show.desk.parameters import Parameters
+from live.show.desk.worlds import FADE_MEASURES, WORLD_PARAMETERS
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import Setting, parameter_rows, parameter_values
-from live.show.patch.section_stage import PROJECTOR, CameraSection, ViewSection
+from live.show.patch.section_stage import PROJECTOR, AnyCamera, ViewSection
 from live.show.view.render_scene import camera_of_section, make_scene, projector_camera
 
 _ANGLE: Final = 34.0
@@ -35,14 +37,15 @@ _ORBIT_MEASURES: Final = 16.0
 """Measures of one orbit of the view `around`."""
 
 
-def camera_settings(camera: Camera, moves: CameraSection | None = None) -> dict[str, Setting]:
+def camera_settings(camera: Camera, moves: AnyCamera | None = None) -> dict[str, Setting]:
     """Return a camera and its motion as values by address: all that `/dance/camera/...` can set."""
-    moves = moves or CameraSection()
+    moves = moves or AnyCamera()
     return {
         **parameter_values("camera", moves),
         **picture_parameters.camera_values(camera),
         "/dance/camera/orbit": 0.0 if moves.orbit_measures == 0.0 else 1.0 / moves.orbit_measures,
         "/dance/camera/following": float(moves.follow is not None),
+        "/dance/camera/director": float(moves.asks_for_director),
     }
 
 
@@ -50,11 +53,24 @@ def start_row(patch: Patch) -> Float64:
     """Return the picture's row at the start of a patch, shape (picture.SIZE,)."""
     row = picture_parameters.picture_row(make_scene(patch))
     said = camera_settings(picture_parameters.camera_from_row(row), patch.camera)
+    said["/dance/camera/director"] = float(is_directed(patch))
     said |= {f"/dance/background/{number}": one.seen for number, one in enumerate(patch.background, start=1)}
     said |= {f"/dance/scenery/{number}": one.seen for number, one in enumerate(patch.scenery, start=1)}
     for address, value in said.items():
         row[picture_parameters.BY_ADDRESS[address].row_slice] = value
     return row
+
+
+def is_locked(patch: Patch) -> bool:
+    """Whether the director never leads this show's camera: it is locked, or the projector's view."""
+    return patch.camera.lock or (patch.projector is not None and "camera" not in patch.model_fields_set)
+
+
+def is_directed(patch: Patch) -> bool:
+    """Whether the director leads the camera from the start: the patch says so, or has no camera of its own."""
+    if is_locked(patch):
+        return False
+    return patch.camera.asks_for_director or "camera" not in patch.model_fields_set
 
 
 def view_settings(patch: Patch) -> dict[str, tuple[dict[str, Setting], str | None]]:
@@ -65,8 +81,8 @@ def view_settings(patch: Patch) -> dict[str, tuple[dict[str, Setting], str | Non
     turned = (front.eye[2], front.eye[1], 0.0)
     views["front"] = camera_settings(front), None
     views["side"] = camera_settings(Camera(turned, front.target, _ANGLE)), None
-    views["around"] = camera_settings(front, CameraSection(orbit_measures=_ORBIT_MEASURES)), None
-    views["top"] = camera_settings(_from_above(width, depth), CameraSection(plan=1.0)), None
+    views["around"] = camera_settings(front, AnyCamera(orbit_measures=_ORBIT_MEASURES)), None
+    views["top"] = camera_settings(_from_above(width, depth), AnyCamera(plan=1.0)), None
     projector = projector_camera(patch)
     if projector is not None:
         views[PROJECTOR] = camera_settings(projector), None
@@ -123,12 +139,8 @@ class Scenes:
         self.stored: dict[str, Scene] = {}
         """Scenes stored live, by case-folded name."""
         table, start = parameters.table, parameters.start
-        light = [
-            place
-            for row in parameter_rows("look").values()
-            for slot in table.find(row.address)
-            for place in slot.numbers
-        ]
+        addresses = dict.fromkeys((*(row.address for row in parameter_rows("look").values()), *WORLD_PARAMETERS))
+        light = [place for address in addresses for slot in table.find(address) for place in slot.numbers]
         camera = range(picture_parameters.CAMERA.start, picture_parameters.CAMERA.stop)
         self._views = {START: Scene(START, {place: float(start[place]) for place in camera}, 0.0)}
         self._looks = {START: Scene(START, {place: float(start[place]) for place in light}, 1.0)}
@@ -137,8 +149,11 @@ class Scenes:
         self._views[START] = replace(self._views[START], follow=patch.camera.follow)
         for name, (settings, whom) in view_settings(patch).items():
             self._views[_folded(name)] = self._scene(table, name, settings, 0.0, whom)
+        self._worlds = {
+            name: self._scene(table, name, world_settings(patch, name), FADE_MEASURES) for name in WORLD_NAMES
+        }
         for look in patch.looks:
-            self._looks[_folded(look.name)] = self._scene(table, look.name, look_settings(look), look.measures)
+            self._looks[_folded(look.name)] = self._scene(table, look.name, look_settings(patch, look), look.measures)
         drawn: dict[str, Setting] = {}
         for group in patch.group:
             drawn |= group_settings(group.name, group.draw)[1]
@@ -172,6 +187,7 @@ class Scenes:
         """Adopt views, looks and scenes of an edited patch; scenes stored live stay."""
         redressed = fresh._scenes[START].selected != self._scenes[START].selected
         self._views, self._looks, self._scenes = fresh._views, fresh._looks, fresh._scenes
+        self._worlds = fresh._worlds
         if redressed:
             self._set_start()
         self._custom_passes = fresh._custom_passes
@@ -188,9 +204,9 @@ class Scenes:
         selected: list[Selected] = []
         for key, value in settings.items():
             address, group = split_key(key)
-            if address in (VIEW, LOOK):
-                kept = self._views if address == VIEW else self._looks
-                found = _find_scene(kept, str(value), "view" if address == VIEW else "look")
+            if address in NAMED:
+                kept = {VIEW: self._views, LOOK: self._looks, WORLD: self._worlds}[address]
+                found = _find_scene(kept, str(value), NAMED[address])
                 goals |= found.goals
                 selected += found.selected
                 continue
@@ -258,7 +274,7 @@ class Scenes:
     def recall(self, name: str, *, measures: float, beats_per_measure: float) -> None:
         """Fade to a scene in `measures`; below 0: in the scene's own time. Raises PersonError for an unknown scene."""
         scene = _find_scene(self._scenes | self.stored, name, "scene")
-        self._fade_to(scene, measures, beats_per_measure)
+        self._light(scene, measures, beats_per_measure)
 
     def _fade_to(self, scene: Scene, measures: float, size: float) -> None:
         lasts = scene.measures if measures < 0.0 else measures
@@ -336,7 +352,17 @@ class Scenes:
         self._parameters.fade(goals, beats=max(event.measures, 0.0) * size)
 
     def _look(self, event: events.RecallLook, size: float) -> None:
-        self._fade_to(_find_scene(self._looks, event.name, "look"), event.measures, size)
+        self._light(_find_scene(self._looks, event.name, "look"), event.measures, size)
+
+    def _light(self, scene: Scene, measures: float, size: float) -> None:
+        """Fade to a scene or look, which claims its values, and no others; the patch's own claims none."""
+        self._parameters.release()
+        self._fade_to(scene, measures, size)
+        if scene.name == START:
+            self._parameters.release()
+
+    def _world(self, event: events.RecallWorld, size: float) -> None:
+        self._fade_to(_find_scene(self._worlds, event.name, "world"), event.measures, size)
 
     def _recall(self, event: events.RecallScene, size: float) -> None:
         self.recall(event.name, measures=event.measures, beats_per_measure=size)
@@ -379,6 +405,7 @@ _HANDLERS: Final[dict[type, Callable[..., None]]] = {
     events.Accompany: Scenes._follow,
     events.ShowBackground: Scenes._background,
     events.RecallLook: Scenes._look,
+    events.RecallWorld: Scenes._world,
     events.RecallScene: Scenes._recall,
     events.StoreScene: Scenes._store,
 }

@@ -174,7 +174,8 @@ class PatchWatch:
         """
         graph = self._graph if self._library is None else self._library.graph
         patch = adapt_edited_patch(written, graph, self._patch, recordings=self._loaded.recordings is not None)
-        patch = with_venue_projector(patch, self._loaded.projector)
+        if self._loaded.in_venue:
+            patch = with_venue_projector(patch, self._loaded.projector)
         self._check_files(patch)
         whole = patch
         patch, waits = split_deferred(patch, self._patch)

@@ -130,8 +130,10 @@ def parameter_number(row: Parameter, value: float | bool | str) -> float:
 
 def parameter_values(table: str, section: Section) -> dict[str, Any]:
     """Return the values of a section's parameters by address; those that it leaves out are missing."""
-    said = {row.address: getattr(section, key) for key, row in parameter_rows(table).items()}
-    return {address: value for address, value in said.items() if value is not None}
+    said = ((row, getattr(section, key)) for key, row in parameter_rows(table).items())
+    return {
+        row.address: parameter_number(row, value) if row.choices else value for row, value in said if value is not None
+    }
 
 
 Checks = Mapping[str, Callable[[Any], object]]

@@ -1,11 +1,12 @@
 """Patch sections for stage, set, backgrounds, steering, projector, cameras and light (also `[[view]]`, `[[looks]]`)."""
 
-from typing import Annotated, Final, Literal
+from typing import Annotated, Final, Literal, Self
 
 from pydantic import Field, ValidationInfo, model_validator
 
 from live.base.errors import PersonError
 from live.base.floor_corners import check_corners
+from live.base.parameter import WORLD_NAMES
 from live.render.media.live_input import parse_input
 from live.show.patch.section_base import (
     Colour,
@@ -179,8 +180,8 @@ class SteeringSection(Section):
         return self
 
 
-class CameraSection(parameter_section("camera")):  # type: ignore[misc]
-    """`[camera]`: position [m], direction, lens and motion of the camera."""
+class AnyCamera(parameter_section("camera")):  # type: ignore[misc]
+    """Position [m], direction, lens and motion of a camera."""
 
     shift: tuple[Shift, Shift] = (0.0, 0.0)
     """Lens shift of the picture to the right, in widths, and upwards, in heights."""
@@ -190,15 +191,35 @@ class CameraSection(parameter_section("camera")):  # type: ignore[misc]
     """Dancers that it follows: groups, attributes, numbers and places as in `ember & left + 12`; * is all."""
 
     @model_validator(mode="after")
-    def _look_somewhere(self) -> "CameraSection":
+    def _look_somewhere(self) -> Self:
         if sum((a - b) ** 2 for a, b in zip(self.eye, self.target, strict=True)) < 1e-6:
             raise ValueError("eye and target are the same point: the camera looks nowhere")
         if 0.0 < abs(self.orbit_measures) < 0.25:
             raise ValueError(f"orbit_measures {self.orbit_measures:g}: once in a quarter of a measure is the fastest")
         return self
 
+    @property
+    def asks_for_director(self) -> bool:
+        """Whether it names the director or a mood of it."""
+        return self.director if "director" in self.model_fields_set else "mood" in self.model_fields_set
 
-class ViewSection(CameraSection):
+
+class CameraSection(AnyCamera):
+    """`[camera]`: position [m], direction, lens and motion of the camera, or the mood of its director."""
+
+    lock: bool = False
+    """Whether the director never leads it, because the picture has to match the hall."""
+    aspect: Annotated[float, Field(ge=0.2, le=10)] = 16 / 9
+    """Aspect ratio of the picture for which the director frames, width by height."""
+
+    @model_validator(mode="after")
+    def _locked_or_directed(self) -> Self:
+        if self.lock and self.asks_for_director:
+            raise ValueError("lock = true keeps the director off this camera: leave out lock, or director and mood")
+        return self
+
+
+class ViewSection(AnyCamera):
     """`[[view]]`: a further camera, for `/dance/camera` and scenes."""
 
     name: Name
@@ -237,6 +258,9 @@ def check_floor_corners(corners: FloorCorners) -> None:
 
 class LookSection(parameter_section("look", optional=True)):  # type: ignore[misc]
     """`[look]`: light and colour (linear RGB from 0 to 1); keys left out keep their defaults."""
+
+    world: Literal[WORLD_NAMES] | None = None  # type: ignore[valid-type]
+    """The world in which the show is danced: it has defaults of its own for all other keys."""
 
     key_direction: tuple[WorldCoordinate, WorldCoordinate, WorldCoordinate] | None = None
     """Direction of the key light, from the front: x, y (up), z; its length is ignored."""

@@ -6,11 +6,12 @@ from typing import Final, get_args
 import numpy as np
 
 from live.base.errors import PersonError
+from live.base.parameter import WORLD_NAMES
 from live.control.events import events
 from live.control.registry.command import controls_of
 from live.control.registry.registry import FIRST_NAMES, REGISTRY
 from live.show.dancers.timing_offsets import parse_ripple
-from live.show.desk.parameter_table import LOOK, VIEW, split_key
+from live.show.desk.parameter_table import LOOK, VIEW, WORLD, split_key
 from live.show.group.casting import EVERYONE, Casting
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import InvalidEntry
@@ -125,7 +126,7 @@ def _check_scenes(patch: Patch) -> Iterator[InvalidEntry]:
         if reaction.sets is not None and (fault := selections.fault(reaction.group)) is not None:
             yield InvalidEntry(fault, "react", index, "group")
     named = {VIEW: {_folded(view.name) for view in patch.view} | set(built_in_views(patch))}
-    named |= {LOOK: {_folded(look.name) for look in patch.looks} | {START_NAME}}
+    named |= {LOOK: {_folded(look.name) for look in patch.looks} | {START_NAME}, WORLD: set(WORLD_NAMES)}
     for number, scene in enumerate(patch.scene):
         for key, value in scene.set.items():
             address, group = split_key(key)
@@ -206,6 +207,9 @@ class _NameTable:
     def _look(self, event: events.RecallLook) -> None:
         _require_name("look", event.name, self._looks)
 
+    def _world(self, event: events.RecallWorld) -> None:
+        _require_name("world", event.name, WORLD_NAMES)
+
     def _signal(self, event: events.Signal) -> None:
         _require_name("signal", event.name, sorted(signals_of(self._patch)))
 
@@ -249,6 +253,7 @@ _NAME_CHECKS: Final[dict[type, Callable[..., None]]] = {
     events.RecallScene: _NameTable._scene,
     events.RecallView: _NameTable._view,
     events.RecallLook: _NameTable._look,
+    events.RecallWorld: _NameTable._world,
     events.Signal: _NameTable._signal,
     events.JumpTo: _NameTable._jump,
     events.Advance: _NameTable._advance,

@@ -76,6 +76,11 @@ class Mood:
         for name in NAMES:
             self._values[name] += share * (music_level(event, name) - self._values[name])
 
+    @property
+    def heard(self) -> bool:
+        """Whether any music or note was heard."""
+        return self._has_music or self.notes is not None
+
     def value(self, name: str) -> float:
         """Return a feature by name, 0 to 1.
 

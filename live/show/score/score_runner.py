@@ -136,6 +136,11 @@ class ScoreRunner:
         names = self._music_signals.detect(event)
         return [events.Signal(time=event.time, source="music", name=name) for name in names]
 
+    @property
+    def drops(self) -> int:
+        """Drops of the music heard so far."""
+        return self._reactions.drops
+
     def handle_curve(self, event: events.CurveMoved) -> list[events.Signal]:
         """Return the signals that a curve gives."""
         names = self._music_signals.detect_curve(event)

@@ -143,6 +143,6 @@ class MeasureLines:
         if closed(Stage.REACTIONS):
             self._calls.issue(self._reactions.cross_measure_line(clock.time))
         if closed(Stage.DESK):
-            self._calls.issue(self._desk.begin_measure(clock.danced_beats))
+            self._calls.issue(self._desk.begin_measure(clock.now(self._motion.state.position)))
         if closed(Stage.AUDIENCE):
             self._calls.issue(self._audience.begin_measure(clock.span.number, clock.time))

@@ -35,7 +35,7 @@ class PlanStage:
         """Plan for the tick at `beat`."""
         closed = self._breakers.closed
         if closed(Stage.DESK):
-            self._desk.tick(now.timeline)
+            self._desk.tick(now)
         if closed(Stage.AUDIENCE):
             self._audience.tick()
         self._calls.fire(now)

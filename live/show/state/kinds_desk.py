@@ -10,7 +10,12 @@ from live.show.audience.voting import Turn, Vote, VoteNames
 from live.show.audience.words import ShownWord, Words
 from live.show.circuit_breakers import CircuitBreakers, Stage
 from live.show.dancers.step_requests import StepRequests
+from live.show.desk.camera_directions import Stand, ViewComparison
+from live.show.desk.camera_director import CameraDirector
+from live.show.desk.camera_framing import Frame as CameraFrame
+from live.show.desk.camera_framing import Framing
 from live.show.desk.camera_rig import CameraRig, DampedFollower, Spots
+from live.show.desk.camera_subjects import Subjects
 from live.show.desk.cue_list import CueList, _TriggeredCue
 from live.show.desk.launcher import Launched, Launcher
 from live.show.desk.light_desk import LightDesk, Master
@@ -18,6 +23,7 @@ from live.show.desk.pad import Pad, Pads
 from live.show.desk.parameters import Parameters
 from live.show.desk.refusals import Refusals
 from live.show.desk.scenes import Scene, Scenes
+from live.show.desk.score_light import ScoreLight
 from live.show.desk.titles import ShownTitle, Titles
 from live.show.desk.undo_history import UndoHistory, _Edit
 from live.show.frame import Frame
@@ -87,6 +93,25 @@ KINDS: Final = [
     """),
     Kind("audience.place", AudiencePlace, "x:float z:float weight:float repels:bool"),
     Kind("camera-rig", CameraRig, "_parameters:parameters _beats:int start_selection:str follower:chase"),
+    Kind("camera-director", CameraDirector, """
+        _parameters:parameters _subjects:camera-subjects _score_runner:prompter _framing:camera-framing _seed:int
+        _beats:int locked:bool running:bool _age:int _kind:int _chosen:b1 _frame:camera-frame
+        _comparison:view-comparison|none _pose:f8 _speed:f8 _aim:f8 _from:f8 _moved:float _length:float _lens:f8 _eye:f8
+        _eye_goal:f8 _target:f8 _way:f8 _has_cut:bool _drift:float _push:float _shot_s:float _due:int cuts:int
+    """),
+    Kind("camera-frame", CameraFrame, """
+        target:f8 distance:float bearing:float elevation:float field_of_view:float
+    """),
+    Kind("camera-framing", Framing, "_aspect:float _half:f8"),
+    Kind("camera-subjects", Subjects, "_motion:group-motion _dancers:dancers _spots:spots"),
+    Kind("score-light", ScoreLight, """
+        _parameters:parameters _subjects:camera-subjects _score_runner:prompter _division:division suspended:bool
+        _house:float _energy:float _build:float _drop:float _drop_goal:float _drops:int _group:f8 _group_goal:f8
+        _activity:f8 _sides:f8 _side_group:i8 _dancer:i8 _wanted:i8 _wanted_level:f8 _spot:f8 _place:f8 _speed:f8
+        _planned:bool
+    """),
+    Kind("view-comparison", ViewComparison, "_framing:camera-framing stand:camera-stand score:f8* done:int"),
+    Kind("camera-stand", Stand, "place:f8* heading:f8* there:b1* chosen:b1*"),
     Kind("chase", DampedFollower, """
         _motion:group-motion selection:str _selected:b1|none _centre:f8 _speed:f8 running:bool
     """),
@@ -162,8 +187,9 @@ KINDS: Final = [
     """),
     Kind("cues.given", _TriggeredCue, "index:int due:float earliest:float revert_event:event|none"),
     Kind("desk", LightDesk, """
-        parameters:parameters camera_rig:camera-rig spots:spots energy:float background_age:f8 scenes:scenes
-        _score_runner:prompter cues:cues undo_history:edits beats:int master:master held:bool titles:titles
+        parameters:parameters camera_rig:camera-rig spots:spots director:camera-director score_light:score-light
+        energy:float background_age:f8 scenes:scenes _score_runner:prompter cues:cues undo_history:edits beats:int
+        master:master held:bool titles:titles
     """),
     Kind("directions", StepRequests, """
         _motion:group-motion _casting:casting _dancers:dancers _variation:variation _scheduler:scheduler
@@ -225,7 +251,7 @@ KINDS: Final = [
     Kind("parameters", Parameters, """
         table:constant-parameter-table _variation:variation _motion:group-motion _division:division value:f8 start:f8
         _from:f8 _goal:f8 _start_beat:f8 _length:f8 _fading:b1 _running:int _ticks:int _measure_beats:int
-        beat:float held:bool touched:bool
+        beat:float held:bool touched:bool claimed:b1
     """),
     Kind("part", ScorePart, "_score:score _sequences:constant-sequences _improviser:improviser"),
     Kind("places.asked", PlacesAsked, "section:int|none measure:int at_section:bool leave:bool"),
@@ -268,7 +294,7 @@ KINDS: Final = [
     """),
     Kind("scenes", Scenes, """
         _parameters:parameters _rig:camera-rig _custom_passes:dict[str,constant-own-number] stored:dict[str,scene]
-        _views:dict[str,scene] _looks:dict[str,scene] _backgrounds:list[str]
+        _views:dict[str,scene] _looks:dict[str,scene] _worlds:dict[str,scene] _backgrounds:list[str]
         _background_places:list[str] _scenes:dict[str,scene]
     """),
     Kind("score", Score, "playhead:playhead _sections:dict[str,int] written:constant-written"),

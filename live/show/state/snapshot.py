@@ -50,6 +50,7 @@ CONSTANT_PATHS: Final = {
     "parameters": "desk.parameters.table",
     "views": "desk.scenes._views",
     "looks": "desk.scenes._looks",
+    "worlds": "desk.scenes._worlds",
     "scenes": "desk.scenes._scenes",
     "cues": "desk.cues._cues",
     "own-passes": "desk.scenes._custom_passes",

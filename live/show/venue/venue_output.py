@@ -157,9 +157,12 @@ class VenueProjector(Section):
 
 
 def with_venue_projector(patch: Patch, projector: VenueProjector | None) -> Patch:
-    """Return the patch adapted to a hall's projector; PersonError if its picture cannot match this show's stage."""
+    """Return the patch adapted to a hall's projector; PersonError if its picture cannot match this show's stage.
+
+    In a hall without one a camera stands still unless the patch asks for its director.
+    """
     if projector is None or projector.corners is None:
-        return patch
+        return patch if "camera" in patch.model_fields_set else patch.model_copy(update={"camera": patch.camera})
     with error_context("venue: projector.corners"):
         camera_from_corners(projector.at, projector.corners, (patch.stage.width, patch.stage.depth), projector.aspect)
     section = ProjectorSection(at=projector.at, corners=projector.corners, aspect=projector.aspect)

@@ -1,6 +1,7 @@
 """Initial scene of the renderer, built from a patch."""
 
 import contextlib
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,12 +16,13 @@ from live.render.lettering.distance_field import EM, read_font
 from live.render.media.media_files import NUMBER_SIGN, check_media
 from live.render.media.set_model import read_set_model
 from live.show.dancers.character_casting import bodies_of
-from live.show.desk.look_settings import group_settings
-from live.show.desk.parameter_table import parse_value
+from live.show.desk.look_settings import group_settings, world_settings
+from live.show.desk.parameter_table import parse_value, split_key
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import find_resource
-from live.show.patch.section_base import parameter_values
-from live.show.patch.section_stage import CameraSection
+from live.show.patch.section_base import Setting, parameter_values
+from live.show.patch.section_motion import GroupSection
+from live.show.patch.section_stage import AnyCamera
 
 if TYPE_CHECKING:
     from live.render.renderer import Renderer
@@ -35,7 +37,7 @@ def projector_camera(patch: Patch) -> Camera | None:
         return camera_from_corners(section.at, section.corners, (patch.stage.width, patch.stage.depth), section.aspect)
 
 
-def camera_of_section(section: CameraSection) -> Camera:
+def camera_of_section(section: AnyCamera) -> Camera:
     """Return the camera of a `[camera]` or `[[view]]`."""
     return Camera(section.eye, section.target, section.field_of_view_deg, section.roll_deg, section.shift)
 
@@ -144,8 +146,12 @@ def make_scene(
         group.colour if group.colour is not None else GROUP_COLOURS[i % len(GROUP_COLOURS)]
         for i, group in enumerate(patch.group)
     )
-    drawn = [group_settings(group.name, group.draw)[0] for group in patch.group]
-    styles = tuple(tuple((address, parse_value(address, value)) for address, value in one.items()) for one in drawn)
+    world = {} if patch.look.world is None else world_settings(patch, patch.look.world)
+    of_stage = {address: value for address, value in world.items() if split_key(address)[1] == "*"}
+    styles = tuple(
+        tuple((address, parse_value(address, value)) for address, value in _draw_values(world, group).items())
+        for group in patch.group
+    )
     known = {*BODIES, *(each.name for each in characters)}
     return Scene(
         stage_size=(patch.stage.width, patch.stage.depth),
@@ -160,7 +166,19 @@ def make_scene(
         items=set_items(patch),
         passes=patch.picture.passes,
         custom_passes=patch.picture.own_passes,
-        start_values=(*patch.picture.set.items(), *parameter_values("look", patch.look).items()),
+        start_values=(*_numbers(of_stage), *patch.picture.set.items(), *parameter_values("look", patch.look).items()),
         bodies=tuple(name if name in known else DEFAULT_BODY for name in bodies_of(patch)),
         characters=characters,
     )
+
+
+def _draw_values(world: Mapping[str, Setting], group: GroupSection) -> dict[str, Setting]:
+    """Return a group's drawing style by address: what its world sets, then its own."""
+    of_world = {split_key(key)[0]: value for key, value in world.items() if split_key(key)[1] == group.name.strip()}
+    return of_world | group_settings(group.name, group.draw)[0]
+
+
+def _numbers(settings: Mapping[str, Setting]) -> Iterator[tuple[str, float | tuple[float, ...]]]:
+    for address, value in settings.items():
+        numbers = parse_value(address, value)
+        yield address, numbers[0] if len(numbers) == 1 else numbers

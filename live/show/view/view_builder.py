@@ -108,6 +108,8 @@ class ViewBuilder:
             after = min(max(time - now.time, 0.0), 2.0 * TICK)
             self._desk.spots.place(view, after)
             self._desk.camera_rig.place(view.picture, after, after * timeline.tempo / 60.0)
+            self._desk.director.place(view.picture, after)
+            self._desk.score_light.show(view, after)
         hips = self._dancers.drawn_hips
         self._dancers.pose(
             fraction + on,

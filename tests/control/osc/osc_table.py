@@ -211,6 +211,7 @@ def scene_controls():
             ["sifi", "tide & 1", "2", "0.5", "1"],
             events.FollowSpot(whom="tide & 1", spot=2.0, level=0.5, measures=1.0, **STAMP),
         ),
+        "/dance/world": (["s", "water"], events.RecallWorld(name="water", **STAMP)),
         "/dance/look": (["s", "dusk"], events.RecallLook(name="dusk", **STAMP)),
         "/dance/scene": (["si", "finale", "0"], events.RecallScene(name="finale", measures=0.0, **STAMP)),
         "/dance/scene/store": (["s", "mine"], events.StoreScene(name="mine", **STAMP)),

@@ -238,7 +238,7 @@ def test_browser_shows_and_sets_show_values():
         assert page.heard()[:2] == ("/dance/blackout", 1)
         page.tell(blackout=True)
         view.locator("#now button[aria-pressed=true]", has_text="Blackout").wait_for()
-        view.get_by_role("tab", name="light", exact=True).click()
+        view.get_by_role("tab", name="light 1", exact=True).click()
         slider = view.get_by_role("slider", name="level", exact=True)
         slider.focus()
         view.keyboard.press("ArrowRight")

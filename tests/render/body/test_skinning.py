@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from itertools import pairwise
 
 import moderngl
 import numpy as np
@@ -149,3 +150,43 @@ def test_normals_survive_the_octahedron(gl_context):
     np.testing.assert_allclose(seen, mesh.normal, atol=1e-4)
     for thing in (array, out, linked, crowd, bound):
         thing.release()
+
+
+@pytest.mark.parametrize(
+    ("turns", "root", "along", "end"),
+    [
+        ({"leftUpperLeg": (0, 80, 0)}, (0.09, 0.890, 0.0), 1, 0.475),
+        ({"leftUpperArm": (80, 0, 0)}, (0.165, 1.380, -0.010), 0, 0.430),
+        ({"leftHand": (80, 0, 0)}, (0.430, 1.380, -0.010), 0, 0.675),
+    ],
+    ids=["turned-out thigh", "turned upper arm", "turned hand"],
+)
+def test_twist_is_spread_along_the_limb_and_keeps_volume(turns, root, along, end):
+    """The skin's turn about the bone grows from the near joint to the far one, without a step and without a waist."""
+    mesh = build_body(FINE)
+    there, rest = skin_mesh(mesh, turns), mesh.position.astype(np.float64)
+    part = (rest[:, along] - root[along]) / (end - root[along])
+    across = [axis for axis in range(3) if axis != along]
+    off = (rest - root)[:, across]
+    near = (part > 0.12) & (part < 0.95) & (np.linalg.norm(off, axis=1) < 0.1) & (rest[:, 0] > 0.02)
+    angle = np.degrees(
+        np.arctan2(*(there - root)[:, across][:, ::-1].T) - np.arctan2(*off[:, ::-1].T)
+    )  # about the bone
+    angle = np.abs((angle + 180.0) % 360.0 - 180.0)
+    mean = [float(angle[near & (part >= low) & (part < low + 0.2)].mean()) for low in (0.12, 0.32, 0.52, 0.72)]
+    assert all(a < b + 4.0 for a, b in pairwise(mean)), mean
+    assert mean[0] < 40.0 < mean[-1], mean
+    assert abs(litres(mesh, rest) - litres(mesh, there)) < 0.012 * litres(mesh, rest)
+
+
+def test_muscles_swell_where_they_shorten():
+    mesh = build_body(FINE)
+    rest = mesh.position.astype(np.float64)
+    for turns, still, middle, way, least in (
+        ({"leftLowerArm": (0, -120, 0)}, {}, (0.300, 1.382, 0.030), (0.0, 0.0, 1.0), 0.004),
+        ({"leftFoot": (60, 0, 0)}, {}, (0.090, 0.355, -0.064), (0.0, 0.0, -1.0), 0.004),
+    ):
+        number = np.linalg.norm(rest - middle, axis=1).argmin()
+        moved = (skin_mesh(mesh, turns) - skin_mesh(mesh, still))[number]
+        moved -= (pose(turns)[0] - pose(still)[0])[SKELETON.index("hips")]  # the pose stands on the floor
+        assert moved @ way > least

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.render.frame_stats import DisplayGrid, Pacer
+from live.render.timing.frame_stats import DisplayGrid, Pacer
 
 RATES = pytest.mark.parametrize("rate", [50.0, 59.94, 60.0, 120.0])
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from live.render.frame_stats import Pacer
+from live.render.timing.frame_stats import Pacer
 
 
 class FakeClock:

@@ -112,7 +112,7 @@ def test_each_refusal_is_counted_and_named(session):
 
 
 def test_unused_desk_adds_nothing_to_state_hash(session):
-    plain = DeskSession("[[view]]\nname = 'x'\n")
+    plain = DeskSession("[look]\nfollow_score = 0\n[[view]]\nname = 'x'\n")
     assert plain.desk.hashed() == ()
     before = session.show.state_hash()
     session.say(LEVEL, 1.5)

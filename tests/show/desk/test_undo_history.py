@@ -159,7 +159,7 @@ def test_affected_values_match_full_snapshot_difference(session, call):
     part = session.desk.undo_history._parts["parameters"]
     event = REGISTRY.call(call[0], call[1:], 0.0, "key")
     few, whole = part.edited_values(event), part.goals()
-    assert 0 < len(few) <= 3
+    assert 0 < len(few) <= 4
     assert session.say(*call), session.words
     now = part.goals()
     changed = {place: (was, new) for place, (was, new) in enumerate(zip(whole, now, strict=True)) if was != new}

@@ -17,7 +17,8 @@ from live.show.patch.toml_model import parse_model
 from live.show.venue.venue import Venue
 from live.show.venue.venue_output import with_venue_projector
 from live.show.view.render_scene import initial_camera
-from tests.show.made_show import GRAPH, PATCH
+from tests.show.made_show import GRAPH
+from tests.show.made_show import PATCH_WITHOUT_CAMERA as PATCH
 
 CORNERS = [[0.21, 0.36], [0.79, 0.35], [0.96, 0.91], [0.05, 0.90]]
 HALL = f"""

@@ -64,7 +64,7 @@ def test_set_value_is_read_back_once(show):
         assert not isinstance(event, Rejection), event
         assert show.apply(event), control.address
         for _ in range(24):
-            show.desk.tick(show.timeline)
+            show.desk.tick(show.clock.now(show.state.position))
         changes = readable.changes()
         assert control.address in changes, control.address
         values.update(changes)

@@ -1,51 +1,14 @@
 // Lines of ink where one thing ends and another begins: by dancer, by depth, by normal.
 #include "finish.glsl"
+#include "ink_lines.glsl"
 in vec2 at;
 uniform sampler2D light;
-uniform sampler2D depth;
-uniform sampler2D shape;
-uniform sampler2D who;
 uniform float amount;
 uniform float width;          // [pixels]
 uniform float paper;          // how much of the picture gives way to paper
 uniform vec3 ink;
 uniform vec3 paper_colour;
 out vec4 shown;
-
-float away(vec2 place) {
-    float z = textureLod(depth, place, 0.0).r * 2.0 - 1.0;
-    return 2.0 * FAR * NEAR / (FAR + NEAR - z * (FAR - NEAR));
-}
-
-float line(vec2 place) {
-    const vec2 RING[8] = vec2[8](vec2(1.0, 0.0), vec2(0.7, 0.7), vec2(0.0, 1.0), vec2(-0.7, 0.7),
-                                 vec2(-1.0, 0.0), vec2(-0.7, -0.7), vec2(0.0, -1.0), vec2(0.7, -0.7));
-    vec2 reach = picture.zw * width;
-    vec4 here = textureLod(who, place, 0.0);
-    vec4 around[8];
-    bool anybody = here.a > 0.0;
-    for (int i = 0; i < 8; ++i) {
-        around[i] = textureLod(who, place + reach * RING[i], 0.0);
-        anybody = anybody || around[i].a > 0.0;
-    }
-    if (!anybody) return 0.0;
-    // a contour, half as wide on either side: the share of the ring that is somebody else
-    float others = 0.0;
-    for (int i = 0; i < 8; ++i) others += around[i].rg == here.rg ? 0.0 : 1.0;
-    float contour = smoothstep(0.5, 3.0, others);
-    if (here.a == 0.0) return contour;
-    // within a body: depth that leaps (a leg before the other), normals that break (an armpit, a bent knee)
-    float middle = away(place), leap = 0.0, fold = 0.0;
-    vec3 n = normalize(textureLod(shape, place, 0.0).xyz - 0.5);
-    for (int i = 0; i < 4; ++i) {
-        vec2 a = place + reach * RING[i], b = place - reach * RING[i];
-        leap = max(leap, abs(away(a) + away(b) - 2.0 * middle));
-        vec3 na = normalize(textureLod(shape, a, 0.0).xyz - 0.5), nb = normalize(textureLod(shape, b, 0.0).xyz - 0.5);
-        fold = max(fold, 1.0 - dot(na, nb));
-    }
-    float inner = max(smoothstep(0.05, 0.12, leap), 0.75 * smoothstep(0.75, 1.3, fold));
-    return max(contour, inner);
-}
 
 void main() {
     vec3 here = expanded(texelFetch(light, ivec2(gl_FragCoord.xy), 0).rgb);
@@ -56,6 +19,6 @@ void main() {
     float body = textureLod(who, at, 0.0).a;
     vec3 sheet = paper_colour * min(key_light.w, 1.0) * mix(vec3(wash), mix(vec3(1.0), tint, 0.45) * wash, body);
     here = mix(here, sheet, paper * amount);
-    vec3 drawn = mix(here, ink * min(key_light.w, 1.0), line(at) * amount);
+    vec3 drawn = mix(here, ink * min(key_light.w, 1.0), line(at, width) * amount);
     shown = vec4(compressed(drawn), 1.0);
 }

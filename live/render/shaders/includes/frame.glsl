@@ -18,7 +18,18 @@ layout(std140) uniform Frame {
     vec4 beam_light;      // rgb, w: beats, coming back after 64
     vec4 spot_place[4];   // x, z, radius [m], strength
     vec4 spot_light[4];   // rgb; w of the first: 1 if any is lit
+    vec4 worlds;          // shares of the worlds: studio, paper, constellation, water
+    vec4 open_sky;        // shares of dusk and haze; how far the key light falls everywhere alike
+    vec4 fill_above;      // rgb
+    vec4 fill_below;      // rgb
+    vec4 gobo;            // cosine and sine of its angle / its size [1/m], sum of its patterns' amounts
 };
+
+float share_studio() { return worlds.x; }
+float share_paper() { return worlds.y; }
+float share_constellation() { return worlds.z; }
+float share_water() { return worlds.w; }
+float share_dusk() { return open_sky.x; }
 
 float square(float x) { return x * x; }
 vec3 square3(vec3 x) { return x * x; }
@@ -27,7 +38,7 @@ vec3 square3(vec3 x) { return x * x; }
 float key_pool(vec2 place) {
     vec2 at = place / (edge.xy + vec2(0.6, 0.9));
     float reach = dot(at, at);
-    return 1.0 / (1.0 + reach * reach * 0.55);
+    return mix(1.0 / (1.0 + reach * reach * 0.55), 1.0, open_sky.z);
 }
 
 // Follow spots: lamps high in front of the stage, a firm edge around whom they follow.

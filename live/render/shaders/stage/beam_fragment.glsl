@@ -2,21 +2,32 @@
 // axis are nearest, for across a cone the light falls off like a Gaussian (as in backdrop_fragment.glsl).
 #include "frame.glsl"
 #include "beams.glsl"
+#include "noise.glsl"
 
 in vec2 at;
 in vec3 ray;
 out vec4 shown;
 
-// Smoke that drifts: three slow waves, the same after 64 beats.
+// Smoke that drifts: soft noise in two planes that move through each other, the same after 64 beats.
 float smoke(vec3 p, float beat) {
-    float t = beat * TAU / 64.0;
-    float a = sin(p.x * 1.9 + 4.0 * t + 1.3 * sin(p.y * 1.1 - 3.0 * t));
-    float b = sin(p.y * 2.3 - 5.0 * t + 1.7 * sin(p.z * 0.9 + 2.0 * t));
-    float c = sin(p.z * 1.7 + 3.0 * t + 1.1 * sin(p.x * 1.3 - 2.0 * t));
-    return 0.82 + 0.18 * (a * b + b * c + c * a) * 0.6;
+    float t = beat / 64.0;
+    float a = textureLod(noise_map, vec2(p.x + 0.5 * p.z, p.y) * 0.085 + vec2(1.0, -1.0) * t, 0.0).r;
+    float b = textureLod(noise_map, vec2(p.z - 0.4 * p.x, p.y * 1.2) * 0.15 + vec2(-1.0, -2.0) * t, 0.0).g;
+    return 0.30 + 1.4 * a * b + 0.35 * a;
 }
 
-float cone(vec3 lamp, vec3 aim, float begin, float spread, vec3 start, vec3 direction, float reach) {
+// The smoke on a ray, at two depths: beams lie between or near them.
+struct Smoke { float near; float far; float a; float b; };
+
+Smoke smoke_on(vec3 start, vec3 direction) {
+    float back = max(-direction.z, 0.05);
+    float a = clamp((start.z - 0.4 * stage.y) / back, 0.0, 40.0), b = clamp((start.z + 0.9 * stage.y) / back, a + 0.5, 60.0);
+    return Smoke(smoke(start + direction * a, beam_light.w), smoke(start + direction * b, beam_light.w), a, b);
+}
+
+float smoke_at(Smoke known, float away) { return mix(known.near, known.far, clamp((away - known.a) / (known.b - known.a), 0.0, 1.0)); }
+
+float cone(vec3 lamp, vec3 aim, float begin, float spread, vec3 start, vec3 direction, float reach, Smoke known) {
     float together = dot(direction, aim);
     float across = max(1.0 - together * together, 0.02);
     vec3 gap = start - lamp;
@@ -27,7 +38,7 @@ float cone(vec3 lamp, vec3 aim, float begin, float spread, vec3 start, vec3 dire
     float width = begin + spread * along;
     float light = exp(-2.0 * off * off / (width * width)) / (0.35 + 6.0 * spread * spread * along * along + 0.05 * along);
     float seen = smoothstep(-width, width, reach - away) * smoothstep(0.0, 0.25, along) * step(0.0, away);
-    return light * seen * width * 1.2533 / sqrt(across) * smoke(nearest, beam_light.w);
+    return light * seen * width * 1.2533 / sqrt(across) * smoke_at(known, away);
 }
 
 void main() {
@@ -37,10 +48,11 @@ void main() {
     float to_floor = direction.y < -1e-4 ? -start.y / direction.y : 1e4;
     float reach = min(min(to_wall, to_floor), 60.0);
     vec3 sum = vec3(0.0);
+    Smoke known = smoke_on(start, direction);
     if (light_beams() > 0.0) {
         for (int k = 0; k < LAMPS; ++k) {
             vec3 lamp = beam_lamp(k), foot = vec3(beam_foot(k), 0.0).xzy;
-            sum += beam_tint(k) * cone(lamp, normalize(foot - lamp), 0.06, light_beams_width(), start, direction, reach);
+            sum += beam_tint(k) * cone(lamp, normalize(foot - lamp), 0.06, light_beams_width(), start, direction, reach, known);
         }
         sum *= beam_answer();
     }
@@ -50,7 +62,7 @@ void main() {
             vec3 lamp = spot_lamp(k), to = vec3(spot_place[k].x, 0.9, spot_place[k].y) - lamp;
             float far = length(to);
             float spread = spot_place[k].z / far * 0.8;
-            sum += spot_light[k].rgb * 0.30 * cone(lamp, to / far, 0.06, spread, start, direction, reach);
+            sum += spot_light[k].rgb * 0.30 * cone(lamp, to / far, 0.06, spread, start, direction, reach, known);
         }
     }
     shown = vec4(sum * 0.13 * key_light.w, 1.0);

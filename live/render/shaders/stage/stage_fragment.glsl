@@ -27,21 +27,9 @@ vec3 resized(vec3 colour, vec2 place) {
 #endif
 
 #if POOLS
-#include "beams.glsl"
-// Pools of the follow spots and of the beams on the floor.
+// Pools of the follow spots on the floor; those of the beams are soft, so they are on the floor map.
 vec3 pools(vec3 place) {
     vec3 sum = vec3(0.0);
-    if (light_beams() > 0.0) {
-        for (int k = 0; k < LAMPS; ++k) {
-            vec3 lamp = beam_lamp(k);
-            vec2 foot = beam_foot(k), off = place.xz - foot;
-            float width = 0.06 + light_beams_width() * distance(lamp, vec3(foot, 0.0).xzy);
-            float longer = 1.0 + 0.5 * abs(foot.y - lamp.z) / lamp.y;   // it falls aslant
-            off.y /= longer;
-            sum += beam_tint(k) * exp(-2.0 * dot(off, off) / square(1.25 * width)) * 0.6;
-        }
-        sum *= beam_answer();
-    }
     for (int k = 0; k < 4; ++k) {
         if (spot_place[k].w > 0.0) sum += spot_light[k].rgb * spot_reach(k, place);
     }
@@ -49,19 +37,85 @@ vec3 pools(vec3 place) {
 }
 #endif
 
+#if PATTERNS || WATER
+#include "moving.glsl"
+#endif
+
+#if PATTERNS
+// Light of the floor's patterns: how bright each is here, and all together.
+float patterns(vec2 place, float height) {
+    float size = floor_pattern_size(), phase = edge.w;
+    vec2 p = place / size, fine = fwidth(p) + 1e-4;
+    float sum = floor_pattern_rings() * clamp(height * 1.6, 0.0, 1.0);
+    vec2 line = abs(fract(p + 0.5) - 0.5);
+    vec2 drawn = 1.0 - smoothstep(vec2(0.018), vec2(0.018) + fine * 1.2, line);
+    sum += floor_pattern_grid() * max(drawn.x, drawn.y) * min(0.03 / max(fine.x, fine.y), 1.0) * (0.55 + 0.45 * key_direction.w);
+    // squares that change places: each fades over a whole beat, so that nothing flashes
+    float turn = 0.5 - 0.5 * cos(3.14159265 * beam_light.w);
+    vec2 side = clamp((0.25 - abs(fract(p * 0.5) - 0.5)) / (fine * 0.75) , -1.0, 1.0);
+    float square_ = 0.5 + 0.5 * side.x * side.y;
+    sum += floor_pattern_checker() * mix(square_, 1.0 - square_, turn);
+    float moved = floor(beam_light.w) + smoothstep(0.0, 0.6, phase);
+    float stripe = (0.25 - abs(fract((p.x + moved) * 0.5) - 0.5)) / (fine.x * 0.75);
+    sum += floor_pattern_stripes() * clamp(0.5 + stripe, 0.0, 1.0);
+    vec2 beyond = abs(place) - edge.xy;
+    return sum * smoothstep(0.5, -0.4, max(beyond.x, beyond.y));
+}
+
+#endif
+
+#if WATER
+vec4 backdrop_at(vec2 bend) {
+    if (textureSize(backdrop, 0).x != int(picture.x)) return texture(backdrop, at + bend);
+    return texelFetch(backdrop, clamp(ivec2(gl_FragCoord.xy + bend * picture.xy), ivec2(0), ivec2(picture.xy) - 1), 0);
+}
+#endif
+
 void main() {
-    // while light or camera move it may be smaller than the picture
-    vec4 kept = textureSize(backdrop, 0).x == int(picture.x) ? texelFetch(backdrop, ivec2(gl_FragCoord.xy), 0)
-                                                             : texture(backdrop, at);
-    vec3 colour = kept.rgb;
+    vec2 bend = vec2(0.0);
 #if FLOOR
     vec2 place = eye.xz - ray.xz * (eye.y / min(ray.y, -1e-3));
+#if PATTERNS || WATER
+    vec3 ring = rings(place);
+#endif
+#if WATER
+    float away = distance(vec3(place.x, 0.0, place.y), eye.xyz);
+    vec2 slope = (waves(place) * 0.16 + ring.xy * 0.8) / (1.0 + 0.06 * away);
+    bend = slope * vec2(0.16, 0.22) * (share_water() / (1.0 + 0.05 * away));
+    bend.y = min(bend.y, max(-ray.y / max(ray_up.y, 1e-3) - 0.004, 0.0));   // never above the horizon
+#endif
+#endif
+    // while light or camera move it may be smaller than the picture
+#if FLOOR && WATER
+    vec4 kept = backdrop_at(bend);
+#else
+    vec4 kept = textureSize(backdrop, 0).x == int(picture.x) ? texelFetch(backdrop, ivec2(gl_FragCoord.xy), 0)
+                                                             : texture(backdrop, at);
+#endif
+    vec3 colour = square3(kept.rgb);
+#if FLOOR
 #if EDGE
     colour = mix(colour, resized(colour, place), kept.a);
 #endif
     vec4 here = texture(floor_map, place / (2.0 * stage.zw) + 0.5);
     colour *= 1.0 - kept.a * here.a;
-    colour += (here.rgb + square3(texture(mirror, at).rgb)) * kept.a;
+#if PATTERNS
+    float other = clamp(0.16 + 0.4 * fill_above.g, 0.0, 0.7);   // light that comes from elsewhere
+    colour *= mix(1.0, other + (1.0 - other) * gobo_at(vec3(place.x, 0.0, place.y)), kept.a);
+#endif
+    colour += (here.rgb + square3(texture(mirror, at + bend).rgb)) * kept.a;
+#if PATTERNS
+    float lit = patterns(place, ring.z) * kept.a * (1.0 - 0.7 * here.a);
+    colour += floor_pattern_colour() * (lit * (0.05 + 0.55 * light_floor()));
+    colour *= mix(vec3(1.0), floor_pattern_colour(), min(lit, 1.0) * 0.8 * min(light_floor() * 1.4, 1.0));
+#endif
+#if WATER
+    // glints of the light behind on the backs of the waves, and the web of light below them
+    float glint = smoothstep(0.03, 0.22, slope.y) * kept.a * share_water();
+    colour += rim_light.rgb * (glint * 0.11) + key_light.rgb * (glint * glint * 0.03);
+    vec2 middle = place / (stage.xy + 0.6);
+    colour += (key_light.rgb * 0.028 + rim_light.rgb * 0.020) * (share_water() * kept.a * caustics(place + slope * 1.5) / (1.0 + square(dot(middle, middle))));
+#endif
 #endif
 #if FLOOR && POOLS
     colour += pools(vec3(place.x, 0.0, place.y)) * kept.a * (1.0 - 0.8 * here.a);

@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Any
 
 from live.render.adaptive_quality import QualityController
-from live.render.frame_stats import FrameTimes
 from live.render.renderer import Renderer
+from live.render.timing.frame_stats import FrameTimes
 
 
 class FrameBudget:

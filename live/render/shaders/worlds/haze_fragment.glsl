@@ -1,9 +1,5 @@
-// What does not change while the camera stands still: floor, back wall and light in the haze. Drawn once, kept.
-#include "frame.glsl"
-
-in vec2 at;
-in vec3 ray;
-out vec4 kept;   // rgb: light, a: how much of it a shadow on the floor takes away
+// The black box: floor, back wall and light in the haze.
+#include "backdrop.glsl"
 
 const int LAMPS = 6;
 
@@ -47,7 +43,7 @@ vec3 floor_light(vec2 place, vec3 direction) {
     light += rim_light.rgb * back * 0.35;
     light += background_bottom() * (background_gradient() * 2.2 * exp(-(place.y + stage.y + WALL_BEHIND) * 0.42));
     float seam = 1.0 - 0.12 * exp(-square((fract(place.x / 1.5 + 0.5) - 0.5) * 1.5 / 0.014));
-    vec3 colour = light_floor() * light * seam;
+    vec3 colour = own_floor(0.12) * light * seam;
     // a dull sheen: the lamps behind are mirrored at low angles
     float low = pow(1.0 - clamp(-direction.y, 0.0, 1.0), 6.0);
     return colour + rim_light.rgb * low * back * 0.16;
@@ -58,7 +54,7 @@ vec3 wall_light(vec3 p) {
     float side = exp(-square(p.x / (stage.x * 1.15)));
     vec3 low = rim_light.rgb * 0.070 * exp(-up * 0.75);
     vec3 high = mix(rim_light.rgb, key_light.rgb, 0.35) * 0.010 * exp(-square((up - 2.6) / 2.4));
-    vec3 plain = light_background() * 0.55 + (low + high) * (0.12 + 0.88 * side);
+    vec3 plain = own_background(0.06) * 0.55 + (low + high) * (0.12 + 0.88 * side);
     float at = smoothstep(-0.3, 7.0, up);
     vec3 cyclorama = mix(background_bottom(), background_top(), at) * (0.55 + 0.45 * side) + (low + high) * side;
     return mix(plain, cyclorama, background_gradient());
@@ -82,5 +78,5 @@ void main() {
     }
     colour = mix(colour, haze_light(p.y), haze_at(p) * (to_floor < to_wall ? 1.0 : 0.6));
     colour += beams(eye.xyz, direction, reach);
-    kept = vec4(colour, shade);
+    keep(colour, shade);
 }

@@ -1,0 +1,1 @@
+"""Timing of frames: the budget by which quality follows, and statistics."""
