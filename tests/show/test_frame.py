@@ -15,6 +15,7 @@ MOTION = [
     "DANCERS",
     "CAPTURE",
     "PARTNERS",
+    "EXPRESSION",
     "SPRINGS",
     "LIGHT",
     "OUTSIDE",
