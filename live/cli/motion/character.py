@@ -67,7 +67,7 @@ def _parse_joint(text: str, names: tuple[str, ...]) -> tuple[str, str]:
 
 def character_facts(loaded: "Character") -> dict[str, Any]:
     """Return the facts of a character as plain values."""
-    from live.render.body.body_mesh import COARSE, FINE, LIGHT
+    from live.render.body.body_mesh import CLOSE, COARSE, FINE, LIGHT
 
     model = loaded.model
     return {
@@ -76,7 +76,7 @@ def character_facts(loaded: "Character") -> dict[str, Any]:
         "bytes": model.size,
         "height_m": round(loaded.fitted.height, 3),
         "farthest_joint_m": round(loaded.fitted.max_joint_offset, 3),
-        "triangles": [len(loaded.levels[level].body.triangle) for level in (FINE, LIGHT, COARSE)],
+        "triangles": [len(loaded.levels[level].body.triangle) for level in (FINE, CLOSE, LIGHT, COARSE)],
         "triangles_in_file": model.triangle_count,
         "images": sum(image is not None for image in model.images),
         "image_pixels": int(loaded.layers.shape[1]),
@@ -140,7 +140,7 @@ def _describe(loaded: "Character") -> list[str]:
     lines = [
         f"{model.file}: {model.kind}, {model.size / 1e6:.1f} MB, {loaded.fitted.height:.2f} high{unit}",
         f"  triangles: {told['triangles_in_file']}, drawn with {', '.join(map(str, told['triangles']))} "
-        "(near, light, far and shadows)",
+        "(near, close by, light, shadows)",
         f"  images: {told['images']}, drawn at {told['image_pixels']} x {told['image_pixels']} pixels",
         f"  materials: {', '.join(told['materials']) or 'none'}",
         f"  bones: {len(found)} of {len(told['joints'])} joints found"

@@ -1,4 +1,4 @@
-"""Character prepared for drawing: three levels of detail, images, and weights for the engine's skeleton."""
+"""Character prepared for drawing: four levels of detail, images, and weights for the engine's skeleton."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -30,7 +30,7 @@ from live.render.characters.skeleton_fit import FittedCharacter, find_joints, fi
 from live.render.characters.spring_fit import FittedSprings, fit_springs
 from live.render.characters.spring_reader import springs_by_name
 
-TRIANGLES: Final = {COARSE: 1200, LIGHT: 3600, FINE: 60_000}
+TRIANGLES: Final = {COARSE: 1200, LIGHT: 3600, CLOSE: 12_000, FINE: 60_000}
 """Maximum number of triangles of each level that is made."""
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
 
@@ -117,7 +117,7 @@ def _load(character_file: CharacterFile, stamp: tuple[int, int]) -> Character:
     movements = fitted_movements(model, fitted, LOOKS if eyes.any() else frozenset())
     shape = _Shape(fitted, drawn_weights(fitted.weight, own, owned), own, movements, surface, triangle)
     levels = {level: _level(shape, level, wanted) for level, wanted in TRIANGLES.items()}
-    levels[DISTANT] = levels[CLOSE] = levels[LIGHT]
+    levels[DISTANT] = levels[LIGHT]
     two_sided = any(materials[part.material][0].two_sided for part in model.parts)  # type: ignore[index]
     model = replace(model, notes=(*model.notes, *springs.notes))
     reach = max(_reach(fitted), springs.reach)
