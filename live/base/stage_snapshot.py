@@ -192,6 +192,12 @@ class StageView:
     """Row of `spring` that each dancer has, -1: none, shape (A,)."""
     appearance: Int32
     """What each dancer looks like, shape (A, APPEARANCE_SIZE): the columns of `live.base.body.appearance`."""
+    cloth_position: Float32 = field(default_factory=lambda: np.zeros((0, 3), np.float32))
+    """Particles of all garments [m], shape (N, 3): of each one row by row, as in its pattern
+    (`live.motion.cloth.wardrobe`)."""
+    cloth_garment: Int32 = field(default_factory=lambda: np.zeros((0, 3), np.int32))
+    """Garments that move by themselves, shape (G, 3): dancer, pattern by its place in `PATTERN_NAMES`, first
+    particle."""
     element_kind: Int32 = field(default_factory=lambda: np.zeros(ELEMENT_CAPACITY, np.int32))
     element_position: Float32 = field(default_factory=lambda: np.zeros((ELEMENT_CAPACITY, 2), np.float32))
     """Stage positions (x, z) [m] of the active elements, shape (256, 2); the first `element_count` are valid."""

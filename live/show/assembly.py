@@ -18,6 +18,7 @@ from live.show.dancers.character_casting import bodies_of
 from live.show.dancers.character_springs import CharacterSprings, SpringCast
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.expression import Expression
+from live.show.dancers.garments import Garments
 from live.show.dancers.live_texture import LiveTexture
 from live.show.dancers.step_requests import StepRequests
 from live.show.dancers.variation import Variation
@@ -47,6 +48,7 @@ from live.show.stages.calls import Calls
 from live.show.stages.crowd_stage import CrowdStage, GroupStage
 from live.show.stages.dancers_stage import DancersStage
 from live.show.stages.event_router import EventRouter
+from live.show.stages.garments_stage import GarmentsStage
 from live.show.stages.hot_swap import HotSwap
 from live.show.stages.light_stage import LightStage
 from live.show.stages.measure_lines import MeasureBegin, MeasureLines
@@ -123,32 +125,25 @@ def assemble(
     spring_cast = SpringCast.of(springs or {}, bodies_of(patch) if springs else (), len(casting.group))
     character_springs = CharacterSprings(spring_cast, dancers, motion, desk)
     appearances = Appearances(seed, variation.division, desk.parameters)
+    garments = Garments(patch, variation.division, desk.parameters, appearances, seed=seed)
     view_builder = ViewBuilder(
-        dancers,
-        motion,
-        variation.division,
-        desk,
-        audience,
-        light,
-        clock.follower,
-        appearances,
-        expression,
+        dancers, motion, variation.division, desk, audience, light, clock.follower, appearances, expression, garments,
         character_springs,
-    )
+    )  # fmt: skip
     hot_swap = HotSwap(
         patch, graph, dancers, scheduler, motion, refusals, assemble=assemble, seed=seed,
         answers=answers or ExampleBank(()), reserve=reserve,
     )  # fmt: skip
     hot_swap.parts = (
         casting, reactions, score_runner, motion, variation, dancers, scheduler, interrupts, commands, mocap, desk,
-        audience, directions, view_builder, launcher,
+        audience, directions, view_builder, launcher, garments,
     )  # fmt: skip
     tripped = TrippedStages(breakers, refusals, scheduler, motion.evolutions, hot_swap)
     score = ScoreRequests(score_runner, reactions, motion, scheduler)
     router = EventRouter(
         (
             clock, motion.elements, commands, desk, view_builder, mocap, directions, score, audience, light, hot_swap,
-            tripped, launcher, expression,
+            tripped, launcher, expression, garments,
         ),
         clock, motion, desk.undo_history, refusals,
     )  # fmt: skip
@@ -177,6 +172,7 @@ def assemble(
             score_runner=score_runner, expression=expression,
         ),
         springs=SpringsStage(breakers, character_springs),
+        garments=GarmentsStage(breakers, garments, dancers, motion),
         light=light,
         view_builder=view_builder,
         motion=motion,
@@ -186,9 +182,9 @@ def assemble(
         measure_begin.begin(clock.span.end - clock.timeline.beats_per_measure)
     return Show(
         seed=seed, breakers=breakers, refusals=refusals, clock=clock, casting=casting, reactions=reactions,
-        score_runner=score_runner, motion=motion, variation=variation, dancers=dancers, scheduler=scheduler,
-        interrupts=interrupts, directions=directions, mocap=mocap, desk=desk, audience=audience, light=light,
-        hot_swap=hot_swap, view_builder=view_builder, expression=expression, launcher=launcher,
+        score_runner=score_runner, motion=motion, variation=variation, dancers=dancers, garments=garments,
+        scheduler=scheduler, interrupts=interrupts, directions=directions, mocap=mocap, desk=desk, audience=audience,
+        light=light, hot_swap=hot_swap, view_builder=view_builder, expression=expression, launcher=launcher,
         springs=character_springs, frame=frame,
     )  # fmt: skip
 

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from live.show.stages.crowd_stage import CrowdStage, GroupStage
     from live.show.stages.dancers_stage import DancersStage
     from live.show.stages.event_router import EventRouter
+    from live.show.stages.garments_stage import GarmentsStage
     from live.show.stages.light_stage import LightStage
     from live.show.stages.measure_lines import MeasureLines
     from live.show.stages.plan_stage import PlanStage
@@ -43,6 +44,7 @@ class Frame:
     crowd: "CrowdStage"
     dancers: "DancersStage"
     springs: "SpringsStage"
+    garments: "GarmentsStage"
     light: "LightStage"
     view_builder: "ViewBuilder"
     motion: "GroupMotion"
@@ -70,6 +72,7 @@ class Frame:
         self.crowd.tick(now)  # agents follow them and avoid each other
         self.dancers.tick(self._now(), fraction)  # correction, steps, captured performers, partners
         self.springs.tick(self._now(), fraction)
+        self.garments.tick(now, fraction)  # skirts, sleeves, ribbons and hair follow the bodies
         self.light.tick()
         return crossed
 

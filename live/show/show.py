@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from live.show.dancers.character_springs import CharacterSprings
     from live.show.dancers.dancers import Dancers
     from live.show.dancers.expression import Expression
+    from live.show.dancers.garments import Garments
     from live.show.dancers.step_requests import StepRequests
     from live.show.dancers.variation import Variation
     from live.show.desk.launcher import Launcher
@@ -67,6 +68,7 @@ class Show:
     motion: "GroupMotion"
     variation: "Variation"
     dancers: "Dancers"
+    garments: "Garments"
     scheduler: "Scheduler"
     interrupts: "Interrupts"
     directions: "StepRequests"

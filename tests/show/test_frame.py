@@ -17,6 +17,7 @@ MOTION = [
     "PARTNERS",
     "EXPRESSION",
     "SPRINGS",
+    "CLOTH",
     "LIGHT",
     "OUTSIDE",
 ]

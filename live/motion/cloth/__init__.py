@@ -1,1 +1,1 @@
-"""What moves by itself: springs of characters. May import what `motion` may."""
+"""What moves by itself at ticks: cloth, hair and ribbons on a dancer's body, and springs of characters."""

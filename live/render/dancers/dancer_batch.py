@@ -162,6 +162,11 @@ class DancerBatch:
         return self._instances.box()
 
     @property
+    def visibility(self) -> npt.NDArray[np.uint8]:
+        """Bits of `render_kernels` for each dancer of this frame, shape (A,)."""
+        return self._instances.visibility
+
+    @property
     def capacity(self) -> int:
         """Number of dancers that buffers are allocated for; it grows with the number of dancers."""
         return self._capacity

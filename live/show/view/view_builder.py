@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from live.show.dancers.character_springs import CharacterSprings
     from live.show.dancers.dancers import Dancers
     from live.show.dancers.expression import Expression
+    from live.show.dancers.garments import Garments
     from live.show.desk.light_desk import LightDesk
     from live.show.group.group_motion import GroupMotion
     from live.show.stages.light_stage import LightStage
@@ -63,12 +64,13 @@ class ViewBuilder:
         follower: "TimelineFollower",
         appearances: "Appearances",
         expression: "Expression",
+        garments: "Garments",
         springs: "CharacterSprings",
     ) -> None:
         self._expression = expression
         self._dancers, self._motion, self._division, self._desk = dancers, motion, division, desk
         self._audience, self._light, self._follower = audience, light, follower
-        self._appearances, self._springs = appearances, springs
+        self._appearances, self._garments, self._springs = appearances, garments, springs
         self._frozen_view: StageView | None = None
         self._easing = ArmEasing()
 
@@ -125,6 +127,7 @@ class ViewBuilder:
         self._expression.show(view, time, now, seen)
         view.group[:] = self._division.part
         view.appearance[:] = self._appearances.rows()
+        self._garments.show(view, min(max(time - now.time, 0.0), MAX_EXTRAPOLATION))
         view.time, view.beat, view.tempo = time, beat, self._follower.tempo
         view.measure, view.beats_per_measure = span.number, timeline.beats_per_measure
         view.phase = fraction * timeline.beats_per_measure
@@ -162,6 +165,7 @@ class ViewBuilder:
             *self._expression.hashed(),
             *self._desk.hashed(),
             *(part for captured in dancers.captured.values() for part in captured.hashed()),
+            *self._garments.hashed(),
         )  # fmt: skip
 
 
@@ -203,6 +207,9 @@ def _copy_view(still: StageView, view: StageView) -> None:
             continue
         kept, there = getattr(still, field.name), getattr(view, field.name)
         if isinstance(kept, np.ndarray) and there is not None:
-            there[...] = kept
+            if kept.shape == there.shape:
+                there[...] = kept
+            else:  # another number of garments
+                setattr(view, field.name, kept.copy())
         else:
             setattr(view, field.name, kept)
