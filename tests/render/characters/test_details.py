@@ -218,9 +218,9 @@ def test_shader_skins_own_joints_and_blend_shapes_as_matrices_do(gl_context, tmp
     batch.skin()
     texture = batch._skin.texture
     drawn = np.frombuffer(texture.read(), np.float32).reshape(-1, 4)[:, :3]
-    near = SKINS.index("near")
-    rows, mesh = batch._skin.rows, loaded.levels[HARDWARE.near_level]
-    first = batch._places[0][near, batch.kinds.index(Kind("character", "anna"))]
+    close = SKINS.index("close")
+    rows, mesh = batch._skin.rows, loaded.levels[HARDWARE.close_level]
+    first = batch._places[0][close, batch.kinds.index(Kind("character", "anna"))]
     row = next(n for n in range(len(rows)) if rows[n, 0] == first and rows[n, 2] == 0)
     vertices, checked = len(mesh.body.position), 0
     for dancer in range(2):
