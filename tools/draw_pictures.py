@@ -79,7 +79,8 @@ def draw_here(moments: list[Moment], folder: Path, tree: Path) -> None:
             frames = math.ceil(min(LEAD_IN_S, end) * LEAD_IN_FPS)
             for frame in range(-frames, 1):
                 clock.set(end + frame / LEAD_IN_FPS)
-                engine.frame(lambda view, r=renderer, t=target: r.draw(view, t.framebuffer))
+                engine.frame(lambda _: None)
+                renderer.draw(engine.view, target.framebuffer)
             Image.fromarray(target.read()).save(folder / moment.file)
 
 
