@@ -30,9 +30,7 @@ vec3 resized(vec3 colour, vec2 place) {
 // Pools of the follow spots on the floor; those of the beams are soft, so they are on the floor map.
 vec3 pools(vec3 place) {
     vec3 sum = vec3(0.0);
-    for (int k = 0; k < 4; ++k) {
-        if (spot_place[k].w > 0.0) sum += spot_light[k].rgb * spot_reach(k, place);
-    }
+    for (int k = spots_begin(); k < spots_end(); ++k) sum += spot_light[k].rgb * spot_reach(k, place);
     return sum * (0.03 + 1.7 * light_floor());
 }
 #endif
