@@ -111,9 +111,9 @@ class GBufferPass:
         for where in NEARNESS:
             crowd.draw(linked, self.quality.level_of(where), where, character_program=worn, head_program=head)
 
-    def shade(self, floor_map: moderngl.Texture, light: int, *, hdr: bool = False) -> None:
+    def shade(self, floor_map: moderngl.Texture, light: int, *, hdr: bool = False, beams: bool = False) -> None:
         """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light; `light`:
-        see `LIGHT_VARIANTS`."""
+        see `LIGHT_VARIANTS`; `beams`: with their light before them."""
         which = len(LIGHT_VARIANTS) * hdr + light
         linked = self._shades[which]
         self._ctx.enable(moderngl.DEPTH_TEST)
@@ -122,6 +122,7 @@ class GBufferPass:
         for unit, (name, texture) in enumerate(textures.items(), start=1):
             texture.use(unit)
             set_uniform(linked, name, unit)
+        set_uniform(linked, "beams", int(beams))
         self._triangles[which].render(moderngl.TRIANGLES, vertices=3)
         self._ctx.depth_func = "<"
 
