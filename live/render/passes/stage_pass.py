@@ -26,7 +26,7 @@ class StagePass:
         """`hdr`: output compressed light, for later tone mapping; otherwise display values."""
         self._ctx = ctx
         variants = [(1, *floor) for floor in _FLOOR_VARIANTS] + [(0, 0, 0, 0, lamps) for lamps in (0, 1)]
-        names = "FLOOR", "EDGE", "PATTERNS", "WATER", "LAMPS"
+        names = "FLOOR", "EDGE", "PATTERNS", "WATER", "BEAMS"
         self._programs = [
             compile_program(
                 ctx, "full_vertex.glsl", "stage_fragment.glsl",

@@ -2,7 +2,7 @@
 #include "frame.glsl"
 #include "light.glsl"
 #include "finish.glsl"
-#include "beam_light.glsl"
+#include "beams.glsl"
 
 in vec2 at;
 in vec3 ray;

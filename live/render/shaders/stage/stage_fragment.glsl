@@ -1,8 +1,8 @@
 // Behind the dancers: the kept backdrop, with this moment's shadows, elements and mirror images on the floor.
 #include "frame.glsl"
 #include "finish.glsl"
-#if LAMPS
-#include "beam_light.glsl"
+#if BEAMS
+#include "beams.glsl"
 #endif
 
 in vec2 at;
@@ -29,7 +29,7 @@ vec3 resized(vec3 colour, vec2 place) {
 }
 #endif
 
-#if FLOOR && LAMPS
+#if FLOOR && BEAMS
 // Pools of the follow spots on the floor; those of the beams are soft, so they are on the floor map.
 vec3 pools(vec3 place) {
     vec3 sum = vec3(0.0);
@@ -118,11 +118,11 @@ void main() {
     colour += (key_light.rgb * 0.028 + rim_light.rgb * 0.020) * (share_water() * kept.a * caustics(place + slope * 1.5) / (1.0 + square(dot(middle, middle))));
 #endif
 #endif
-#if FLOOR && LAMPS
+#if FLOOR && BEAMS
     colour += pools(vec3(place.x, 0.0, place.y)) * kept.a * (1.0 - 0.8 * here.a);
 #endif
     colour *= key_light.w * answer() * light_stage();
-#if LAMPS
+#if BEAMS
     colour = beams_over(colour, at, 1.0);
 #endif
 #if HDR
