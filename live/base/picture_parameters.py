@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Float64
-from live.base.body.appearance import COSTUMES, HAIRS, SHOES
+from live.base.body.appearance import COSTUMES, EXTRAS, FABRICS, HAIRS, MOVING, SHOES
 from live.base.custom_pass import MAX_PASSES, NUMBERS_PER_PASS, custom_pass_numbers
 from live.base.parameter import SPOT_COUNT, WORLD_NAMES, Parameter
 from live.base.stage_snapshot import BACKGROUND_CAPACITY, Camera, Scene
@@ -86,6 +86,10 @@ _WORLD_ROWS: Final = tuple(
     ), strict=True)
 )  # fmt: skip
 _ROWS: Final = (
+    _place(
+        "/dance/cloth/wind", -20, 20, (0.0, 0.0, 0.0),
+        "Wind in skirts, hair and ribbons: x, y (up), z.", unit="m/s", patch="look.wind",
+    ),
     _number("/dance/light/level", 0, 2, 1.0, "Level of all light; 1 is usual, 0 is dark.", patch="look.level"),
     _number(
         "/dance/light/key", 0, 4, 1.0,
@@ -332,6 +336,9 @@ _CLOTHES_ROWS: Final = (
     _colour("accent", (0.8, 0.8, 0.8), "Second colour of the costume: trousers, tights, lapels and trims."),
     _number("accent/amount", 0, 1, 0.0, "How far these take that colour; 0: a dark shade of the first one."),
     _number("skirt", 0, 1, 0.5, "Length of skirts and dresses, from the hips to the floor."),
+    _names("fabric", FABRICS, f"What skirts and sleeves are made of: {', '.join(FABRICS)}."),
+    _names("extras", EXTRAS, f"What the dancers wear or carry besides: {', '.join(EXTRAS)}."),
+    _names("cloth", MOVING, "How skirts, sleeves, ribbons and long hair move: auto (simulated), or skinned (rigid)."),
 )
 """What dancers wear and look like, under the same prefix: drawn in any style."""
 CLOTHES_NAMES: Final = tuple(row.address for row in _CLOTHES_ROWS)

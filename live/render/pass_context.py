@@ -91,6 +91,9 @@ class ScenePass:
     def draw_shadows(self) -> None:
         """Draw shadows into the bound layers of the floor; also called while inactive."""
 
+    def draw_mirrored(self) -> None:
+        """Draw what the floor mirrors into the bound target, upside down; also called while inactive."""
+
     def prepare(self, moment: Moment) -> None:
         """Draw into the pass's own textures, before the picture."""
 

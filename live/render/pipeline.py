@@ -31,6 +31,7 @@ from live.render.passes.custom_pass import CustomPass
 from live.render.passes.dancer_pass import DancerPass, GBufferPass, MultisampleTarget, light_variant
 from live.render.passes.floor_pass import FloorPass, ReflectionPass
 from live.render.passes.focus_pass import FocusPass
+from live.render.passes.garment_pass import GarmentPass
 from live.render.passes.ink_pass import InkPass
 from live.render.passes.plan_pass import PlanPass
 from live.render.passes.scenery_pass import SceneryPass
@@ -143,8 +144,8 @@ class PassChain:
 
 
 SCENE_PASSES: Final[tuple[Callable[[PassSetup], ScenePass], ...]] = (
-    ItemPass, SceneryPass, BackgroundPass, StylePasses, RipplePass, ConstellationPass, BeamPass, PlanPass, TitlePass,
-    FrontPass,
+    GarmentPass, ItemPass, SceneryPass, BackgroundPass, StylePasses, RipplePass, ConstellationPass, BeamPass, PlanPass,
+    TitlePass, FrontPass,
 )  # fmt: skip
 """Scene passes, in drawing order."""
 _STAGE_PASSES: Final = (SceneryPass, BackgroundPass, RipplePass, PlanPass, FrontPass)
@@ -188,6 +189,7 @@ class Pipeline:
         self._beams = next(one for one in self._scene_passes if isinstance(one, BeamPass))
         self.floor.casters = [one.draw_shadows for one in self._scene_passes]
         self._open_air = False
+        self._mirror.mirrored = [one.draw_mirrored for one in self._scene_passes]
         self.set_camera(scene.camera)
 
     def set_stage(self, stage_size: tuple[float, float], items: tuple[SetItem, ...]) -> None:

@@ -35,6 +35,8 @@ class Stage(IntEnum):
     TICK = 17
     """The whole tick. Its breaker is tripped last; then the show stands still and only its clock runs."""
     EXPRESSION = 18
+    CLOTH = 19
+    SPRINGS = 20
     DRAWING = 32
     """A frame is drawn and no tick is running. The supervisor handles failures here."""
 
@@ -57,6 +59,8 @@ EFFECTS: Final = {
     Stage.REACTIONS: "nothing reacts to the music",
     Stage.LIGHT: "the blackout does not fade",
     Stage.EXPRESSION: "faces and hands keep still",
+    Stage.CLOTH: "skirts, sleeves, ribbons and long hair are fixed to the body",
+    Stage.SPRINGS: "hair and skirts of characters do not swing",
     Stage.TICK: "the dance stands still",
 }
 """The visible effect while a stage is out of service."""

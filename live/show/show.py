@@ -26,8 +26,10 @@ if TYPE_CHECKING:
     from live.graph.motion_graph import MotionGraph
     from live.show.audience.audience import Audience
     from live.show.capture.capture_manager import CaptureManager
+    from live.show.dancers.character_springs import CharacterSprings
     from live.show.dancers.dancers import Dancers
     from live.show.dancers.expression import Expression
+    from live.show.dancers.garments import Garments
     from live.show.dancers.step_requests import StepRequests
     from live.show.dancers.variation import Variation
     from live.show.desk.launcher import Launcher
@@ -66,6 +68,7 @@ class Show:
     motion: "GroupMotion"
     variation: "Variation"
     dancers: "Dancers"
+    garments: "Garments"
     scheduler: "Scheduler"
     interrupts: "Interrupts"
     directions: "StepRequests"
@@ -77,6 +80,7 @@ class Show:
     view_builder: "ViewBuilder"
     expression: "Expression"
     launcher: "Launcher"
+    springs: "CharacterSprings"
     frame: "Frame"
     """The stages, in their order."""
 

@@ -24,7 +24,7 @@ from pathlib import Path
 from live.app.machine import kernel_build
 from live.base.disk import kernel_store
 from live.cli.main import main
-files = ("base/scalar_kernels.py", "motion/yaw_kernels.py")
+files = ("base/scalar_kernels.py", "motion/pose/yaw_kernels.py")
 found = [Path(kernel_store.__file__).parents[2] / name for name in files]
 kernel_store.kernel_files = kernel_build.kernel_files = lambda: found
 main()

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.motion.yaw_kernels import yaw_rotate
+from live.motion.pose.yaw_kernels import yaw_rotate
 
 
 @given(st.floats(-4, 4), st.floats(-4, 4), st.floats(-7, 7))

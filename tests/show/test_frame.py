@@ -7,7 +7,20 @@ from live.show.circuit_breakers import EFFECTS, Stage
 from tests.show.made_show import made_show
 
 PLAN = ["DESK", "AUDIENCE", "DESK", "SCORE", "DESK", "EDITS", "SELECTION", "INTERRUPTS", "MEASURE"]
-MOTION = ["STEERING", "STEERING", "PARTNERS", "CORRECTION", "DANCERS", "CAPTURE", "PARTNERS", "LIGHT", "OUTSIDE"]
+MOTION = [
+    "STEERING",
+    "STEERING",
+    "PARTNERS",
+    "CORRECTION",
+    "DANCERS",
+    "CAPTURE",
+    "PARTNERS",
+    "EXPRESSION",
+    "SPRINGS",
+    "CLOTH",
+    "LIGHT",
+    "OUTSIDE",
+]
 LINE = [
     "DESK", "SCORE", "DESK", "CORRECTION", "DANCERS", "EDITS", "MEASURE", "SCORE", "PARTNERS", "DESK", "VARIATION",
     "SELECTION", "STEERING", "CORRECTION", "REACTIONS", "DESK", "AUDIENCE",

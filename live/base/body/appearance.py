@@ -25,5 +25,11 @@ HAIRS: Final = ("bun", "bald", "crop", "bob", "ponytail", "long", "curls", "brai
 """Hair styles; the first is the default."""
 COSTUMES: Final = ("leotard", "unitard", "trousers", "dress", "skirt", "jacket", "bare")
 """Costumes; the first is the default. `bare`: shorts, and for women a top."""
+FABRICS: Final = ("cotton", "silk", "wool", "tulle")
+"""What skirts and sleeves are made of; the first is the default."""
+EXTRAS: Final = ("none", "sleeves", "ribbons", "sleeves and ribbons")
+"""What dancers wear on their arms or carry; the first is the default."""
+MOVING: Final = ("auto", "skinned")
+"""How skirts, sleeves, ribbons and long hair move: by simulation as far as there is time, or fixed to the body."""
 SHOES: Final = ("barefoot", "ballet", "pumps", "sneakers", "boots")
 """What dancers have on their feet; the first is the default."""

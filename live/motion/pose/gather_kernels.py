@@ -18,7 +18,7 @@ from live.motion.pose.foot_lock_kernels import (
 from live.motion.pose.footstep_kernels import shift_between
 from live.motion.pose.turn_kernels import place_clip
 from live.motion.pose.warp_curve_kernels import curve_place, share_between, warped_shift
-from live.motion.yaw_kernels import yaw_rotate
+from live.motion.pose.yaw_kernels import yaw_rotate
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

@@ -12,7 +12,7 @@ from live.base.jit import kernel
 from live.motion.pose.foot_lock_kernels import held_foot_shifts
 from live.motion.pose.footstep_kernels import AIM_SHARE, AIM_X, AIM_Z, SETTLED, SETTLED_X, SETTLED_Z, foot_shift
 from live.motion.pose.warp_curve_kernels import warp_share, warped_shift
-from live.motion.yaw_kernels import yaw_rotate
+from live.motion.pose.yaw_kernels import yaw_rotate
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

@@ -12,7 +12,7 @@ import numpy.typing as npt
 from live.base.jit import kernel
 from live.base.scalar_kernels import ease
 from live.motion.pose.warp_curve_kernels import warp_share, warped_shift
-from live.motion.yaw_kernels import yaw_rotate
+from live.motion.pose.yaw_kernels import yaw_rotate
 
 Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]

@@ -175,7 +175,7 @@ def build_body(level: int, name: str = DEFAULT_BODY) -> BodyMesh:
 
 def cached_mesh(key: str, build: Callable[[], BodyMesh]) -> BodyMesh:
     """Return the mesh of the disk cache that was built under this key by the present code, else build and store it."""
-    entry = _CACHE.entry_path(_code_digest(), [key.encode()])
+    entry = _CACHE.entry_path(code_digest(), [key.encode()])
     mesh = _CACHE.load(entry, _unpack)
     if mesh is None:
         mesh = build()
@@ -184,8 +184,8 @@ def cached_mesh(key: str, build: Callable[[], BodyMesh]) -> BodyMesh:
 
 
 @cache
-def _code_digest() -> bytes:
-    """Digest of the code that builds bodies."""
+def code_digest() -> bytes:
+    """Return the digest of the code that builds bodies."""
     here = Path(__file__).resolve().parent
     package = here.parents[1]
     return digest_of_code([here, package / "base" / "body", package / "motion" / "skeleton.py"])

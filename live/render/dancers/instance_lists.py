@@ -9,7 +9,7 @@ from typing import Final
 import moderngl
 import numpy as np
 
-from live.base.arrays import Float32, Int32
+from live.base.arrays import Float32, Int32, UInt8
 from live.base.stage_snapshot import Camera, StageView
 from live.render.adaptive_quality import Quality
 from live.render.camera import view_matrix, world_to_clip
@@ -102,6 +102,11 @@ class InstanceLists:
         self._buffers: dict[tuple[int, int], moderngl.Buffer] = {}
         self._at = {name: at for at, name in enumerate(LISTS)}
         self._counts: list[list[int]] = self._count.tolist()
+
+    @property
+    def visibility(self) -> UInt8:
+        """Bits of `render_kernels` for each dancer of this frame, shape (A,)."""
+        return self._seen
 
     def count(self, name: str, kind: int) -> int:
         """Return the number of pieces of a kind on a list."""

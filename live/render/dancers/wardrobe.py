@@ -1,7 +1,7 @@
 """What dancers wear, for the shaders: each dancer's colours, and the cut of their costume and shoes.
 
 A dancer has `WARDROBE_TEXELS` texels of four bytes: the materials as square roots of linear RGB and sheen; group and
-chance; then the cut as numbers from 0 to 1, which `includes/surface.glsl` reads as lengths on the body in the rest
+chance; then the cut as numbers from 0 to 1, which `shaders/surface` reads as lengths on the body in the rest
 pose. All costumes are drawn by the same few lines there, so that a software renderer does not pay for each of them.
 """
 

@@ -186,6 +186,8 @@ class ReflectionPass:
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int], divisor: int, *, characters: bool = False) -> None:
         self._ctx, self._divisor = ctx, divisor
+        self.mirrored: list[Callable[[], None]] = []
+        """What else is mirrored: each draws into the bound target."""
         self._programs = [
             compile_program(ctx, "mirror_vertex.glsl", "mirror_fragment.glsl", (("SOFT", 0), ("STYLED", styled)))
             for styled in (0, 1)
@@ -236,6 +238,8 @@ class ReflectionPass:
             "mirrored",
             character_program=self._character_programs[styled] if self._character_programs else None,
         )
+        for draw in self.mirrored:
+            draw()
         self._ctx.front_face = "ccw"
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         self._result.use()

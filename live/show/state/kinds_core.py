@@ -52,6 +52,7 @@ from live.clock.follower.tracker_inputs import BarPointerInput, ConsensusInput
 from live.clock.tap_tempo import TapTempo
 from live.clock.timeline import Grid, Timeline
 from live.graph.search.sequence_spec import SequenceEntry
+from live.motion.cloth.garment_batch import GarmentBatch
 from live.motion.partner_live.hand_holds import LiveHandHolds
 from live.motion.partner_live.online_decoder import OnlineDecoder
 from live.motion.partner_live.online_player import FloorTransform, LivePartner
@@ -166,8 +167,12 @@ KINDS: Final = [
         gates:row[gate] state:i1(presence) goal:f4 _gate:i4(gate) _size:tuple[float,float] _exit_bounds:f4
     """),
     Kind("gate", Gate, "name:str x:float z:float width:float out_x:float out_z:float"),
+    Kind("garment-batch", GarmentBatch, """
+        rows:i4(dancer)* count:int position:f4* velocity:f4* joints:f4* carrier:f4* fresh:u1*
+    """, {"compiled": no_value, "_limbs": no_value, "_rest": no_value, "_sections": list}),
     Kind("stage-view", StageView, """
-        joint_position:f4 joint_rotation:f4 group:i4 present:b1 face:f4 hand:f4 appearance:i4 element_kind:i4
+        joint_position:f4 joint_rotation:f4 group:i4 present:b1 face:f4 hand:f4 spring:f4* spring_slot:i4 appearance:i4
+        cloth_position:f4* cloth_garment:i4* element_kind:i4
         element_position:f4 element_level:f4
         element_radius:f4 element_strength:f4 element_flow:i4 element_first:i4 element_corners:i4 element_corner:f4
         element_count:int light:f4 light_count:int obstacle:f4 obstacle_count:int wall:f4 wall_count:int time:float

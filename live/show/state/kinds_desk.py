@@ -9,6 +9,7 @@ from live.show.audience.audience import TouchCluster as AudiencePlace
 from live.show.audience.voting import Turn, Vote, VoteNames
 from live.show.audience.words import ShownWord, Words
 from live.show.circuit_breakers import CircuitBreakers, Stage
+from live.show.dancers.garments import Garments
 from live.show.dancers.step_requests import StepRequests
 from live.show.desk.camera_directions import Stand, ViewComparison
 from live.show.desk.camera_director import CameraDirector
@@ -55,12 +56,14 @@ from live.show.stages.calls import Calls
 from live.show.stages.crowd_stage import CrowdStage, GroupStage
 from live.show.stages.dancers_stage import DancersStage
 from live.show.stages.event_router import EventRouter
+from live.show.stages.garments_stage import GarmentsStage
 from live.show.stages.hot_swap import HotSwap
 from live.show.stages.light_stage import LightStage
 from live.show.stages.measure_lines import MeasureBegin, MeasureLines
 from live.show.stages.measure_span import MeasureSpan
 from live.show.stages.plan_stage import PlanStage
 from live.show.stages.show_clock import ShowClock
+from live.show.stages.springs_stage import SpringsStage
 from live.show.stages.step_selection import StepSelection
 from live.show.stages.tripped_stages import TrippedStages
 from live.show.state import consistency as whole
@@ -116,17 +119,19 @@ KINDS: Final = [
     """),
     Kind("show", Show, """
         seed:int breakers:breakers refusals:refusals clock:show-clock casting:casting reactions:reactions
-        score_runner:prompter motion:group-motion variation:variation dancers:dancers scheduler:scheduler
-        interrupts:interrupts directions:directions mocap:mocap desk:desk audience:audience light:light
-        hot_swap:hot-swap view_builder:seen expression:expression launcher:launcher frame:frame
+        score_runner:prompter motion:group-motion variation:variation dancers:dancers garments:garments
+        scheduler:scheduler interrupts:interrupts directions:directions mocap:mocap desk:desk audience:audience
+        light:light hot_swap:hot-swap view_builder:seen expression:expression launcher:launcher
+        springs:character-springs frame:frame
     """),
     Kind("frame", Frame, """
         breakers:breakers router:event-router clock:show-clock measure_lines:measure-lines plan:plan-stage
-        group:group-stage crowd:crowd-stage dancers:dancers-stage light:light view_builder:seen motion:group-motion
-        tripped:tripped-stages
+        group:group-stage crowd:crowd-stage dancers:dancers-stage springs:springs-stage garments:garments-stage
+        light:light view_builder:seen motion:group-motion tripped:tripped-stages
     """),
+    Kind("springs-stage", SpringsStage, "_breakers:breakers _springs:character-springs"),
     Kind("event-router", EventRouter, """
-        _parts:row[audience|desk|directions|elements|group-controls|hot-swap|launcher|light|mocap|score-requests|seen|expression|show-clock|tripped-stages]
+        _parts:row[audience|desk|directions|elements|garments|group-controls|hot-swap|launcher|light|mocap|score-requests|seen|expression|show-clock|tripped-stages]
         _clock:show-clock _motion:group-motion _undo_history:edits _refusals:refusals
     """, factories={"_handlers": dict, "observers": list}, after_read=EventRouter.build_table),
     Kind("show-clock", ShowClock, """
@@ -135,10 +140,19 @@ KINDS: Final = [
     """),
     Kind("hot-swap", HotSwap, """
         patch:constant-patch graph:constant-motion-graph answers:constant-answer-bank
-        parts:row[audience|casting|dancers|desk|directions|group-controls|group-motion|interrupts|launcher|mocap|prompter|reactions|scheduler|seen|variation]
+        parts:row[audience|casting|dancers|desk|directions|garments|group-controls|group-motion|interrupts|launcher|mocap|prompter|reactions|scheduler|seen|variation]
         graph_updates:new-steps patch_updates:reloading _dancers:dancers _scheduler:scheduler _motion:group-motion
         _seed:int
     """, factories={"_assemble": no_value}),
+    Kind("garments", Garments, """
+        _division:division _parameters:parameters _appearances:appearances _seed:int _bodies:row[str]
+        simulated:dict[str,garment-batch] substeps:int _measure:int _joint_position:f4 _joint_rotation:f4 _hips:f4
+        _seen:b1 _chosen:b1
+    """, factories={"_skinned": dict, "_known": no_value}, after_read=Garments.rebuild,
+         is_consistent=Garments.is_consistent),
+    Kind("garments-stage", GarmentsStage, """
+        _breakers:breakers _garments:garments _dancers:dancers _motion:group-motion
+    """),
     Kind("light", LightStage, "blackout:bool brightness:float _breakers:breakers"),
     Kind("calls", Calls, """
         _breakers:breakers _router:event-router _beat_scheduler:agenda _desk:desk _launcher:launcher
@@ -301,6 +315,7 @@ KINDS: Final = [
     Kind("seen", ViewBuilder, """
         _dancers:dancers _motion:group-motion _division:division _desk:desk _audience:audience _light:light
         _follower:timeline-follower _frozen_view:stage-view|none _appearances:appearances _expression:expression
+        _garments:garments _springs:character-springs
     """, factories={"_easing": ArmEasing}),
     Kind("spots", Spots, "_parameters:parameters _followers:row[chase] _levels:list[int]"),
     Kind("subgroup", Subgroup, """

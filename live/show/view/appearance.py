@@ -65,7 +65,7 @@ def draw_appearances(said: Float64, part: Int32, seed: int) -> Int32:
     chance = np.random.default_rng([seed, _SEED]).random((len(part), APPEARANCE_SIZE))
     rows = np.full((len(part), APPEARANCE_SIZE), BY_CHANCE, np.int32)
     for place, name in _NAMES.items():
-        rows[:, place] = _pick(said[part, column[name]].astype(np.int64), chance[:, place])
+        rows[:, place] = pick_names(said[part, column[name]].astype(np.int64), chance[:, place])
     for place, (tone, variety) in _TONES.items():
         level = said[part, column[tone]] + said[part, column[variety]] * (chance[:, place] - 0.5)
         rows[:, place] = np.rint(255.0 * np.clip(level, 0.0, 1.0))
@@ -73,7 +73,7 @@ def draw_appearances(said: Float64, part: Int32, seed: int) -> Int32:
     return rows
 
 
-def _pick(names: np.ndarray[tuple[int, ...], np.dtype[np.int64]], chance: Float64) -> Int32:
+def pick_names(names: np.ndarray[tuple[int, ...], np.dtype[np.int64]], chance: Float64) -> Int32:
     """Return for each dancer the place of one of the bits in `names` (A,), evenly by `chance` (A,) of 0 to 1."""
     bits = (names[:, None] >> np.arange(16)) & 1
     wanted = np.floor(chance * bits.sum(axis=1)).astype(np.int64)  # how many set bits come before it

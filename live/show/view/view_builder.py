@@ -21,8 +21,10 @@ from live.show.stages.now import Now
 if TYPE_CHECKING:
     from live.clock.follower.timeline_follower import TimelineFollower
     from live.show.audience.audience import Audience
+    from live.show.dancers.character_springs import CharacterSprings
     from live.show.dancers.dancers import Dancers
     from live.show.dancers.expression import Expression
+    from live.show.dancers.garments import Garments
     from live.show.desk.light_desk import LightDesk
     from live.show.group.group_motion import GroupMotion
     from live.show.stages.light_stage import LightStage
@@ -62,11 +64,13 @@ class ViewBuilder:
         follower: "TimelineFollower",
         appearances: "Appearances",
         expression: "Expression",
+        garments: "Garments",
+        springs: "CharacterSprings",
     ) -> None:
         self._expression = expression
         self._dancers, self._motion, self._division, self._desk = dancers, motion, division, desk
         self._audience, self._light, self._follower = audience, light, follower
-        self._appearances = appearances
+        self._appearances, self._garments, self._springs = appearances, garments, springs
         self._frozen_view: StageView | None = None
         self._easing = ArmEasing()
 
@@ -74,6 +78,7 @@ class ViewBuilder:
         """Return an empty drawing snapshot of the right size, to be filled each frame."""
         view = StageView.allocate(len(self._division.part), JOINT_COUNT)
         view.picture = self._desk.parameters.picture.copy()
+        self._springs.prepare(view)
         return view
 
     @property
@@ -116,11 +121,13 @@ class ViewBuilder:
             detail=None if view.detailed or view.picture is None else motion_detail(view.picture, hips),
             easing=self._easing,
         )
+        self._springs.show(view, time - now.time)
         self._motion.show(view)
         seen = EVERYWHERE if view.detailed or view.picture is None else face_distance(view.picture)
         self._expression.show(view, time, now, seen)
         view.group[:] = self._division.part
         view.appearance[:] = self._appearances.rows()
+        self._garments.show(view, min(max(time - now.time, 0.0), MAX_EXTRAPOLATION))
         view.time, view.beat, view.tempo = time, beat, self._follower.tempo
         view.measure, view.beats_per_measure = span.number, timeline.beats_per_measure
         view.phase = fraction * timeline.beats_per_measure
@@ -158,6 +165,7 @@ class ViewBuilder:
             *self._expression.hashed(),
             *self._desk.hashed(),
             *(part for captured in dancers.captured.values() for part in captured.hashed()),
+            *self._garments.hashed(),
         )  # fmt: skip
 
 
@@ -199,6 +207,9 @@ def _copy_view(still: StageView, view: StageView) -> None:
             continue
         kept, there = getattr(still, field.name), getattr(view, field.name)
         if isinstance(kept, np.ndarray) and there is not None:
-            there[...] = kept
+            if kept.shape == there.shape:
+                there[...] = kept
+            else:  # another number of garments
+                setattr(view, field.name, kept.copy())
         else:
             setattr(view, field.name, kept)

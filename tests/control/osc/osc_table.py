@@ -180,7 +180,8 @@ def parameter_controls():
             types, words = "i", [str(int(numbers[0]))]
         elif row.kind == "names":
             names = list(row.choices)
-            types, words, numbers = "s", [f"{names[0]} + {names[2]}"], [5.0]
+            other = names[min(2, len(names) - 1)]
+            types, words, numbers = "s", [f"{names[0]} + {other}"], [row.choices[names[0]] + row.choices[other]]
         else:
             types, words = "d" * row.size, [repr(number) for number in numbers]
         others = {}

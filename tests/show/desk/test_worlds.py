@@ -11,7 +11,7 @@ from live.show.desk.scenes import start_row
 from live.show.desk.worlds import BY_NAME, WORLD_PARAMETERS, WORLDS, is_drawing_style, world_values
 from live.show.patch.patch_search_path import PatchError
 from tests.show.desk.desk_show import DeskSession
-from tests.show.made_show import PATCH, made_show
+from tests.show.made_show import made_show
 
 
 def look(text):
@@ -47,11 +47,8 @@ def test_show_that_begins_in_a_world_equals_one_that_has_faded_to_it(name):
 
 
 def test_own_look_and_own_drawing_stay_as_the_patch_says():
-    patch = made_show(
-        look('world = "constellation"\nrim = 2.5\n[picture.set]\n"/dance/pass/mirror" = 0.9')
-        + PATCH.split("[[group]]")[0].replace('name = "test"', "").replace("seed = 3", "").replace("reserve = 0", "")
-        .replace("[clock]\nbpm = 120", "")
-    ).patch  # fmt: skip
+    own = 'world = "constellation"\nrim = 2.5\n[picture.set]\n"/dance/pass/mirror" = 0.9'
+    patch = made_show(look(own)).patch
     row = start_row(patch)
     assert row[BY_ADDRESS["/dance/light/rim"].first] == 2.5
     assert row[BY_ADDRESS["/dance/pass/mirror"].first] == 0.9

@@ -50,7 +50,7 @@ vec4 face_colour(vec3 rest, int dancer, bool painted) {
     float bright = dot(colour, vec3(0.3, 0.6, 0.1));
     // blood: cheeks, tip of the nose, chin; cooler around the eyes
     vec2 cheek = vec2(s - 0.045, y - 1.562) / vec2(0.019, 0.016), tip = vec2(s, y - 1.558) / vec2(0.013, 0.010);
-    float warm = bulge(dot(cheek, cheek)) * 0.9 + bulge(dot(tip, tip)) * 0.5 * smoothstep(0.09, 0.10, rest.z);
+    float warm = bulge(dot(cheek, cheek)) * 0.65 + bulge(dot(tip, tip)) * 0.5 * smoothstep(0.09, 0.10, rest.z);
     colour *= mix(vec3(1.0), vec3(1.05, 0.915, 0.90), warm * front);
     vec2 eye = vec2(s, y) - EYE_AT;
     vec2 socket = (eye - vec2(-0.003, 0.002)) / vec2(0.021, 0.0135);

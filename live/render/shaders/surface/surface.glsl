@@ -7,6 +7,9 @@ vec4 material(int which, int dancer) {
     return texelFetch(wardrobe, ivec2(which + dancer / wardrobe_rows * 9, dancer % wardrobe_rows), 0);
 }
 
+#ifdef GARMENT
+#include "garment_surface.glsl"
+#else
 #ifdef WORN
 uniform sampler2DArray images;   // square roots of colours
 #ifdef VERTEX
@@ -123,5 +126,6 @@ vec4 surface(vec3 rest, int dancer, int part) {
 
 // How far a place on the body is from a border of her clothes, in the rest pose [m].
 float seams(vec3 rest, int dancer) { return worn_at_place(rest, dancer).border; }
+#endif
 #endif
 #endif

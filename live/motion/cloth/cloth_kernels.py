@@ -1,0 +1,377 @@
+"""Kernels of garments: extended position-based dynamics in small steps, with contact of the own body and the floor.
+
+After Müller et al., *Position Based Dynamics* (2007), Macklin, Müller and Chentanez, *XPBD* (2016), and Macklin et al.,
+*Small Steps in Physics Simulation* (2019): each tick has several substeps with one iteration each. The length of cloth
+is limited as in Provot, *Deformation Constraints in a Mass-Spring Model* (1995), and by attachments to the fixed rows
+as in Kim, Chentanez and Müller-Fischer, *Long Range Attachments* (2012).
+
+Positions of a block are (3, P, LANES), see `limb_kernels`. A *run* is a number of particles that lie one after the
+other, with as many partners that do, too: one loop projects all constraints between them. No particle is in a run
+twice, so the order within it does not matter.
+"""
+
+import math
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import inline_kernel, kernel
+from live.motion.cloth.limb_kernels import (
+    AXES,
+    BACKS,
+    BOUND,
+    CAPS,
+    FRONTS,
+    JOINT_ROWS,
+    LANES,
+    LENGTH,
+    LIMB_ROWS,
+    MIDDLE,
+    PER_LENGTH,
+    SIDES,
+    gather_joints,
+    interpolate_joints,
+    place_bridges,
+    place_limbs,
+    skin_particles,
+)
+
+Float32 = npt.NDArray[np.float32]
+Int32 = npt.NDArray[np.int32]
+Uint8 = npt.NDArray[np.uint8]
+
+COLUMNS = 32
+"""Most particles in a row of a garment."""
+WIDTH = COLUMNS * LANES
+EXACT, AT_MOST = 0, 1
+"""Kinds of a run: a length, or an upper limit of one."""
+RUN_KIND, RUN_FIRST, RUN_SECOND, RUN_COUNT = range(4)
+"""Columns of `runs`."""
+REST, COMPLIANCE, FIRST_MASS, SECOND_MASS = range(4)
+"""Columns of `amounts`: length [m], compliance [m/N] of a particle of 1 kg, inverse masses of both ends [1/kg]."""
+CONTACT_FIRST, CONTACT_COUNT, CONTACT_LIMB, CONTACT_MIDDLES = range(4)
+"""Columns of `contacts`: the particles of a row, their number, the limb, and what keeps out of it: …"""
+PARTICLES, OPEN, CLOSED = range(3)
+"""… the particles, the middles between neighbours, or these and the one between the last and the first."""
+DRAG, GRAVITY, THICKNESS, FLOOR, FLOOR_FRICTION = range(5)
+"""Entries of `matter`: drag of the air [1/s], acceleration [m/s2], distance kept from the body and height kept over the
+floor [m], share of the speed along the floor that is lost in a substep."""
+MATTER_COLUMNS = 5
+_ZERO: Any = np.float32(0.0)
+_HALF: Any = np.float32(0.5)
+_ONE: Any = np.float32(1.0)
+_TWO: Any = np.float32(2.0)
+_TINY: Any = np.float32(1e-12)
+_RUNAWAY: Any = np.float32(1e4)
+_FASTEST: Any = np.float32(9.0)  # no cloth is faster [m/s]; feet of the fastest kicks are as fast
+
+
+@kernel("void(f4[:,::1], i4[:,::1], f4[:,::1], f4)")
+def project_runs(places: Float32, runs: Int32, amounts: Float32, per_step: float) -> None:
+    """Project the constraints of all `runs` (K, 4) once, in their order; places (3, P LANES).
+
+    `per_step`: 1 / h², by which the compliance of `amounts` (K, 4) is multiplied for substeps of h [s].
+    """
+    x, y, z = places[0], places[1], places[2]
+    for k in range(runs.shape[0]):
+        first, second, n = runs[k, RUN_FIRST] * LANES, runs[k, RUN_SECOND] * LANES, runs[k, RUN_COUNT] * LANES
+        lowest = -np.float32(np.inf) if runs[k, RUN_KIND] == EXACT else _ZERO
+        rest, wa, wb = amounts[k, REST], amounts[k, FIRST_MASS], amounts[k, SECOND_MASS]
+        share = _ONE / (wa + wb + amounts[k, COMPLIANCE] * per_step)
+        wa, wb = wa * share, wb * share
+        ax, ay, az = x[first : first + n], y[first : first + n], z[first : first + n]
+        bx, by, bz = x[second : second + n], y[second : second + n], z[second : second + n]
+        for i in range(n):
+            dx, dy, dz = bx[i] - ax[i], by[i] - ay[i], bz[i] - az[i]
+            far = max(_ONE - rest / math.sqrt(dx * dx + dy * dy + dz * dz + _TINY), lowest)
+            dx, dy, dz = dx * far, dy * far, dz * far
+            ax[i] += wa * dx
+            ay[i] += wa * dy
+            az[i] += wa * dz
+            bx[i] -= wb * dx
+            by[i] -= wb * dy
+            bz[i] -= wb * dz
+
+
+@inline_kernel
+def _tile(tile: Float32, limbs: Float32, k: int, columns: int) -> None:
+    """Repeat the rows of limb k of (LIMB_ROWS, K, LANES) along `tile` (LIMB_ROWS, WIDTH), so many times."""
+    for row in range(LIMB_ROWS):
+        own = limbs[row, k]
+        for column in range(columns):
+            for i in range(LANES):
+                tile[row, column * LANES + i] = own[i]
+
+
+@kernel("void(f4[::1], f4[::1], i8, i8, i8)")
+def _middles(row: Float32, out: Float32, half: int, n: int, closed: int) -> None:
+    """Compute the middles between neighbours of a row of n numbers, whose even columns are the first `half`: those from
+    an even column to the next odd one, then those from an odd one to the next even one; out (n,)."""
+    even, odd = row[:half], row[half:n]
+    for i in range(n - half):
+        out[i] = _HALF * (even[i] + odd[i])
+    later, after = even[LANES:], out[n - half :]
+    for i in range(half - LANES):
+        after[i] = _HALF * (odd[i] + later[i])
+    for i in range(closed):
+        out[n - closed + i] = _HALF * (odd[half - LANES + i] + even[i])
+
+
+@kernel("void(f4[::1], f4[::1], i8, i8, i8)")
+def _push_both(row: Float32, push: Float32, half: int, n: int, closed: int) -> None:
+    """Add the pushes of middles, in the order of `_middles`, to both their particles."""
+    even, odd = row[:half], row[half:n]
+    for i in range(n - half):
+        even[i] += push[i]
+        odd[i] += push[i]
+    later, after = even[LANES:], push[n - half :]
+    for i in range(half - LANES):
+        odd[i] += after[i]
+        later[i] += after[i]
+    for i in range(closed):
+        odd[half - LANES + i] += push[n - closed + i]
+        even[i] += push[n - closed + i]
+
+
+@inline_kernel
+def _any_near(limb: Float32, at: Float32, n: int) -> Any:
+    """Return whether any of the first n places `at` (3, WIDTH) may touch its limb, (LIMB_ROWS, WIDTH)."""
+    near = np.int32(0)
+    for i in range(n):
+        dx, dy, dz = at[0, i] - limb[MIDDLE, i], at[1, i] - limb[MIDDLE + 1, i], at[2, i] - limb[MIDDLE + 2, i]
+        along = limb[AXES + 3, i] * dx + limb[AXES + 4, i] * dy + limb[AXES + 5, i] * dz
+        s = min(max(along, _ZERO), limb[LENGTH, i])
+        near |= np.int32(dx * dx + dy * dy + dz * dz - s * (_TWO * along - s) < limb[BOUND, i])
+    return near != 0
+
+
+@inline_kernel
+def _push_out(limb: Float32, at: Float32, push: Float32, n: int, thickness: Any) -> None:
+    """Compute how far the first n places `at` (3, WIDTH) have to move out of their limbs, `push` likewise."""
+    for i in range(n):
+        dx, dy, dz = at[0, i] - limb[MIDDLE, i], at[1, i] - limb[MIDDLE + 1, i], at[2, i] - limb[MIDDLE + 2, i]
+        side = limb[AXES, i] * dx + limb[AXES + 1, i] * dy + limb[AXES + 2, i] * dz
+        along = limb[AXES + 3, i] * dx + limb[AXES + 4, i] * dy + limb[AXES + 5, i] * dz
+        front = limb[AXES + 6, i] * dx + limb[AXES + 7, i] * dy + limb[AXES + 8, i] * dz
+        s = min(max(along * limb[PER_LENGTH, i], _ZERO), _ONE)
+        along -= s * limb[LENGTH, i]
+        rs = limb[SIDES, i] + s * (limb[SIDES + 1, i] + s * (limb[SIDES + 2, i] + s * limb[SIDES + 3, i]))
+        rf = limb[FRONTS, i] + s * (limb[FRONTS + 1, i] + s * (limb[FRONTS + 2, i] + s * limb[FRONTS + 3, i]))
+        rb = limb[BACKS, i] + s * (limb[BACKS + 1, i] + s * (limb[BACKS + 2, i] + s * limb[BACKS + 3, i]))
+        rf = rf if front > _ZERO else rb
+        ra = limb[CAPS + 1, i] if along > _ZERO else limb[CAPS, i]
+        us, ua, uf = side * rs, along * ra, front * rf
+        k0 = math.sqrt(us * us + ua * ua + uf * uf)
+        gs, ga, gf = us * rs, ua * ra, uf * rf
+        k1 = _ONE / math.sqrt(gs * gs + ga * ga + gf * gf + _TINY)
+        far = max(thickness - k0 * (k0 - _ONE) * k1, _ZERO) * k1
+        gs, ga, gf = gs * far, ga * far, gf * far
+        push[0, i] = limb[AXES, i] * gs + limb[AXES + 3, i] * ga + limb[AXES + 6, i] * gf
+        push[1, i] = limb[AXES + 1, i] * gs + limb[AXES + 4, i] * ga + limb[AXES + 7, i] * gf
+        push[2, i] = limb[AXES + 2, i] * gs + limb[AXES + 5, i] * ga + limb[AXES + 8, i] * gf
+
+
+@kernel("void(f4[:,::1], i4[:,::1], f4[:,:,::1], f4)")
+def keep_out(places: Float32, contacts: Int32, limbs: Float32, thickness: float) -> None:
+    """Push rows of particles, and middles between neighbours, to `thickness` [m] outside the limbs.
+
+    places (3, P LANES); contacts (C, 4), sorted by limb; limbs (LIMB_ROWS, K, LANES). A limb is an ellipse across and
+    round at its ends; the distance is of first order, k0 (k0 - 1) / k1.
+    """
+    limb, at = np.empty((LIMB_ROWS, WIDTH), np.float32), np.empty((3, WIDTH), np.float32)
+    push = np.empty((3, WIDTH), np.float32)
+    tiled, columns = -1, 1
+    for c in range(contacts.shape[0]):
+        columns = contacts[c, CONTACT_COUNT] if contacts[c, CONTACT_COUNT] > columns else columns
+    for c in range(contacts.shape[0]):
+        first, middles = contacts[c, CONTACT_FIRST] * LANES, contacts[c, CONTACT_MIDDLES]
+        if contacts[c, CONTACT_LIMB] != tiled:
+            tiled = contacts[c, CONTACT_LIMB]
+            _tile(limb, limbs, tiled, min(columns, COLUMNS))
+        width = min(int(contacts[c, CONTACT_COUNT]), COLUMNS) * LANES
+        half = (width // LANES + 1) // 2 * LANES
+        closed = LANES if middles == CLOSED else 0
+        n = width
+        if middles:
+            n = width - LANES + closed
+            for axis in range(3):
+                _middles(places[axis, first : first + width], at[axis], half, width, closed)
+        else:
+            for axis in range(3):
+                row, to = places[axis, first : first + width], at[axis]
+                for i in range(n):
+                    to[i] = row[i]
+        if not _any_near(limb, at, n):
+            continue
+        _push_out(limb, at, push, n, thickness)
+        for axis in range(3):
+            row, out = places[axis, first : first + width], push[axis]
+            if middles:
+                _push_both(row, out, half, width, closed)
+            else:
+                for i in range(n):
+                    row[i] += out[i]
+
+
+@kernel("void(f4[::1], f4[::1], f4[::1], f4, f4, f4)")
+def _predict(x: Float32, old: Float32, v: Float32, kept: float, added: float, h: float) -> None:
+    for i in range(x.shape[0]):
+        old[i] = x[i]
+        v[i] = v[i] * kept + added
+        x[i] += h * v[i]
+
+
+@kernel("void(f4[:,::1], f4[:,::1], f4[:,::1], f4)")
+def _set_speed(x: Float32, old: Float32, v: Float32, per_h: float) -> None:
+    """Compute the speed of all particles, (3, P LANES) each, at most _FASTEST."""
+    ax, ay, az, bx, by, bz, vx, vy, vz = x[0], x[1], x[2], old[0], old[1], old[2], v[0], v[1], v[2]
+    for i in range(ax.shape[0]):
+        dx, dy, dz = (ax[i] - bx[i]) * per_h, (ay[i] - by[i]) * per_h, (az[i] - bz[i]) * per_h
+        kept = min(_FASTEST / math.sqrt(dx * dx + dy * dy + dz * dz + _TINY), _ONE)
+        vx[i], vy[i], vz[i] = dx * kept, dy * kept, dz * kept
+
+
+@kernel("void(f4[:,:,::1], f4[:,:,::1], f4, f4)")
+def _keep_above_floor(x: Float32, old: Float32, floor: float, friction: float) -> None:
+    n = x.shape[1] * LANES
+    fx, fy, fz = x[0].reshape(n), x[1].reshape(n), x[2].reshape(n)
+    ox, oz = old[0].reshape(n), old[2].reshape(n)
+    for i in range(n):
+        held = friction if fy[i] < floor else _ZERO
+        fy[i] = max(fy[i], floor)
+        fx[i] += held * (ox[i] - fx[i])
+        fz[i] += held * (oz[i] - fz[i])
+
+
+@kernel("void(f4[:,:,::1], u1[::1])")
+def _mark_runaways(x: Float32, fresh: Uint8) -> None:
+    """Set fresh (LANES,) where a number of x (3, P, LANES) is not finite or absurd, and clear it elsewhere."""
+    for i in range(LANES):
+        fresh[i] = 0
+    for axis in range(3):
+        for p in range(x.shape[1]):
+            for i in range(LANES):
+                fresh[i] |= not abs(x[axis, p, i]) < _RUNAWAY
+
+
+@kernel(
+    "void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], u1[::1], f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4[:,::1],"
+    " f4[:,:,::1], i4[::1], i4[:,::1], f4[:,:,::1], i4[:,::1], f4[:,::1], f4[:,:,::1], i4[:,::1], f4[:,::1],"
+    " i4[:,::1], i4[:,::1], f4, f4)"
+)
+def _begin(
+    x: Float32, v: Float32, before: Float32, fresh: Uint8, now: Float32, placed: Float32, limb: Float32, work: Float32,
+    skin: Float32, limb_joint: Int32, bridges: Int32, limbs: Float32, by: Int32, weight: Float32, rest: Float32,
+    runs: Int32, limits: Float32, contacts: Int32, more_contacts: Int32, thickness: float, per_step: float,
+) -> None:  # fmt: skip
+    """Let the garments of a block that are `fresh` begin at rest, as skin that is brought out of the body."""
+    begins, count = 0, x.shape[1]
+    for i in range(LANES):
+        begins += fresh[i]
+    if begins == 0:
+        return
+    interpolate_joints(now, now, _ONE, placed)
+    place_limbs(placed, limb_joint, limbs, limb)
+    place_bridges(limb, bridges, work)
+    skin_particles(placed, by, weight, rest, count, skin)
+    flat = skin.reshape((3, count * LANES))
+    for _ in range(3):  # what is inside the body then would be thrown out of it
+        keep_out(flat, contacts, limb, thickness)
+        keep_out(flat, more_contacts, limb, thickness)
+        project_runs(flat, runs, limits, per_step)
+    for i in range(LANES):
+        if fresh[i] != 0:
+            x[:, :, i] = skin[:, :, i]
+            v[:, :, i] = _ZERO
+            before[:, :, i] = now[:, :, i]
+
+
+@kernel(
+    "void(f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,::1], u1[:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1],"
+    " i4[::1], i4[::1], i4[:,::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[:,::1], f4[:,::1], i8, i4[:,::1], f4[:,::1],"
+    " i4[:,::1], f4[:,::1],"
+    " i4[:,::1], f4[:,::1], i4[:,::1], i4[:,::1], f4[::1], f4[::1], i8, f4, i8, i8)"
+)
+def step_garments(
+    x: Float32,
+    v: Float32,
+    before: Float32,
+    carrier: Float32,
+    fresh: Uint8,
+    position: Float32,
+    rotation: Float32,
+    rows: Int32,
+    joints: Int32,
+    limb_joint: Int32,
+    bridges: Int32,
+    limbs: Float32,
+    rest: Float32,
+    by: Int32,
+    weight: Float32,
+    pinned: int,
+    runs: Int32,
+    amounts: Float32,
+    limit_runs: Int32,
+    limits: Float32,
+    last_runs: Int32,
+    last_limits: Float32,
+    contacts: Int32,
+    more_contacts: Int32,
+    matter: Float32,
+    wind: Float32,
+    substeps: int,
+    tick: float,
+    begin: int,
+    end: int,
+) -> None:
+    """Advance the blocks begin to end - 1 of garments of one pattern by a tick of `tick` [s].
+
+    The state: x, v (B, 3, P, LANES) [m, m/s]; before (B, 7, J, LANES), the joints at the last tick; carrier (B, 7,
+    LANES), the first joint at the tick before it; fresh (B, LANES), 1 where a garment begins anew, as skin, which is
+    also set where a number is not finite. position (A, J, 3) and rotation (A, J, 4): the joints now. rows (B, LANES):
+    dancers; joints (J,): the joints that the pattern needs; limb_joint (K,) and limbs (B, LIMB_ROWS, K, LANES) as in
+    `place_limbs`, bridges as in `place_bridges`; rest (B, 6, P, LANES), by and weight as in `skin_particles`; `pinned`:
+    the first so many particles stay on the body. contacts and limits are kept in each substep, more_contacts and
+    last_limits in the last one. wind (3,) [m/s].
+    """
+    count, joint_count, limb_count = x.shape[2], joints.shape[0], limb_joint.shape[0]
+    h: Any = tick / np.float32(substeps)
+    per_step, per_h = _ONE / (h * h), _ONE / h
+    kept: Any = _ONE / (_ONE + matter[DRAG] * h)  # implicit, so that any drag is stable
+    thickness = matter[THICKNESS]
+    now = np.empty((7, joint_count, LANES), np.float32)
+    placed = np.empty((JOINT_ROWS, joint_count, LANES), np.float32)
+    limb, work = np.empty((LIMB_ROWS, limb_count + len(bridges), LANES), np.float32), np.empty((9, LANES), np.float32)
+    old, skin = np.empty((3, count, LANES), np.float32), np.empty((3, count, LANES), np.float32)
+    for b in range(begin, end):
+        gather_joints(position, rotation, rows[b], joints, now)
+        _begin(
+            x[b], v[b], before[b], fresh[b], now, placed, limb, work, skin, limb_joint, bridges, limbs[b], by, weight,
+            rest[b], last_runs, last_limits, contacts, more_contacts, thickness, per_step,
+        )  # fmt: skip
+        carrier[b] = before[b, :, 0]
+        own, speed = x[b], v[b]
+        flat, flat_speed = own.reshape((3, count * LANES)), speed.reshape((3, count * LANES))
+        flat_old = old.reshape((3, count * LANES))
+        for s in range(substeps):
+            share: Any = np.float32(s + 1) / np.float32(substeps)
+            interpolate_joints(before[b], now, share, placed)
+            place_limbs(placed, limb_joint, limbs[b], limb)
+            place_bridges(limb, bridges, work)
+            for axis in range(3):
+                fall: Any = matter[GRAVITY] * h if axis == 1 else _ZERO
+                _predict(flat[axis], flat_old[axis], flat_speed[axis], kept, (_ONE - kept) * wind[axis] - fall, h)
+            skin_particles(placed, by, weight, rest[b], pinned, own)
+            project_runs(flat, runs, amounts, per_step)
+            keep_out(flat, contacts, limb, thickness)
+            if s == substeps - 1:
+                keep_out(flat, more_contacts, limb, thickness)
+                project_runs(flat, last_runs, last_limits, per_step)
+                keep_out(flat, contacts, limb, thickness)  # pictures limit lengths once more
+            else:
+                project_runs(flat, limit_runs, limits, per_step)
+            _keep_above_floor(own, old, matter[FLOOR], matter[FLOOR_FRICTION])
+            _set_speed(flat, flat_old, flat_speed, per_h)
+        _mark_runaways(own, fresh[b])
+        before[b] = now
