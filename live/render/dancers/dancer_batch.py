@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.base.arrays import Float32
+from live.base.arrays import Float32, Float64
 from live.base.body.appearance import APPEARANCE_SIZE, BY_CHANCE
 from live.base.stage_snapshot import Camera, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT
@@ -16,7 +16,7 @@ from live.render.body.body_mesh import BodyMesh
 from live.render.characters.character_buffers import CharacterBuffers
 from live.render.characters.morphs import Morphs
 from live.render.dancers.group_styles import GroupStyles
-from live.render.dancers.instance_lists import InstanceLists, ViewVolume
+from live.render.dancers.instance_lists import BODY_REACH, InstanceLists, ViewVolume
 from live.render.dancers.own_poses import OwnPoses
 from live.render.dancers.skinning import POSE_TEXELS, SKIN_UNIT, MeshTexture, PoseTexture, SkinTexture, skin_levels
 from live.render.dancers.wardrobe import WARDROBE_TEXELS, dancer_colours
@@ -160,6 +160,13 @@ class DancerBatch:
         """Box around the joints of all visible dancers, shape (2, 3): lowest and highest x, y, z [m]; the lowest is
         above the highest if there are none."""
         return self._instances.box()
+
+    def casting_box(self) -> tuple[Float64, Float64]:
+        """Return lowest and highest x, y, z [m] of all dancers that may cast visible shadows; the lowest is above the
+        highest if there are none."""
+        low, high = self._instances.box(casting=True).astype(np.float64)
+        reach = max(self.reach, BODY_REACH)
+        return low - reach, high + reach
 
     @property
     def visibility(self) -> npt.NDArray[np.uint8]:
