@@ -367,7 +367,8 @@ def step_garments(
                 _predict(flat[axis], flat_old[axis], flat_speed[axis], kept, (_ONE - kept) * wind[axis] - fall, h)
             skin_particles(placed, by, weight, rest[b], pinned, own)
             project_runs(flat, runs, amounts, per_step)
-            keep_order(flat, rings, areas, 1)
+            if s == substeps - 1:  # once in a tick is enough
+                keep_order(flat, rings, areas, 1)
             keep_out(flat, contacts, limb, thickness)
             if s == substeps - 1:
                 keep_out(flat, more_contacts, limb, thickness)

@@ -36,6 +36,10 @@ THICKNESS: Final = 0.014
 """Distance of particles from the body [m]."""
 LEAST_SECTOR: Final = 0.3
 """Between two neighbours in a row of a tube is at least this share of the area that they have in a circle."""
+FOLDED: Final = 1.9
+"""Distance between next but one neighbours in a row of a tube, in widths between neighbours: cloth that hangs in folds."""
+FOLD_SOFTNESS: Final = 1.5
+"""How much softer cloth bends along its rows than down its columns, so that it still falls in folds."""
 FLOOR_FRICTION: Final = 0.25
 _REST: Final = SKELETON.rest_positions()
 
@@ -248,6 +252,10 @@ def _add_structure(runs: _Runs, pattern: Pattern, fabric: Fabric) -> None:
     for row in range(2, rows):
         pairs = [(place(row - 2, c), place(row, c)) for c in range(columns)]
         runs.add(pairs, 2.0 * pattern.spacing, compliance=fabric.bend)
+    if pattern.kind == "cloth" and pattern.closed:
+        for row in range(pattern.pinned_rows, rows):
+            for pairs in _row_pairs(pattern, row, 2):
+                runs.add(pairs, FOLDED * pattern.widths[row], compliance=FOLD_SOFTNESS * fabric.bend)
     if pattern.tubular:
         for row in range(pattern.pinned_rows, rows):
             across = pattern.widths[row] / np.sin(np.pi / columns)
