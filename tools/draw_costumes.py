@@ -17,6 +17,7 @@ from live.clock.ticks import TICK
 from live.render.adaptive_quality import HARDWARE
 from live.render.headless import OffscreenTarget, create_headless_context
 from live.render.renderer import Renderer
+from live.show.desk.scenes import start_row
 from live.show.loader import load_from_patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PATCHES
@@ -90,7 +91,8 @@ def main(folder: Path) -> None:
     show.fill(view, show.time)
     eye, target = (0.2, 1.35, 11.6), (-0.16, 0.88, 0.0)
     scene = replace(make_scene(show.patch), camera=Camera(eye, target, 12.0))
-    view.picture[LENS.start : LENS.start + 7] = *eye, *target, 12.0
+    row = view.picture = start_row(patch)
+    row[LENS.start : LENS.start + 7] = *eye, *target, 12.0
     ctx = create_headless_context()
     renderer, drawn = Renderer(ctx, scene, size=SIZE, quality=HARDWARE, warm_up=False), OffscreenTarget(ctx, SIZE)
     for _ in range(2):
