@@ -92,7 +92,7 @@ def _skirt(name: str, length: float, rows: int, columns: int, flare: float) -> P
     share = 0.55 * down * np.abs(side) ** 0.7
     second = np.where(side > 0.0, 1, 2)
     near_hips = int(np.searchsorted(below, 0.26))
-    knees = int(np.searchsorted(below, 0.30))
+    knees = int(np.searchsorted(below, 0.20))
     contacts = [
         Contact("pelvis", 1, near_hips),
         Contact("waist", 1, near_hips, False, False),
