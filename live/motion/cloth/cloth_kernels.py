@@ -36,6 +36,7 @@ from live.motion.cloth.limb_kernels import (
     place_limbs,
     skin_particles,
 )
+from live.motion.cloth.order_kernels import keep_order
 
 Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
@@ -291,7 +292,7 @@ def _begin(
     "void(f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,::1], u1[:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1],"
     " i4[::1], i4[::1], i4[:,::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[:,::1], f4[:,::1], i8, i4[:,::1], f4[:,::1],"
     " i4[:,::1], f4[:,::1],"
-    " i4[:,::1], f4[:,::1], i4[:,::1], i4[:,::1], f4[::1], f4[::1], i8, f4, i8, i8)"
+    " i4[:,::1], f4[:,::1], i4[:,::1], i4[:,::1], i4[:,::1], f4[:,::1], f4[::1], f4[::1], i8, f4, i8, i8)"
 )
 def step_garments(
     x: Float32,
@@ -318,6 +319,8 @@ def step_garments(
     last_limits: Float32,
     contacts: Int32,
     more_contacts: Int32,
+    rings: Int32,
+    areas: Float32,
     matter: Float32,
     wind: Float32,
     substeps: int,
@@ -364,6 +367,8 @@ def step_garments(
                 _predict(flat[axis], flat_old[axis], flat_speed[axis], kept, (_ONE - kept) * wind[axis] - fall, h)
             skin_particles(placed, by, weight, rest[b], pinned, own)
             project_runs(flat, runs, amounts, per_step)
+            if s == substeps - 1:  # once in a tick is enough
+                keep_order(flat, rings, areas, 1)
             keep_out(flat, contacts, limb, thickness)
             if s == substeps - 1:
                 keep_out(flat, more_contacts, limb, thickness)

@@ -121,8 +121,8 @@ class GarmentBatch:
                 self.position, self.velocity, self.joints, self.carrier, self.fresh, position, rotation, self.rows,
                 one.joints, one.limb_joint, one.bridges, self._limbs, self._rest, one.by, one.weight,
                 one.pattern.pinned_rows * one.pattern.columns, one.runs, one.amounts, one.limit_runs, one.limits,
-                one.last_runs, one.last_limits, one.contacts, one.more_contacts, one.matter, wind, substeps, dt,
-                begin, end,
+                one.last_runs, one.last_limits, one.contacts, one.more_contacts, one.rings, one.areas, one.matter, wind,
+                substeps, dt, begin, end,
             )  # fmt: skip
 
         run_rows(part, len(self.rows), least=1)

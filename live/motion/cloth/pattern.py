@@ -34,6 +34,12 @@ LAST_REPEATS: Final = 10
 """Sweeps along a row to limit its length, in a substep and in the last one of a tick."""
 THICKNESS: Final = 0.014
 """Distance of particles from the body [m]."""
+LEAST_SECTOR: Final = 0.3
+"""Between two neighbours in a row of a tube is at least this share of the area that they have in a circle."""
+FOLDED: Final = 1.9
+"""Distance between next but one neighbours in a row of a tube, in widths between neighbours: cloth that hangs in folds."""
+FOLD_SOFTNESS: Final = 1.5
+"""How much softer cloth bends along its rows than down its columns, so that it still falls in folds."""
 FLOOR_FRICTION: Final = 0.25
 _REST: Final = SKELETON.rest_positions()
 
@@ -126,6 +132,10 @@ class CompiledPattern:
     last_limits: Float32
     contacts: Int32
     more_contacts: Int32
+    rings: Int32
+    """Rows that keep their order around their middles, (N, 3), …"""
+    areas: Float32
+    """… and how, (N, 2): see `keep_order`."""
     matter: Float32
     order: Int32
     """The particle at each place of the grid, (rows, columns)."""
@@ -172,7 +182,7 @@ def compile_pattern(pattern: Pattern, fabric: Fabric) -> CompiledPattern:
         pattern, np.array(joints, np.int32),
         np.array([joints.index(LIMBS[limb].joint) for limb in limbs], np.int32), np.array(limbs, np.int32),
         bridges, by, weight, *runs.arrays(), *limits.arrays(), *last.arrays(),
-        _contacts(pattern, limbs, often=True), _contacts(pattern, limbs, often=False), matter, order,
+        _contacts(pattern, limbs, often=True), _contacts(pattern, limbs, often=False), *_rings(pattern), matter, order,
     )  # fmt: skip
 
 
@@ -242,6 +252,10 @@ def _add_structure(runs: _Runs, pattern: Pattern, fabric: Fabric) -> None:
     for row in range(2, rows):
         pairs = [(place(row - 2, c), place(row, c)) for c in range(columns)]
         runs.add(pairs, 2.0 * pattern.spacing, compliance=fabric.bend)
+    if pattern.kind == "cloth" and pattern.closed:
+        for row in range(pattern.pinned_rows, rows):
+            for pairs in _row_pairs(pattern, row, 2):
+                runs.add(pairs, FOLDED * pattern.widths[row], compliance=FOLD_SOFTNESS * fabric.bend)
     if pattern.tubular:
         for row in range(pattern.pinned_rows, rows):
             across = pattern.widths[row] / np.sin(np.pi / columns)
@@ -264,6 +278,17 @@ def _add_limits(limits: _Runs, pattern: Pattern, repeats: int) -> None:
                     limits.add(pairs, WIDEST * pattern.widths[row], kind=AT_MOST)
             above = [(place(row - 1, c), place(row, c)) for c in range(columns)]
             limits.add(above, LONGEST * pattern.spacing, kind=AT_MOST, first_held=sweep == repeats)
+
+
+def _rings(pattern: Pattern) -> tuple[Int32, Float32]:
+    """Return the rows of a tube of cloth that keep their order, and twice their areas."""
+    if not pattern.closed or pattern.kind != "cloth":
+        return np.zeros((0, 3), np.int32), np.zeros((0, 2), np.float32)
+    columns, half = pattern.columns, pattern.columns // 2
+    rings = [(row * columns, half, half) for row in range(pattern.rows)]
+    circles = np.square(columns * np.array(pattern.widths)) / (2.0 * np.pi)
+    areas = np.stack([1.0 / circles, LEAST_SECTOR * circles / columns], axis=1)
+    return np.array(rings, np.int32), areas.astype(np.float32)
 
 
 def _contacts(pattern: Pattern, limbs: list[int], *, often: bool) -> Int32:

@@ -92,7 +92,7 @@ def _skirt(name: str, length: float, rows: int, columns: int, flare: float) -> P
     share = 0.55 * down * np.abs(side) ** 0.7
     second = np.where(side > 0.0, 1, 2)
     near_hips = int(np.searchsorted(below, 0.26))
-    knees = int(np.searchsorted(below, 0.30))
+    knees = int(np.searchsorted(below, 0.20))
     contacts = [
         Contact("pelvis", 1, near_hips),
         Contact("waist", 1, near_hips, False, False),
@@ -266,7 +266,8 @@ SKIRT_LENGTHS: Final = ((0.3, "short skirt"), (0.65, "skirt"), (1.0, "long skirt
 """The skirt for each length, 0 from the hips to 1 at the floor: the first one whose number is not below it."""
 _SLEEVES: Final = ("left sleeve", "right sleeve")
 _RIBBONS: Final = ("left ribbon", "right ribbon")
-_OF_HAIR: Final = {"long": ("long hair",), "ponytail": ("ponytail",)}
+MOVING_HAIR: Final = {"long": ("long hair",), "ponytail": ("ponytail",)}
+"""The garment that hangs from each hair style that moves by itself."""
 _OF_EXTRA: Final = {"sleeves": _SLEEVES, "ribbons": _RIBBONS, "sleeves and ribbons": (*_SLEEVES, *_RIBBONS)}
 
 
@@ -274,4 +275,4 @@ def garments_of(costume: str, hair: str, extra: str, *, skirt: float = 0.5) -> t
     """Return the patterns of what moves by itself on a dancer with this costume, hair style and extra, by the names of
     `live.base.body.appearance`. `skirt`: length of a skirt or dress, 0 to 1."""
     worn = [next(name for most, name in SKIRT_LENGTHS if skirt <= most)] if costume in ("skirt", "dress") else []
-    return (*worn, *_OF_HAIR.get(hair, ()), *_OF_EXTRA.get(extra, ()))
+    return (*worn, *MOVING_HAIR.get(hair, ()), *_OF_EXTRA.get(extra, ()))

@@ -13,6 +13,7 @@ from live.base.arrays import Int32
 from live.base.body.appearance import BODY, COSTUME, COSTUMES, HAIR, HAIRS, SHOES, SHOES_WORN
 from live.base.body.catalogue import BODIES, DEFAULT_BODY
 from live.base.stage_snapshot import Scene
+from live.motion.cloth.wardrobe import MOVING_HAIR
 from live.render.body.body_mesh import BodyMesh, build_body, merged
 from live.render.body.face_shape import FACE_COUNT
 from live.render.body.garment_mesh import GARMENTS, build_garment
@@ -92,16 +93,18 @@ def characters_of(scene: Scene) -> dict[str, Character]:
 
 
 def mesh_of(scene: Scene, kind: Kind, level: int) -> BodyMesh:
-    """Return the mesh of a kind of a scene at a level of detail; without triangles if it has none there."""
+    """Return the mesh of a kind of a scene at a level of detail; without triangles if it has none there. Its joints are
+    drawn joints, so that of a character moves with the skeleton only."""
     if kind.family == "head":
         return build_head(level, kind.body, kind.style)
     if kind.family == "hair":
-        return build_hair(level, kind.body, HAIRS[kind.style])
+        style = HAIRS[kind.style]
+        return build_hair(level, kind.body, style, hanging=style not in MOVING_HAIR)
     if kind.family in ("costume", "shoes"):
         return build_garment(level, kind.body, (COSTUMES if kind.family == "costume" else SHOES)[kind.style])
     for said in scene.characters:
         if said.name == kind.body:
-            return load_character(said).levels[level].body
+            return load_character(said).levels[level].rigid
     return build_body(level, kind.body)
 
 

@@ -7,7 +7,7 @@ BODY: Final = 0
 FACE: Final = 1
 """Skin of a head with eyeballs, …"""
 PAINTED_FACE: Final = 2
-"""… and of one whose eyes are only painted (`head_surface.glsl`)."""
+"""… and of one whose eyes are only painted (includes/head_surface.glsl)."""
 EYE: Final = 3
 TEETH: Final = 4
 EAR: Final = 5
