@@ -124,7 +124,11 @@ def _fastest_steps(*, full: bool) -> _Dance:
         order = np.argsort(-np.percentile(moved.max(axis=-1), 95, axis=0), kind="stable")[:FASTEST]
         position.append(np.array(places)[:, order])
         rotation.append(np.array(turns)[:, order])
-    return np.concatenate(position, axis=1), np.concatenate(rotation, axis=1)
+    return _joined(position), _joined(rotation)
+
+
+def _joined(parts: list[Float32]) -> Float32:
+    return np.ascontiguousarray(np.concatenate(parts, axis=1))
 
 
 def _takes(folder: Path) -> _Dance:

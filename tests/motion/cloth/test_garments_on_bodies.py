@@ -101,7 +101,7 @@ def test_spinning_flares_a_skirt_and_it_swings_on_when_the_dancer_stops():
 
 @pytest.mark.parametrize("name", ["skirt", "long skirt"])
 def test_skirt_does_not_tangle_when_a_turn_stops(name):
-    """Two turns a second, up and down, then a stop: around the middle of each row, neighbours stay in their order, so no
+    """Two turns a second, up and down, then a stop: around the middle of each row neighbours stay in order, so no
     fold has passed another one."""
     batch, least = dressed(name), []
     for tick in range(220):
