@@ -185,6 +185,11 @@ class StageView:
     """What each dancer's face does, shape (A, FACE_SIZE): the columns of `live.base.body.expression`."""
     hand: Float32
     """What the fingers of the left and the right hand do, shape (A, 2, HAND_SIZE): columns as above."""
+    spring: Float32
+    """Rotations of the bones of characters that swing, from the rest pose and relative to the joint from which they
+    hang, unit quaternions (w, x, y, z), shape (slots, bones, 4)."""
+    spring_slot: Int32
+    """Row of `spring` that each dancer has, -1: none, shape (A,)."""
     appearance: Int32
     """What each dancer looks like, shape (A, APPEARANCE_SIZE): the columns of `live.base.body.appearance`."""
     cloth_position: Float32 = field(default_factory=lambda: np.zeros((0, 3), np.float32))
@@ -273,5 +278,7 @@ class StageView:
             present=np.ones(dancer_count, np.bool_),
             face=np.zeros((dancer_count, FACE_SIZE), np.float32),
             hand=np.zeros((dancer_count, 2, HAND_SIZE), np.float32),
+            spring=np.zeros((0, 0, 4), np.float32),
+            spring_slot=np.full(dancer_count, -1, np.int32),
             appearance=np.tile(np.array(DEFAULT_APPEARANCE, np.int32), (dancer_count, 1)),
         )

@@ -72,6 +72,18 @@ def choose_quality(ctx: moderngl.Context, dancer_count: int) -> Quality:
     return replace(quality, samples=min(quality.samples, int(ctx.max_samples)))
 
 
+_CLOSE_BODIES_WITHIN: Final = 10.0
+"""Beyond this [m], for a picture of 720 rows, triangles of the close body are smaller than pixels: nobody sees them, but
+software shades a block of pixels for each."""
+
+
+def film_quality(ctx: moderngl.Context, height: int) -> Quality:
+    """Return the best tier, for a picture of this height [pixels], with software rendering in what nobody sees less."""
+    if not is_software(ctx):
+        return HARDWARE
+    return replace(HARDWARE, near_count=24, far_from=_CLOSE_BODIES_WITHIN * height / 720.0)
+
+
 HALF_LIFE_S: Final = 1.0
 """After so many seconds a late frame counts half. A step resets the count."""
 LATE_SHARE_DOWN: Final = 0.06

@@ -72,6 +72,9 @@ class ScenePass:
     box: Float64 | None = None
     """Box around its opaque surfaces, shape (2, 3): lowest and highest x, y, z [m]; None: it has none now."""
 
+    only_adds: bool = False
+    """Whether all that it draws is light that is added, so that its place in the order does not matter."""
+
     @property
     def problems(self) -> list[str]:
         """Messages about failed files; the last good state is drawn."""

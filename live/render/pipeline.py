@@ -186,6 +186,7 @@ class Pipeline:
         self._scene_passes = [make(setup) for make in SCENE_PASSES if not (setup.transparent and make in _STAGE_PASSES)]
         self.titles = next(one for one in self._scene_passes if isinstance(one, TitlePass))
         """Titles, which may also lie over the finished picture."""
+        self._beams = next(one for one in self._scene_passes if isinstance(one, BeamPass))
         self.floor.casters = [one.draw_shadows for one in self._scene_passes]
         self._open_air = False
         self._mirror.mirrored = [one.draw_mirrored for one in self._scene_passes]
@@ -251,6 +252,7 @@ class Pipeline:
         frame, crowd, faults = moment.uniforms, moment.batch, self.faults
         here = [one for one in self._scene_passes if faults.begin(pass_name(one)) and one.active(moment)]
         faults.begin_essential()
+        self._beams.within = self._adds_beams(here, moment)
         active = self.chain.active(moment, (*self._quality.left_out, *faults.disabled))
         crowd.skin()
         self._textures.bind()
@@ -258,7 +260,9 @@ class Pipeline:
             self._open_air = frame.open_air
             self.set_camera(frame.camera)
         self._backdrop.draw(frame.worlds, moving=frame.light_changed)
-        self.floor.draw(crowd, moment.view, shadows=self._has("shadow") and frame.shadows, beams=frame.beams_lit)
+        boxes = [one.box for one in self._scene_passes if one.box is not None]
+        shadows = self._has("shadow") and frame.shadows
+        self.floor.draw(crowd, moment.view, frame.light, boxes, shadows=shadows, beams=frame.beams_lit)
         where = moment.rectangle = self._dancer_rectangle(moment)
         seen = faults.begin("mirror") and self._has("mirror") and frame.mirrors
         self._mirror.draw(crowd, visible=seen, rows=self._floor_rows)
@@ -282,7 +286,7 @@ class Pipeline:
         into = smooth.target
         into.use()
         into.scissor = where
-        self._surface.shade(moment.floor, light_variant(frame), hdr=hdr)
+        self._surface.shade(moment.floor, light_variant(frame), hdr=hdr, beams=self._beams.within)
         self._draw_stage(into, moment, hdr=hdr)
         for one in faults.iterate(overs):
             one.draw_light(moment)
@@ -293,6 +297,16 @@ class Pipeline:
 
     def _has(self, name: str) -> bool:
         return name in self._scene.passes and name not in self._quality.left_out
+
+    def _adds_beams(self, here: list[ScenePass], moment: Moment) -> bool:
+        """Whether the stage can add the beams' light itself: nothing that must lie behind it comes after it."""
+        beams = self._beams
+        if beams not in here or (self._lit and self._matte is not None):
+            return False
+        before = here[: here.index(beams)]
+        return not any(
+            (one.light_active(moment) and not one.only_adds) or (self._lit and one.box is not None) for one in before
+        )
 
     def _draw_lit(self, moment: Moment, here: list[ScenePass]) -> None:
         into = self._target.begin()
@@ -319,7 +333,7 @@ class Pipeline:
         frame = moment.uniforms
         self._stages[hdr].draw(
             into, self._floor_rows, self._backdrop.texture, moment.floor, self._mirror.texture,
-            pools=frame.spots_lit, resized=frame.stage_resized, patterned=frame.floor_patterned,
+            lamps=frame.spots_lit, beams=self._beams.within, resized=frame.stage_resized, patterned=frame.floor_patterned,
             water=frame.worlds["water"] > 0.0,
         )  # fmt: skip
 

@@ -306,14 +306,14 @@ def fill_lists(
     return row
 
 
-@kernel("void(f4[:,:,::1], u1[::1], f4[:,::1])")
-def bounding_box(position: Float32, visibility: Uint8, out: Float32) -> None:
-    """Compute the box around all joints of dancers that are SEEN: out (2, 3), lowest and highest x, y, z; lowest above
-    highest if there are none. position (A, J, 3), sight (A,)."""
+@kernel("void(f4[:,:,::1], u1[::1], i8, f4[:,::1])")
+def bounding_box(position: Float32, visibility: Uint8, bit: int, out: Float32) -> None:
+    """Compute the box around all joints of dancers with a bit of visibility: out (2, 3), lowest and highest x, y, z;
+    lowest above highest if there are none. position (A, J, 3), visibility (A,)."""
     x0 = y0 = z0 = np.float32(np.inf)
     x1 = y1 = z1 = np.float32(-np.inf)
     for a in range(visibility.shape[0]):
-        if visibility[a] & VISIBLE:
+        if visibility[a] & bit:
             for j in range(position.shape[1]):
                 x = position[a, j, 0]
                 y = position[a, j, 1]

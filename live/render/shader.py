@@ -43,7 +43,7 @@ PICTURE_BINDING: Final = 3
 _BLOCKS: Final = {
     "Frame": FRAME_BINDING, "Styles": STYLES_BINDING, "Corners": CORNERS_BINDING, "Picture": PICTURE_BINDING,
 }  # fmt: skip
-SHARED_TEXTURES: Final = {"ripple_map": 13, "noise_map": 14, "gobo_map": 15}
+SHARED_TEXTURES: Final = {"beam_map": 12, "ripple_map": 13, "noise_map": 14, "gobo_map": 15}
 """Texture units of the samplers that all programs share: `live/render/worlds` fills them."""
 MAX_FILE_BYTES: Final = 1_000_000
 """Maximum size of a shader file [bytes]."""

@@ -197,8 +197,8 @@ class FrameUniforms:
         self._numbers_buffer.bind_to_uniform_block(PICTURE_BINDING)
 
     def _write_spots(self, view: StageView) -> None:
-        """Write the follow spots; w of the first one's light is 1 if any is lit."""
-        data, lit = self._data, False
+        """Write the follow spots; w of the first one's light is 1 if any is lit, of the next two which ones to look at."""
+        data, first, end = self._data, SPOT_COUNT, 0
         if not (self._spots_changed or self.spots_lit):
             return
         self._spots_changed = False
@@ -206,8 +206,9 @@ class FrameUniforms:
             strength = float(self._row[level])
             data["spot_light"][number, :3] = self._row[colour] * strength
             data["spot_place"][number] = (view.spot[number, 0], view.spot[number, 1], self._row[radius], strength)
-            lit = lit or strength > 0.0
-        data["spot_light"][0, 3] = float(lit)
+            if strength > 0.0:
+                first, end = min(first, number), number + 1
+        data["spot_light"][:3, 3] = float(end > 0), first, end
 
     def _write_gobo(self, view: StageView) -> None:
         """Write how the pattern in the key light is turned: it goes on from where it is when its speed changes."""

@@ -6,6 +6,7 @@ import numpy as np
 
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.selector import StepSelector
+from live.motion.cloth.spring_rig import SpringRig
 from live.motion.step_clip import StepClip
 from live.motion.texture.live_bank import TextureBank
 from live.show.audience.audience import Audience
@@ -13,6 +14,8 @@ from live.show.audience.voting import VoteNames
 from live.show.audience.words import Words
 from live.show.capture.capture_manager import CaptureManager
 from live.show.circuit_breakers import CircuitBreakers
+from live.show.dancers.character_casting import bodies_of
+from live.show.dancers.character_springs import CharacterSprings, SpringCast
 from live.show.dancers.dancers import Dancers
 from live.show.dancers.expression import Expression
 from live.show.dancers.garments import Garments
@@ -51,6 +54,7 @@ from live.show.stages.light_stage import LightStage
 from live.show.stages.measure_lines import MeasureBegin, MeasureLines
 from live.show.stages.plan_stage import PlanStage
 from live.show.stages.show_clock import ShowClock
+from live.show.stages.springs_stage import SpringsStage
 from live.show.stages.step_selection import StepSelection
 from live.show.stages.tripped_stages import TrippedStages
 from live.show.view.appearance import Appearances
@@ -67,13 +71,15 @@ def assemble(
     selector: StepSelector | None = None,
     bank: TextureBank | None = None,
     answers: ExampleBank | None = None,
+    springs: Mapping[str, SpringRig] | None = None,
     begin: bool = True,
 ) -> Show:
     """Return a show at the start of its first measure.
 
     `seed` and `tempo` [bpm] override the patch's; `reserve`: clips that events may add, by name; `selector`: the
     selector prepared for the graph, if there is one; `bank`: motion for texturing upper bodies; `answers`: examples for
-    partner responses. Without `begin` no measure begins, because a state will be restored.
+    partner responses; `springs`: those of characters, by name. Without `begin` no measure
+    begins, because a state will be restored.
 
     Raises UnknownStep for a step the library lacks, PersonError for what else is impossible.
     """
@@ -116,11 +122,14 @@ def assemble(
         Words(patch, seed=seed), seed=seed)  # fmt: skip
     directions = StepRequests(motion, dancers, variation, scheduler, interrupts)
     light = LightStage(breakers)
+    spring_cast = SpringCast.of(springs or {}, bodies_of(patch) if springs else (), len(casting.group))
+    character_springs = CharacterSprings(spring_cast, dancers, motion, desk)
     appearances = Appearances(seed, variation.division, desk.parameters)
     garments = Garments(patch, variation.division, desk.parameters, appearances, seed=seed)
     view_builder = ViewBuilder(
-        dancers, motion, variation.division, desk, audience, light, clock.follower, appearances, expression, garments
-    )
+        dancers, motion, variation.division, desk, audience, light, clock.follower, appearances, expression, garments,
+        character_springs,
+    )  # fmt: skip
     hot_swap = HotSwap(
         patch, graph, dancers, scheduler, motion, refusals, assemble=assemble, seed=seed,
         answers=answers or ExampleBank(()), reserve=reserve,
@@ -162,6 +171,7 @@ def assemble(
             breakers, dancers=dancers, scheduler=scheduler, mocap=mocap, motion=motion, reactions=reactions,
             score_runner=score_runner, expression=expression,
         ),
+        springs=SpringsStage(breakers, character_springs),
         garments=GarmentsStage(breakers, garments, dancers, motion),
         light=light,
         view_builder=view_builder,
@@ -175,7 +185,7 @@ def assemble(
         score_runner=score_runner, motion=motion, variation=variation, dancers=dancers, garments=garments,
         scheduler=scheduler, interrupts=interrupts, directions=directions, mocap=mocap, desk=desk, audience=audience,
         light=light, hot_swap=hot_swap, view_builder=view_builder, expression=expression, launcher=launcher,
-        frame=frame,
+        springs=character_springs, frame=frame,
     )  # fmt: skip
 
 

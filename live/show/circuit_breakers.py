@@ -36,6 +36,7 @@ class Stage(IntEnum):
     """The whole tick. Its breaker is tripped last; then the show stands still and only its clock runs."""
     EXPRESSION = 18
     CLOTH = 19
+    SPRINGS = 20
     DRAWING = 32
     """A frame is drawn and no tick is running. The supervisor handles failures here."""
 
@@ -59,6 +60,7 @@ EFFECTS: Final = {
     Stage.LIGHT: "the blackout does not fade",
     Stage.EXPRESSION: "faces and hands keep still",
     Stage.CLOTH: "skirts, sleeves, ribbons and long hair are fixed to the body",
+    Stage.SPRINGS: "hair and skirts of characters do not swing",
     Stage.TICK: "the dance stands still",
 }
 """The visible effect while a stage is out of service."""

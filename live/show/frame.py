@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from live.show.stages.measure_lines import MeasureLines
     from live.show.stages.plan_stage import PlanStage
     from live.show.stages.show_clock import ShowClock
+    from live.show.stages.springs_stage import SpringsStage
     from live.show.stages.tripped_stages import TrippedStages
     from live.show.view.view_builder import ViewBuilder
 
@@ -42,6 +43,7 @@ class Frame:
     group: "GroupStage"
     crowd: "CrowdStage"
     dancers: "DancersStage"
+    springs: "SpringsStage"
     garments: "GarmentsStage"
     light: "LightStage"
     view_builder: "ViewBuilder"
@@ -69,6 +71,7 @@ class Frame:
         self.group.tick(now)  # evolutions, elements and entrances write a command for each agent
         self.crowd.tick(now)  # agents follow them and avoid each other
         self.dancers.tick(self._now(), fraction)  # correction, steps, captured performers, partners
+        self.springs.tick(self._now(), fraction)
         self.garments.tick(now, fraction)  # skirts, sleeves, ribbons and hair follow the bodies
         self.light.tick()
         return crossed

@@ -18,12 +18,20 @@ from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.search.sequence import parse_sequence
 from live.graph.step_library import StepLibrary, build_library
 from live.library.capture_material import NO_BEAT_TAG, read_material
+from live.motion.cloth.spring_rig import SpringRig
 from live.motion.editing.tempo_forms import TempoForms, all_forms, tempo_forms
 from live.motion.step_clip import StepClip
 from live.motion.texture.live_bank import TextureBank
 from live.render.custom_pass import try_passes
 from live.show.assembly import assemble
-from live.show.dancers.character_casting import character_files, check_characters, drawable_characters
+from live.show.dancers.character_casting import (
+    bodies_of,
+    character_files,
+    character_springs,
+    check_characters,
+    drawable_characters,
+)
+from live.show.dancers.character_springs import SpringCast
 from live.show.partner.example_bank import ExampleBank
 from live.show.partner.partner_sources import load_example_bank
 from live.show.patch.patch import Patch
@@ -134,6 +142,8 @@ class LoadedShow:
     """Motion for texturing upper bodies, if the patch names recordings."""
     answers: ExampleBank | None = None
     """Examples for partner responses, if the patch has any."""
+    springs: Mapping[str, SpringRig] = field(default_factory=dict)
+    """Springs of the patch's characters that can be drawn, by name."""
     sources: TomlSources | None = None
     """File and line of each key of the patch; None if it was not read from files."""
     projector: VenueProjector | None = None
@@ -145,7 +155,8 @@ class LoadedShow:
     tempo: ShowTempo = NO_TEMPO
     """What of its tempo was given beside the patch."""
     notes: tuple[str, ...] = ()
-    """Recorded steps that are danced at half or double time, or left out, because of the show's tempo."""
+    """Recorded steps that are danced at half or double time, or left out, because of the show's tempo; and whether
+    characters have more bones that swing than can."""
 
     def with_projector(self, projector: VenueProjector | None) -> "LoadedShow":
         """Return the show adapted to a venue and its projector, if it has one; PersonError if the projector's picture
@@ -157,7 +168,7 @@ class LoadedShow:
         try:
             return assemble(
                 self.patch, self.graph, seed=seed, tempo=tempo, reserve=self.reserve, bank=self.bank,
-                answers=self.answers, begin=begin,
+                answers=self.answers, springs=self.springs, begin=begin,
             )  # fmt: skip
         except UnknownStep as error:
             raise PersonError(f"{self.place_text(error.place)}: {error}") from None
@@ -330,7 +341,9 @@ def load_from_patch(
         patch = with_connected_steps(patch, graph)
     _refuse_other_metres(patch, path, clips)
     bank, answers = load_texture_bank(patch, path), load_example_bank(patch, path, library)
-    return LoadedShow(path, patch, graph, recordings, reserve, bank, answers, tempo=tempo, notes=formed.notes)
+    springs = character_springs(patch, path)
+    notes = formed.notes + SpringCast.of(springs, bodies_of(patch), patch.dancer_count).notes()
+    return LoadedShow(path, patch, graph, recordings, reserve, bank, answers, springs, tempo=tempo, notes=notes)
 
 
 def _graph_of(library: StepLibrary, patch: Patch) -> MotionGraph:

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from live.graph.motion_graph import MotionGraph
     from live.show.audience.audience import Audience
     from live.show.capture.capture_manager import CaptureManager
+    from live.show.dancers.character_springs import CharacterSprings
     from live.show.dancers.dancers import Dancers
     from live.show.dancers.expression import Expression
     from live.show.dancers.garments import Garments
@@ -79,6 +80,7 @@ class Show:
     view_builder: "ViewBuilder"
     expression: "Expression"
     launcher: "Launcher"
+    springs: "CharacterSprings"
     frame: "Frame"
     """The stages, in their order."""
 

@@ -16,6 +16,7 @@ MOTION = [
     "CAPTURE",
     "PARTNERS",
     "EXPRESSION",
+    "SPRINGS",
     "CLOTH",
     "LIGHT",
     "OUTSIDE",

@@ -23,7 +23,7 @@ from live.clock.time_source import ManualClock
 from live.control.audio.music_file import OfflineMusic
 from live.control.events.events import ControlEvent
 from live.library.motion_formats import stage_format
-from live.render.adaptive_quality import HARDWARE
+from live.render.adaptive_quality import film_quality
 from live.render.film.streams import FilmSound
 from live.render.headless import NoOpenGL, OffscreenTarget, create_headless_context, release_headless_context
 from live.render.renderer import Renderer
@@ -159,7 +159,7 @@ def make_renderer(
     try:
         target = OffscreenTarget(ctx, options.size, alpha=alpha)
         stack.callback(target.release)
-        quality = HARDWARE if fine and not alpha else None
+        quality = film_quality(ctx, options.size[1]) if fine and not alpha else None
         renderer = Renderer(
             ctx, loaded.scene(), size=options.size, quality=quality, blocking_video=True, transparent=alpha,
             warm_up=False,

@@ -20,7 +20,7 @@ def character(
     size: Annotated[str, typer.Option(help="Width and height of the picture.", metavar="WxH")] = "1280x720",
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
 ) -> None:
-    """Inspect a character file: bones, triangles, images, size, licence.
+    """Inspect a character file: bones, fingers, face, springs, triangles, images, size, licence.
 
     In a patch, add a [[character]] with this file and, if needed, joints = { JOINT = "BONE" }.
     """
@@ -67,6 +67,8 @@ def _parse_joint(text: str, names: tuple[str, ...]) -> tuple[str, str]:
 
 def character_facts(loaded: "Character") -> dict[str, Any]:
     """Return the facts of a character as plain values."""
+    from live.render.body.body_mesh import CLOSE, COARSE, FINE, LIGHT
+
     model = loaded.model
     return {
         "file": model.file,
@@ -74,15 +76,60 @@ def character_facts(loaded: "Character") -> dict[str, Any]:
         "bytes": model.size,
         "height_m": round(loaded.fitted.height, 3),
         "farthest_joint_m": round(loaded.fitted.max_joint_offset, 3),
-        "triangles": [len(loaded.levels[level].body.triangle) for level in sorted(loaded.levels, reverse=True)],
+        "triangles": [len(loaded.levels[level].body.triangle) for level in (FINE, CLOSE, LIGHT, COARSE)],
         "triangles_in_file": model.triangle_count,
         "images": sum(image is not None for image in model.images),
         "image_pixels": int(loaded.layers.shape[1]),
         "materials": [material.name for material in model.materials],
         "joints": {name: None if node is None else model.names[node] for name, node in loaded.joints.items()},
+        "fingers": {name: [model.names[node] for node in chain] for name, chain in loaded.details.fingers.items()},
+        "face_bones": {name: model.names[node] for name, node in loaded.details.face.items()},
+        "expressions": list(loaded.channels),
+        "springs": {
+            "source": loaded.springs.source,
+            "bones": [model.names[node] for node in loaded.springs.nodes],
+            "colliders": len(loaded.springs.rig.collider),
+        },
+        "missing": _missing(loaded),
         "licence": model.licence,
         "notes": list(model.notes),
     }
+
+
+def _missing(loaded: "Character") -> list[str]:
+    """Return what a character lacks for its hands and face, in words."""
+    from live.render.characters.expressions import CHANNEL_NAMES
+
+    shaped = {"leftEye": "lookLeft", "rightEye": "lookRight", "jaw": "mouthOpen"}
+    lost = [name for name in loaded.details.missing if shaped.get(name, name) not in loaded.channels]
+    lid = any(name.endswith("Lid") for name in loaded.details.face)
+    wanted = [name for name in CHANNEL_NAMES if not name.startswith("look") and name not in ("mouthOpen", "effort")]
+    return lost + [name for name in wanted if name not in loaded.channels and not (lid and name.startswith("blink"))]
+
+
+def _counted(names: list[str], shown: int = 4) -> str:
+    more = f" and {len(names) - shown} more" if len(names) > shown else ""
+    return ", ".join(names[:shown]) + more
+
+
+def _describe_details(told: dict[str, Any]) -> list[str]:
+    """Return lines about fingers, face and springs."""
+    fingers, springs = told["fingers"], told["springs"]
+    lines = [
+        f"  fingers: {len(fingers)} of 10"
+        + (": " + _counted([f"{name} = {' '.join(chain)}" for name, chain in fingers.items()], 2) if fingers else ""),
+        "  face: "
+        + (", ".join(f"{name} = {bone}" for name, bone in told["face_bones"].items()) or "no bones")
+        + ("; blend shapes: " + ", ".join(told["expressions"]) if told["expressions"] else "; no blend shapes"),
+        "  springs: "
+        + (
+            f"{len(springs['bones'])} bones ({_counted(springs['bones'])}), from {springs['source']}, "
+            f"{springs['colliders']} colliders"
+            if springs["bones"]
+            else "none; hair and skirts move with the body"
+        ),
+    ]
+    return lines + ([f"  missing: {', '.join(told['missing'])}; these do not move"] if told["missing"] else [])
 
 
 def _describe(loaded: "Character") -> list[str]:
@@ -93,12 +140,13 @@ def _describe(loaded: "Character") -> list[str]:
     lines = [
         f"{model.file}: {model.kind}, {model.size / 1e6:.1f} MB, {loaded.fitted.height:.2f} high{unit}",
         f"  triangles: {told['triangles_in_file']}, drawn with {', '.join(map(str, told['triangles']))} "
-        "(near, light, far and shadows)",
+        "(near, close by, light, shadows)",
         f"  images: {told['images']}, drawn at {told['image_pixels']} x {told['image_pixels']} pixels",
         f"  materials: {', '.join(told['materials']) or 'none'}",
         f"  bones: {len(found)} of {len(told['joints'])} joints found"
         + (f"; without {', '.join(missing)}, which are synthesised" if missing else ""),
         "    " + ", ".join(f"{name} = {bone}" for name, bone in found.items()),
+        *_describe_details(told),
         f"  proportions: joints are at most {told['farthest_joint_m'] * 100:.0f} cm from the dancer's",
     ]
     lines += [f"  {words}: {said}" for words, said in model.licence.items()] or ["  licence: none in the file"]

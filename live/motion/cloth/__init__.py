@@ -1,1 +1,1 @@
-"""Cloth, hair and ribbons that move by themselves: garments on a dancer's body, simulated at ticks."""
+"""What moves by itself at ticks: cloth, hair and ribbons on a dancer's body, and springs of characters."""

@@ -13,8 +13,8 @@ from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.foot_contact import TOES_OVER_SOLE
 from live.motion.forward_kinematics import forward_kinematics
+from live.motion.pose.two_bone_ik import two_bone
 from live.motion.skeleton import SKELETON, SOLE_BELOW_ANKLE
-from live.motion.two_bone_ik import two_bone
 
 ANKLES: Final = (SKELETON.index("leftFoot"), SKELETON.index("rightFoot"))
 BALLS: Final = (SKELETON.index("leftToes"), SKELETON.index("rightToes"))

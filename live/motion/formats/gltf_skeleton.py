@@ -101,7 +101,11 @@ class NodeTree:
             raise place.error("rotation", "is zero", "a unit quaternion expected")
         scale = np.array(place.numbers("scale", 3, (1.0, 1.0, 1.0)))
         if not (scale > 1e-9).all():
-            raise place.error("scale", f"is {scale.tolist()}", "factors above zero expected; apply it and export again")
+            raise place.error(
+                "scale",
+                f"is {scale.tolist()}",
+                "factors above zero expected; in Blender Object > Apply > All Transforms, then export",
+            )
         translation = np.array(place.numbers("translation", 3, (0.0, 0.0, 0.0)))
         return NodeTransform(translation, quaternion.unit(turn)[[3, 0, 1, 2]], scale)
 

@@ -19,8 +19,8 @@ from live.motion.forward_kinematics import forward_kinematics
 from live.motion.partner.decoder import Reading
 from live.motion.partner.units import Hold, Units
 from live.motion.pose.foot_lock import lock_feet
+from live.motion.pose.two_bone_ik import two_bone
 from live.motion.skeleton import SKELETON
-from live.motion.two_bone_ik import two_bone
 
 Smoothing = Literal["none", "linear", "eased"]
 

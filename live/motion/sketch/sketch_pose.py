@@ -8,6 +8,7 @@ import numpy as np
 from live.base.arrays import Float
 from live.motion import quaternion
 from live.motion.curve import gaussian_filter, hermite, monotone_slopes, soft_min, spring_response
+from live.motion.pose.two_bone_ik import SOFTNESS, bone_rotation, hinge_axis, two_bone
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.motion.sketch.foot_trajectories import HOME_FORWARD, FootTrack
 from live.motion.sketch.sketch_file import Sketch
@@ -29,7 +30,6 @@ from live.motion.sketch.upper_body import (
     rotation_share,
     stride_of,
 )
-from live.motion.two_bone_ik import SOFTNESS, bone_rotation, hinge_axis, two_bone
 
 STANDING_HEIGHT: Final = float(SKELETON.offsets[0, 1]) - 0.03
 """Height of the hips in the neutral stance, knees soft [m]."""

@@ -22,10 +22,10 @@ from live.motion.curve import (
     spring_response,
 )
 from live.motion.pose.body_capsules import FOREARM_RADIUS, TRUNK_HALF_DEPTH, TRUNK_HALF_WIDTH
+from live.motion.pose.two_bone_ik import bone_rotation, hinge_axis, two_bone
 from live.motion.skeleton import SKELETON
 from live.motion.sketch.foot_trajectories import FootTrack
 from live.motion.sketch.sketch_file import Key, Sketch
-from live.motion.two_bone_ik import bone_rotation, hinge_axis, two_bone
 
 SAMPLES_PER_BEAT: Final = 32
 _KEY_SMOOTHING: Final = 0.05 * SAMPLES_PER_BEAT

@@ -93,7 +93,8 @@ def characters_of(scene: Scene) -> dict[str, Character]:
 
 
 def mesh_of(scene: Scene, kind: Kind, level: int) -> BodyMesh:
-    """Return the mesh of a kind of a scene at a level of detail; without triangles if it has none there."""
+    """Return the mesh of a kind of a scene at a level of detail; without triangles if it has none there. Its joints are
+    drawn joints, so that of a character moves with the skeleton only."""
     if kind.family == "head":
         return build_head(level, kind.body, kind.style)
     if kind.family == "hair":
@@ -103,7 +104,7 @@ def mesh_of(scene: Scene, kind: Kind, level: int) -> BodyMesh:
         return build_garment(level, kind.body, (COSTUMES if kind.family == "costume" else SHOES)[kind.style])
     for said in scene.characters:
         if said.name == kind.body:
-            return load_character(said).levels[level].body
+            return load_character(said).levels[level].rigid
     return build_body(level, kind.body)
 
 

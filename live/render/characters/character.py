@@ -1,7 +1,7 @@
-"""Character prepared for drawing: three levels of detail, images, and weights for the engine's skeleton."""
+"""Character prepared for drawing: four levels of detail, images, and weights for the engine's skeleton."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import Final
@@ -18,13 +18,19 @@ from live.render.body.body_mesh import CLOSE, COARSE, DISTANT, FINE, LIGHT, Body
 from live.render.body.body_variants import parts_of
 from live.render.body.implicit_surface import Shape
 from live.render.body.surface_parts import BODY
+from live.render.characters.detail_bones import DetailBones, find_details
+from live.render.characters.expressions import LOOKS
 from live.render.characters.lod import simplify_to
 from live.render.characters.materials import EXTRAS, Layers, extras_of, layers_of
 from live.render.characters.model import Material, Model
 from live.render.characters.model_reader import read_model
-from live.render.characters.skeleton_fit import FittedCharacter, find_joints, fit
+from live.render.characters.morphs import Morphs, Movements, channel_names, fitted_movements, pack, simplified
+from live.render.characters.own_joints import FIRST, OwnJoints, drawn_weights, own_joints, own_weights
+from live.render.characters.skeleton_fit import FittedCharacter, find_joints, fit, joint_of_node
+from live.render.characters.spring_fit import FittedSprings, fit_springs
+from live.render.characters.spring_reader import springs_by_name
 
-TRIANGLES: Final = {COARSE: 1200, LIGHT: 3600, FINE: 60_000}
+TRIANGLES: Final = {COARSE: 1200, LIGHT: 3600, CLOSE: 12_000, FINE: 60_000}
 """Maximum number of triangles of each level that is made."""
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
 
@@ -34,6 +40,10 @@ class CharacterMesh:
     """Mesh of a character at one level of detail, with its surface attributes (V vertices)."""
 
     body: BodyMesh
+    """Its joints are drawn joints, then the character's own."""
+    rigid: BodyMesh
+    """The same with the skeleton's joints only, for what is drawn without fingers, face and springs."""
+    morphs: Morphs
     uv: Float32
     """Texture coordinates, shape (V, 2)."""
     tint: Float32
@@ -60,6 +70,13 @@ class Character:
     """Maximum distance of the surface from its joints [m]."""
     extras: Float32
     """Normal and emission parameters of materials, see `extras_of`."""
+    details: DetailBones
+    """The file's nodes of fingers and face."""
+    own: OwnJoints
+    """Joints of fingers, face and springs."""
+    springs: FittedSprings
+    channels: tuple[str, ...]
+    """Names of the channels of its face that blend shapes draw."""
 
 
 def load_character(character_file: CharacterFile) -> Character:
@@ -88,17 +105,53 @@ def _load(character_file: CharacterFile, stamp: tuple[int, int]) -> Character:
     layers, layer_of, notes = layers_of(model, [material for material, _ in filter(None, materials)])
     changed = {"parts": kept, "notes": (*model.notes, *notes)}
     model = Model(**{name: getattr(model, name) for name in Model.__dataclass_fields__} | changed)
-    fitted = fit(model, joints)
+    details = find_details(model, joints)
+    fitted = fit(model, joints, details.fingers)
     extras = extras_of([None if known is None else known[0] for known in materials], layer_of)
     surface = _surface(model, materials, layer_of)
     triangle = np.concatenate(
         [part.triangle + first for part, first in zip(model.parts, _vertex_offsets(model), strict=True)]
     )
-    openness = _openness(fitted)
-    levels = {level: _level(fitted, surface, openness, triangle, wanted) for level, wanted in TRIANGLES.items()}
-    levels[DISTANT] = levels[CLOSE] = levels[LIGHT]
+    springs, own, owned = _own(model, joints, details, fitted)
+    eyes = owned[:, [own.names.index(name) for name in ("leftEye", "rightEye") if name in own.names]]
+    movements = fitted_movements(model, fitted, LOOKS if eyes.any() else frozenset())
+    shape = _Shape(fitted, drawn_weights(fitted.weight, own, owned), own, movements, surface, triangle)
+    levels = {level: _level(shape, level, wanted) for level, wanted in TRIANGLES.items()}
+    levels[DISTANT] = levels[LIGHT]
     two_sided = any(materials[part.material][0].two_sided for part in model.parts)  # type: ignore[index]
-    return Character(model, joints, fitted, levels, layers, two_sided, _reach(fitted), extras)
+    model = replace(model, notes=(*model.notes, *springs.notes))
+    reach = max(_reach(fitted), springs.reach)
+    return Character(
+        model, joints, fitted, levels, layers, two_sided, reach, extras, details, own, springs,
+        channel_names(movements),
+    )  # fmt: skip
+
+
+def _own(
+    model: Model, joints: Mapping[str, int | None], details: DetailBones, fitted: FittedCharacter
+) -> tuple[FittedSprings, OwnJoints, Float32]:
+    """Return springs, own joints and the skin weights of these (V, M)."""
+    body = {node for node in joints.values() if node is not None}
+    detailed = {node for chain in details.fingers.values() for node in chain} | set(details.face.values())
+    owner, springs = joint_of_node(model, joints), model.springs
+    if not springs.bones:
+        springs = springs_by_name(model.names, model.parents, model.order, model.joints, body | detailed)
+    fitted_springs = fit_springs(model, springs, fitted, owner, body | detailed)
+    own = own_joints(model, details, fitted, fitted_springs, owner, body)
+    return fitted_springs, own, own_weights(model, own, body)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Shape:
+    """All of a character that its levels of detail are made of (V vertices)."""
+
+    fitted: FittedCharacter
+    weight: Float32
+    """For drawn and own joints, (V, FIRST + M)."""
+    own: OwnJoints
+    movements: Movements
+    surface: Float64
+    triangle: Int64
 
 
 def _vertex_offsets(model: Model) -> list[int]:
@@ -135,29 +188,36 @@ def _surface(model: Model, materials: list[tuple[Material, MaterialOverride] | N
     return np.concatenate(rows)
 
 
-def _openness(fitted: FittedCharacter) -> Float64:
+def _openness(points: Float64, normal: Float64) -> Float64:
     """Return the share of ambient light at each vertex, from the usual body, which has the same joints."""
-    shape, points = Shape(parts_of(DEFAULT_BODY)), fitted.position
+    shape = Shape(parts_of(DEFAULT_BODY))
     inside = np.minimum(shape.distance(points), 0.0)
     total = np.zeros(len(points))
     for reach in _OCCLUSION_REACH:
-        total += np.clip((shape.distance(points + fitted.normal * reach) - inside) / reach, 0.25, 1.0)
+        total += np.clip((shape.distance(points + normal * reach) - inside) / reach, 0.25, 1.0)
     return total / len(_OCCLUSION_REACH)
 
 
-def _level(fitted: FittedCharacter, surface: Float64, openness: Float64, triangle: Int64, wanted: int) -> CharacterMesh:
-    position, normal, weight = fitted.position, fitted.normal, fitted.weight
+def _level(shape: _Shape, number: int, wanted: int) -> CharacterMesh:
+    fitted, weight, surface, triangle = shape.fitted, shape.weight, shape.surface, shape.triangle
+    position, normal, movements = fitted.position, fitted.normal, {} if number == COARSE else shape.movements
     if len(triangle) > wanted:
-        level = simplify_to(position, weight, surface[:, -1].astype(np.int64), triangle, wanted)
-        position, normal, weight, surface = level.mean_positions(position), *map(level.mean, (normal, weight, surface))
-        openness, triangle = level.mean(openness[:, None])[:, 0], level.triangle
+        level = simplify_to(position, fitted.weight, surface[:, -1].astype(np.int64), triangle, wanted)
+        movements = simplified(movements, level)
+        position, normal, surface = level.mean_positions(position), level.mean(normal), level.mean(surface)
+        weight = level.mean(weight.astype(np.float64)).astype(np.float32)
+        triangle = level.triangle
     normal = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
-    joint, share = strongest_weights(weight)
+    joint, share = strongest_weights(weight.astype(np.float64))
+    openness = _as_float32(_openness(position, normal))
     body = BodyMesh(
-        _as_float32(position), _as_float32(normal), joint, share, _as_float32(openness), triangle.astype(np.int32),
+        _as_float32(position), _as_float32(normal), joint, share, openness, triangle.astype(np.int32),
         _as_float32(position), np.full(len(position), BODY, np.int32),
     )  # fmt: skip
-    return CharacterMesh(body, _as_float32(surface[:, :2]), _as_float32(surface[:, 2:6]), _as_float32(surface[:, 6:10]))
+    carriers = np.concatenate([np.arange(FIRST, dtype=np.int32), shape.own.joint])
+    rigid = replace(body, joint=carriers[joint])
+    columns = _as_float32(surface[:, :2]), _as_float32(surface[:, 2:6]), _as_float32(surface[:, 6:10])
+    return CharacterMesh(body, rigid, pack(movements, len(position)), *columns)
 
 
 def _as_float32(array: Float64) -> Float32:

@@ -1,9 +1,12 @@
 """Data of a character file: skinned meshes in the rest pose, and materials (glTF 2.0, VRM 0.x and 1.0)."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Final
 
 from live.base.arrays import Float64, Int64
+from live.render.characters.expressions import Expressions
+from live.render.characters.spring_reader import NO_SPRINGS, Springs
 
 TRIANGLE_LIMIT: Final = 300_000
 """Maximum number of triangles of a character."""
@@ -62,6 +65,8 @@ class Part:
     triangle: Int64
     """Shape (T, 3)."""
     material: int
+    morphs: Mapping[int, tuple[Float64, Float64]] = field(default_factory=dict)
+    """For channels of the face (-1: both eyes) how far vertices and normals move, both (V, 3)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,6 +86,8 @@ class Model:
     """All nodes, parents first."""
     node_position: Float64
     """Position of each node in the rest pose, shape (N, 3)."""
+    node_matrix: Float64
+    """From each node's space to the world in the rest pose, shape (N, 4, 4)."""
     joints: frozenset[int]
     """Nodes that skins refer to."""
     bones: dict[str, int]
@@ -89,6 +96,10 @@ class Model:
     materials: tuple[Material, ...]
     images: tuple[bytes | None, ...]
     """Bytes of the image files; None: not used by any material."""
+    springs: Springs = NO_SPRINGS
+    """The springs that a VRM defines."""
+    expressions: Expressions = field(default_factory=lambda: Expressions({}))
+    """The blend shapes that faces move."""
     licence: dict[str, str] = field(default_factory=dict)
     """The file's metadata about author and permissions."""
     notes: tuple[str, ...] = ()

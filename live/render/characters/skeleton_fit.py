@@ -8,14 +8,17 @@ floor; head, hands and toes move rigidly.
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from types import MappingProxyType
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
-from live.base.arrays import Float64
+from live.base.arrays import Float, Float64, Int64
 from live.motion import quaternion
 from live.motion.formats.file_error import MotionFileError, quoted
+from live.motion.formats.source_motion import SourceMotion
+from live.motion.retarget.body_shape import find_body_by_shape
 from live.motion.retarget.joint_mapping import find_body_among, split_name
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.characters.model import Model
@@ -78,10 +81,49 @@ def _joints_by_name(model: Model) -> dict[str, int | None]:
     place = {node: at for at, node in enumerate(nodes)}
     parents = [place.get(model.parents[node], -1) for node in nodes]
     body = find_body_among([model.names[node] for node in nodes], parents)
+    if body.missing:
+        body = find_body_by_shape(_still_motion(model, nodes, parents)) or body
     found = {name: None if at is None else nodes[at] for name, at in body.joints.items()}
+    if body.by_shape:
+        _heavy_head(model, found)
     if found["head"] is None and body.spine:
         _numbered_neck(model, found, nodes[body.spine[-1]])
     return found
+
+
+def _heavy_head(model: Model, found: dict[str, int | None]) -> None:
+    """Correct the head of a body found by its shape: of the chain from the trunk, which may go on into long hair, the
+    bone that moves most of the surface."""
+    top, trunk = found["head"], [found[name] for name in ("upperChest", "chest", "spine")]
+    if top is None:
+        return
+    chain = [top]
+    while model.parents[chain[0]] >= 0 and model.parents[chain[0]] not in trunk:
+        chain.insert(0, model.parents[chain[0]])
+    moved = moved_surface(model)
+    head = max(range(len(chain)), key=lambda at: float(moved[chain[at]]))
+    found["head"], found["neck"] = chain[head], chain[0] if head > 0 else None
+
+
+def moved_surface(model: Model) -> Float64:
+    """Return the sum of the skin weights of each node, (N,)."""
+    moved = np.zeros(len(model.names))
+    for part in model.parts:
+        np.add.at(moved, part.node.reshape(-1), part.weight.reshape(-1))
+    return moved
+
+
+def _still_motion(model: Model, nodes: list[int], parents: list[int]) -> SourceMotion:
+    """Return the rest pose of nodes as a recording of one frame, in the world's axes."""
+    place = model.node_position[nodes]
+    offset = place - np.where(np.array(parents)[:, None] >= 0, place[parents], 0.0)
+    still = np.tile((1.0, 0.0, 0.0, 0.0), (1, len(nodes), 1))
+    names = tuple(model.names[node] for node in nodes)
+    none = np.zeros(0, np.int32)
+    return SourceMotion(
+        model.file, names, np.array(parents, np.int32), offset, none, np.zeros((0, 3)), offset[None], still, None,
+        frame_time=1.0, frames_declared=1, channel_count=0,
+    )  # fmt: skip
 
 
 def _numbered_neck(model: Model, found: dict[str, int | None], chest: int) -> None:
@@ -118,22 +160,62 @@ _SMOOTHING_RADIUS: Final = 0.05
 _BLOCK: Final = 20_000
 
 
-def warp(position: Float64, place: Float64, weight: Float64) -> Float64:
-    """Return positions (V, 3), warped so that joints move from `place` (J, 3) to the rest pose; `weight` (V, J)."""
-    start, end = _anchors(position, place, weight)
-    moved = end - start
-    if np.abs(moved).max() < 1e-9:
-        return position
-    count = len(start)
-    system = np.zeros((count + 1, count + 1))
-    system[:count, :count] = _kernel(start, start)
-    system[:count, count] = system[count, :count] = 1.0
-    spread = np.linalg.lstsq(system, np.vstack([moved, np.zeros((1, 3))]), rcond=1e-10)[0]
-    out = position.copy()
-    for first in range(0, len(out), _BLOCK):
-        some = slice(first, first + _BLOCK)
-        out[some] += _kernel(position[some], start) @ spread[:count] + spread[count]
-    return out
+@dataclass(frozen=True, slots=True, eq=False)
+class Warp:
+    """Smooth displacement of space by multiquadrics (K centres)."""
+
+    centre: Float64
+    """[m], shape (K, 3)."""
+    spread: Float64
+    """Weight of each centre, then the constant, shape (K + 1, 3)."""
+
+    @staticmethod
+    def of(position: Float64, place: Float64, weight: Float64) -> "Warp":
+        """Return the warp that moves joints from `place` (J, 3) to the rest pose, for a body with vertices `position`
+        (V, 3) of skin weights `weight` (V, J)."""
+        start, end = _anchors(position, place, weight)
+        moved, count = end - start, len(start)
+        if np.abs(moved).max() < 1e-9:
+            return Warp(start[:0], np.zeros((1, 3)))
+        system = np.zeros((count + 1, count + 1))
+        system[:count, :count] = _kernel(start, start)
+        system[:count, count] = system[count, :count] = 1.0
+        spread = np.linalg.lstsq(system, np.vstack([moved, np.zeros((1, 3))]), rcond=1e-10)[0]
+        return Warp(start, np.asarray(spread, np.float64))
+
+    def apply(self, position: Float64) -> Float64:
+        """Return displaced positions (V, 3)."""
+        out, count = position.copy(), len(self.centre)
+        for first in range(0, len(out) if count else 0, _BLOCK):
+            some = slice(first, first + _BLOCK)
+            out[some] += _kernel(position[some], self.centre) @ self.spread[:count] + self.spread[count]
+        return out
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class RestTransform:
+    """What moves a character from its file's rest pose to the engine's."""
+
+    axes: Float64
+    """The character's left, up and forward directions as rows, shape (3, 3)."""
+    origin: Float64
+    """[file units, along these axes], shape (3,)."""
+    scale: float
+    """Metres per unit."""
+    turn: Float64
+    """Rotation of each joint's part of the body, quaternions, shape (J, 4)."""
+    shift: Float64
+    """Then its translation [m], shape (J, 3)."""
+    warp: Warp
+
+    def apply(self, point: Float64, joint: Int64) -> Float64:
+        """Return points (P, 3) of the file [file units] that joints (P,) carry, in the engine's rest pose [m]."""
+        placed = (point @ self.axes.T - self.origin) * self.scale
+        return self.warp.apply(np.asarray(quaternion.rotate(self.turn[joint], placed) + self.shift[joint], np.float64))
+
+    def apply_to_vectors(self, vector: Float64, joint: Int64) -> Float64:
+        """Return vectors (P, 3) of the file, turned and scaled like the parts of joints (P,), but not warped."""
+        return np.asarray(quaternion.rotate(self.turn[joint], vector @ self.axes.T * self.scale), np.float64)
 
 
 def _kernel(a: Float64, b: Float64) -> Float64:
@@ -202,10 +284,15 @@ class FittedCharacter:
     """Height of the character in its file [m]."""
     max_joint_offset: float
     """Maximum distance of joints from the rest pose after scaling [m], which measures different proportions."""
+    transform: RestTransform
+    """From the file's rest pose."""
 
 
-def fit(model: Model, joints: Mapping[str, int | None]) -> FittedCharacter:
-    """Fit a character to the skeleton; `joints` as from `find_joints`. MotionFileError if that is impossible."""
+def fit(
+    model: Model, joints: Mapping[str, int | None], fingers: Mapping[str, tuple[int, ...]] = MappingProxyType({})
+) -> FittedCharacter:
+    """Fit a character to the skeleton; `joints` as from `find_joints`, `fingers` as from `find_details`: with them its
+    palms look down. MotionFileError if that is impossible."""
     own = joint_of_node(model, joints)
     weight = _weights(model, own)
     position = np.concatenate([part.position for part in model.parts])
@@ -222,12 +309,16 @@ def fit(model: Model, joints: Mapping[str, int | None]) -> FittedCharacter:
     origin = np.array([place[_joint("hips"), 0], floor, ankles[2] - _REST[_joint("leftFoot"), 2] / scale])
     position, place = (position - origin) * scale, (place - origin) * scale
     _fill_in(place, known)
+    _raise_toes(place)
     weight = _split_weights(weight, position, place, known)
-    position, normal, place = _pose_limbs(position, normal, place, weight)
+    turn = _limb_turns(place, {name: (places[chain[0]] - origin) * scale for name, chain in fingers.items()})
+    shift, place = _limb_shifts(place, turn)
+    position, normal = _pose_limbs(position, normal, weight, turn, shift)
     if not np.isfinite(position).all():
         raise MotionFileError(model.file, None, "its bones lie in one place", "a character in its rest pose expected")
     moved = float(np.linalg.norm(place - _REST, axis=1)[known].max())
-    return FittedCharacter(warp(position, place, weight), normal, weight, height, moved)
+    transform = RestTransform(axes, origin, scale, turn, shift, Warp.of(position, place, weight))
+    return FittedCharacter(transform.warp.apply(position), normal, weight, height, moved, transform)
 
 
 def _weights(model: Model, own: list[int]) -> Float64:
@@ -291,6 +382,18 @@ def _fill_in(place: Float64, known: npt.NDArray[np.bool_]) -> None:
             place[toes, 1] = max(place[toes, 1], 0.02)
 
 
+_LOWEST_TOES: Final = 0.016
+"""Least height of the joints of the toes over the floor [m]."""
+
+
+def _raise_toes(place: Float64) -> None:
+    """Put joints of toes that lie almost on the floor at their height in the rest pose: the warp keeps the floor, and
+    must not stretch the foot between both."""
+    for joint in (_joint("leftToes"), _joint("rightToes")):
+        if place[joint, 1] < _LOWEST_TOES:
+            place[joint, 1] = _REST[joint, 1]
+
+
 def _split_weights(weight: Float64, position: Float64, place: Float64, known: npt.NDArray[np.bool_]) -> Float64:
     """Move skin weights beyond a joint that the character lacks from its parent to that joint."""
     pairs = [(_TRUNK[n], _TRUNK[n + 1]) for n in range(len(_TRUNK) - 1)]
@@ -311,26 +414,63 @@ def _split_weights(weight: Float64, position: Float64, place: Float64, known: np
     return weight
 
 
-def _pose_limbs(
-    position: Float64, normal: Float64, place: Float64, weight: Float64
-) -> tuple[Float64, Float64, Float64]:
-    """Rotate limbs to their rest-pose directions, with the skin blended by dual quaternions."""
+_LEAST_ROLL: Final = 0.15
+"""Hands whose palms look down, and which are straight, within this angle [rad] are not turned."""
+
+
+def _limb_turns(place: Float64, knuckles: Mapping[str, Float64]) -> Float64:
+    """Return the rotation of each joint's part of the body to its direction in the rest pose, (J, 4); `knuckles`: first
+    joints of fingers by name [m]."""
     turn = np.tile((1.0, 0.0, 0.0, 0.0), (JOINT_COUNT, 1))
     for bone, tip in _LIMBS:
         turn[_joint(bone)] = quaternion.from_two_vectors(
             place[_joint(tip)] - place[_joint(bone)], _REST[_joint(tip)] - _REST[_joint(bone)]
         )
     for side in ("left", "right"):
-        turn[_joint(side + "Hand")] = turn[_joint(side + "LowerArm")]
+        arm, hand = _joint(side + "LowerArm"), _joint(side + "Hand")
+        turn[hand] = turn[arm]
+        if side + "Index" in knuckles and side + "Little" in knuckles:
+            roll = _palm_roll(quaternion.rotate(turn[arm], knuckles[side + "Little"] - knuckles[side + "Index"]))
+            for joint, share in ((hand, 1.0), (arm, 0.5)):  # half of it along the forearm
+                about = quaternion.from_axis_angle(np.array([1.0, 0.0, 0.0]), np.array(share * roll))
+                turn[joint] = quaternion.mul(about, turn[joint])
+        if side + "Middle" in knuckles:
+            way = quaternion.rotate(turn[hand], knuckles[side + "Middle"] - place[hand])
+            outwards = np.array([1.0 if side == "left" else -1.0, 0.0, 0.0])
+            if (
+                np.linalg.norm(way) > 1e-4
+                and np.arccos(np.clip(quaternion.unit(way) @ outwards, -1.0, 1.0)) > _LEAST_ROLL
+            ):
+                turn[hand] = quaternion.mul(quaternion.from_two_vectors(way, outwards), turn[hand])
         ahead = (place[_joint(side + "Toes")] - place[_joint(side + "Foot")]) * (1.0, 0.0, 1.0)
         if np.linalg.norm(ahead) > 0.02:
             turn[_joint(side + "Foot")] = quaternion.from_two_vectors(ahead, np.array([0.0, 0.0, 1.0]))
         turn[_joint(side + "Toes")] = turn[_joint(side + "Foot")]
+    return turn
+
+
+def _palm_roll(across: Float) -> float:
+    """Return the angle about x that turns the direction from index to little finger backwards, so that the palm looks
+    down; 0 if it is small or the fingers lie in one place."""
+    if not np.hypot(across[1], across[2]) > 1e-4:
+        return 0.0
+    roll = float(np.angle(np.exp(1j * (-0.5 * np.pi - np.arctan2(across[2], across[1])))))
+    return roll if abs(roll) > _LEAST_ROLL else 0.0
+
+
+def _limb_shifts(place: Float64, turn: Float64) -> tuple[Float64, Float64]:
+    """Return the translations that follow the rotations, and the places of the joints after both, (J, 3)."""
     posed = place.copy()
     for joint, parent in enumerate(SKELETON.parents):
         if parent >= 0:
             posed[joint] = posed[parent] + quaternion.rotate(turn[parent], place[joint] - place[parent])
-    shift = posed - quaternion.rotate(turn, place)
+    return posed - quaternion.rotate(turn, place), posed
+
+
+def _pose_limbs(
+    position: Float64, normal: Float64, weight: Float64, turn: Float64, shift: Float64
+) -> tuple[Float64, Float64]:
+    """Return positions and normals rotated to the rest pose, with the skin blended by dual quaternions."""
     dual = 0.5 * quaternion.mul(np.concatenate([np.zeros((JOINT_COUNT, 1)), shift], axis=1), turn)
     main = turn[weight.argmax(axis=1)]
     sign = np.where(main @ turn.T < 0.0, -1.0, 1.0) * weight
@@ -339,4 +479,4 @@ def _pose_limbs(
     real, other = real / length, other / length
     move = 2.0 * quaternion.mul(other, quaternion.inverse(real))[:, 1:]
     placed = np.asarray(quaternion.rotate(real, position) + move, np.float64)
-    return placed, np.asarray(quaternion.rotate(real, normal), np.float64), posed
+    return placed, np.asarray(quaternion.rotate(real, normal), np.float64)

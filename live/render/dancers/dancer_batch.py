@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.base.arrays import Float32
+from live.base.arrays import Float32, Float64
 from live.base.body.appearance import APPEARANCE_SIZE, BY_CHANCE
 from live.base.stage_snapshot import Camera, Scene, StageView
 from live.motion.skeleton import JOINT_COUNT
@@ -14,8 +14,10 @@ from live.render.adaptive_quality import Quality
 from live.render.body.body_lookup import FAMILIES, characters_of, kinds_of, mesh_of, pieces_of
 from live.render.body.body_mesh import BodyMesh
 from live.render.characters.character_buffers import CharacterBuffers
+from live.render.characters.morphs import Morphs
 from live.render.dancers.group_styles import GroupStyles
-from live.render.dancers.instance_lists import InstanceLists, ViewVolume
+from live.render.dancers.instance_lists import BODY_REACH, InstanceLists, ViewVolume
+from live.render.dancers.own_poses import OwnPoses
 from live.render.dancers.skinning import POSE_TEXELS, SKIN_UNIT, MeshTexture, PoseTexture, SkinTexture, skin_levels
 from live.render.dancers.wardrobe import WARDROBE_TEXELS, dancer_colours
 from live.render.shader import release_all, set_uniform
@@ -80,16 +82,24 @@ class DancerBatch:
         """Kinds of the pieces that this scene's dancers are drawn with, those of bodies first."""
         self._scene = scene
         self._bodies = [kind for kind in self.kinds if kind.family in ("body", "character")]
-        self._characters = {name: CharacterBuffers(ctx, one) for name, one in characters_of(scene).items()}
+        characters = characters_of(scene)
+        self._characters = {name: CharacterBuffers(ctx, one) for name, one in characters.items()}
+        self._own = OwnPoses(ctx, characters, [kind.body for kind in self._bodies]) if characters else None
         self.reach = max((one.reach for one in self._characters.values()), default=0.0)
         """Maximum distance of characters' surfaces from their joints [m]."""
         self._meshes: dict[tuple[Any, ...], tuple[moderngl.Buffer, moderngl.Buffer]] = {}
         self._vertex_arrays: dict[tuple[Any, ...], moderngl.VertexArray] = {}
         self._bound_programs: set[int] = set()
-        self._poses, self._skin = PoseTexture(ctx), SkinTexture(ctx)
-        self._mesh_texture = MeshTexture(
-            ctx, lambda level, kind: mesh_of(scene, self.kinds[kind], level), len(self.kinds)
-        )
+        self._poses, self._skin = PoseTexture(ctx), SkinTexture(ctx, self._own)
+
+        def skinned(level: int, number: int) -> tuple[BodyMesh, Morphs | None]:
+            kind = self.kinds[number]
+            if kind.family != "character":
+                return mesh_of(scene, kind, level), None
+            mesh = characters[kind.body].levels[level]
+            return mesh.body, mesh.morphs
+
+        self._mesh_texture = MeshTexture(ctx, skinned, len(self.kinds))
         self._capacity = 0
         self.set_scene(scene)
         self.set_camera(scene.camera, size)
@@ -142,12 +152,21 @@ class DancerBatch:
         self._group = np.full(capacity, -1, np.int32)
         self._instances = InstanceLists(self._ctx, capacity, len(self.kinds), len(FAMILIES))
         self._appearance = np.full((capacity, APPEARANCE_SIZE), BY_CHANCE - 1, np.int32)
+        if self._own is not None:
+            self._own.allocate(capacity, self.rows)
 
     @property
     def box(self) -> Float32:
         """Box around the joints of all visible dancers, shape (2, 3): lowest and highest x, y, z [m]; the lowest is
         above the highest if there are none."""
         return self._instances.box()
+
+    def casting_box(self) -> tuple[Float64, Float64]:
+        """Return lowest and highest x, y, z [m] of all dancers that may cast visible shadows; the lowest is above the
+        highest if there are none."""
+        low, high = self._instances.box(casting=True).astype(np.float64)
+        reach = max(self.reach, BODY_REACH)
+        return low - reach, high + reach
 
     @property
     def visibility(self) -> npt.NDArray[np.uint8]:
@@ -170,9 +189,13 @@ class DancerBatch:
         if changed:
             self._appearance[:count] = view.appearance
             self._instances.piece[:count] = pieces_of(self.kinds, self._scene, view.appearance)
+            if self._own is not None:
+                self._own.set_bodies(self._instances.piece[:count, 0])
         meshes, skin = self._places, self._skin
         self._instances.fill(view, self._view_volume, light, self.quality, self.styles, self.reach, meshes, skin)
         self._poses.upload(view)
+        if self._own is not None:
+            self._own.update(view)
         if changed or not np.array_equal(view.group, self._group[:count]):
             self._upload_colours(view, count)
 
@@ -180,7 +203,7 @@ class DancerBatch:
         """Compute poses and skins of this frame, before any pass draws a dancer."""
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
         self._poses.draw()
-        self._skin.draw(self._poses.texture, self._mesh_texture.texture)
+        self._skin.draw(self._poses.texture, self._mesh_texture)
         self._skin.texture.use(SKIN_UNIT)  # nothing else uses these two units
         self._wardrobe.use(WARDROBE_UNIT)
 
@@ -292,7 +315,8 @@ class DancerBatch:
             vertices.release()
             indices.release()
         self._meshes.clear()
-        release_all(*self._characters.values(), self._poses, self._skin, self._mesh_texture, self.styles)
+        own = () if self._own is None else (self._own,)
+        release_all(*self._characters.values(), *own, self._poses, self._skin, self._mesh_texture, self.styles)
 
 
 class VertexFactory(Protocol):

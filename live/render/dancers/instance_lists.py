@@ -122,10 +122,10 @@ class InstanceLists:
             self._buffers[at, kind] = self._ctx.buffer(reserve=self._capacity * INSTANCE_BYTES, dynamic=True)
         return self._buffers[at, kind]
 
-    def box(self) -> Float32:
-        """Return the box around the joints of visible dancers, shape (2, 3): lowest and highest x, y, z [m]; lowest
-        above highest if there are none."""
-        bounding_box(self._joints, self._seen, self._box)
+    def box(self, *, casting: bool = False) -> Float32:
+        """Return the box around the joints of visible dancers, or of those whose shadows may be, shape (2, 3): lowest
+        and highest x, y, z [m]; lowest above highest if there are none. The next call overwrites it."""
+        bounding_box(self._joints, self._seen, CASTING if casting else VISIBLE, self._box)
         return self._box
 
     def fill(

@@ -25,13 +25,19 @@ from live.render.body.drawn_joints import (
     driver_rows,
     shader_rows,
 )
+from live.render.characters.morphs import NORMAL_RANGE, RANGE, Morphs
+from live.render.characters.own_joints import FIRST
+from live.render.dancers.own_poses import MORPH_TEXELS, OwnPoses
 from live.render.shader import Releasable, compile_program, release_all, set_uniform
+
+UInt32 = np.ndarray[tuple[int, ...], np.dtype[np.uint32]]
 
 SKINS: Final = ("coarse", "near", "far", "close", "xray")
 """What is skinned: the bodies of shadows and mirror, of near, far and close dancers, and around x-ray skeletons."""
 SKIN_UNIT: Final = 8
 """Texture unit of the skin."""
 _POSE_UNIT, _ROTATION_UNIT, _EXPRESSION_UNIT, _MESH_UNIT, _ROWS_UNIT, _LIST_UNIT = 0, 1, 2, 1, 2, 3
+_OWN_UNIT, _MORPH_INDEX_UNIT, _MORPH_UNIT = 4, 5, 6
 _MESH_SHIFT: Final = 12
 _LIST_SHIFT: Final = 10
 _SKIN_SHIFT: Final = 10
@@ -65,6 +71,7 @@ _CONSTANTS: Final = (
     ("JOINTS", JOINT_COUNT), ("DETAILS", len(DETAIL_JOINTS)), ("DRIVERS", len(DRIVERS)),
     ("EXPRESSION", EXPRESSION_SIZE),
 )  # fmt: skip
+_MORPHS: Final = (("MORPH_TEXELS", MORPH_TEXELS), ("MORPH_RANGE", RANGE), ("NORMAL_RANGE", NORMAL_RANGE))
 
 
 class PoseTexture:
@@ -126,13 +133,23 @@ class PoseTexture:
 
 
 class MeshTexture:
-    """The meshes of all kinds in one texture: two texels per vertex, position and joints, then normal and weights."""
+    """The meshes of all kinds in one texture: two texels per vertex, position and joints, then normal and weights.
+
+    If some are characters, two more textures hold what their faces move: see `skin_fragment.glsl`.
+    """
 
     texture: moderngl.Texture
+    morph_index: moderngl.Texture | None = None
+    morphs: moderngl.Texture | None = None
 
-    def __init__(self, ctx: moderngl.Context, mesh_of: Callable[[int, int], BodyMesh], kinds: int) -> None:
-        """`mesh_of`: returns the mesh of a level of detail and a kind, 0 to `kinds` - 1."""
+    def __init__(
+        self, ctx: moderngl.Context, mesh_of: Callable[[int, int], tuple[BodyMesh, Morphs | None]], kinds: int
+    ) -> None:
+        """`mesh_of`: returns the mesh of a level of detail and a kind, 0 to `kinds` - 1, and what moves it if it is a
+        character's."""
         self._ctx, self._mesh_of, self._kinds = ctx, mesh_of, kinds
+        self._index, self._entry = np.zeros(0, np.uint32), np.zeros((0, 4), np.uint32)
+        self._has_morphs = False
         self._first: dict[tuple[int, int], tuple[int, int]] = {}
         self._texels = np.zeros((0, 2, 4), np.uint32)
         self._owned: list[Releasable] = []
@@ -145,32 +162,57 @@ class MeshTexture:
         for level in levels:
             for kind in range(self._kinds):
                 if (level, kind) not in self._first:
-                    texels = _mesh_texels(self._mesh_of(level, kind))
-                    self._first[level, kind] = end, len(texels)
-                    end += len(texels)
-                    fresh.append(texels)
+                    mesh, morphs = self._mesh_of(level, kind)
+                    fresh.append((_mesh_texels(mesh), morphs))
+                    self._first[level, kind] = end, len(mesh.position)
+                    end += len(mesh.position)
         if fresh:
-            self._texels = np.concatenate([self._texels, *fresh])
+            self._texels = np.concatenate([self._texels, *(texels for texels, _ in fresh)])
+            self._add_morphs([(morphs, len(texels)) for texels, morphs in fresh])
             self._upload()
         found = np.array([[self._first[level, kind] for kind in range(self._kinds)] for level in levels], np.int32)
         return np.ascontiguousarray(found[..., 0]), np.ascontiguousarray(found[..., 1])
 
+    def _add_morphs(self, added: list[tuple[Morphs | None, int]]) -> None:
+        """Add what moves the vertices of some meshes; each with its number of vertices."""
+        counts = [np.zeros(vertices, np.uint32) if morphs is None else morphs.count for morphs, vertices in added]
+        count = np.concatenate(counts)
+        first = len(self._entry) + np.cumsum(count, dtype=np.uint32) - count
+        self._index = np.concatenate([self._index, first << 8 | count])
+        entries = [morphs.entry for morphs, _ in added if morphs is not None]
+        self._has_morphs |= bool(entries)
+        self._entry = np.concatenate([self._entry, *entries])
+
     def _upload(self) -> None:
         release_all(*self._owned)
-        width = 1 << _MESH_SHIFT
-        rows = -(-2 * len(self._texels) // width)
-        padded = np.zeros((rows * width, 4), np.uint32)
-        padded[: 2 * len(self._texels)] = self._texels.reshape(-1, 4)
-        self.texture = _texture(self._ctx, (width, rows), 4, "u4")
-        self.texture.write(padded)
+        self.texture = self._make(self._texels.reshape(-1, 4))
         self._owned = [self.texture]
+        if self._has_morphs:
+            self.morph_index, self.morphs = self._make(self._index[:, None]), self._make(self._entry)
+            self._owned += [self.morph_index, self.morphs]
+
+    def _make(self, texels: UInt32) -> moderngl.Texture:
+        width, components = 1 << _MESH_SHIFT, texels.shape[1]
+        rows = max(-(-len(texels) // width), 1)
+        padded = np.zeros((rows * width, components), np.uint32)
+        padded[: len(texels)] = texels
+        made = _texture(self._ctx, (width, rows), components, "u4")
+        made.write(padded)
+        return made
+
+    def bind(self) -> None:
+        """Bind the textures for `SkinTexture.draw`."""
+        self.texture.use(_MESH_UNIT)
+        if self.morph_index is not None and self.morphs is not None:
+            self.morph_index.use(_MORPH_INDEX_UNIT)
+            self.morphs.use(_MORPH_UNIT)
 
     def release(self) -> None:
         """Free the texture."""
         release_all(*self._owned)
 
 
-def _mesh_texels(mesh: BodyMesh) -> np.ndarray[tuple[int, ...], np.dtype[np.uint32]]:
+def _mesh_texels(mesh: BodyMesh) -> UInt32:
     texels = np.zeros((len(mesh.position), 2, 4), np.uint32)
     texels[:, 0, :3] = mesh.position.view(np.uint32)
     texels[:, 1, :3] = mesh.normal.view(np.uint32)
@@ -184,9 +226,17 @@ class SkinTexture:
 
     texture: moderngl.Texture
 
-    def __init__(self, ctx: moderngl.Context) -> None:
-        self._ctx = ctx
-        self._program = compile_program(ctx, "bare_vertex.glsl", "skin_fragment.glsl")
+    def __init__(self, ctx: moderngl.Context, own: OwnPoses | None = None) -> None:
+        """`own`: the own joints of characters, if there are any."""
+        self._ctx, self._own = ctx, own
+        constants = () if own is None else (("OWN_FIRST", FIRST), *(_MORPHS if own.has_morphs else ()))
+        self._program = compile_program(ctx, "bare_vertex.glsl", "skin_fragment.glsl", constants)
+        if own is not None:
+            for name, value in (
+                ("own_poses", _OWN_UNIT), ("morph_index", _MORPH_INDEX_UNIT), ("morphs", _MORPH_UNIT),
+                ("own_texels", own.texels),
+            ):  # fmt: skip
+                set_uniform(self._program, name, value)
         for name, value in (
             ("poses", _POSE_UNIT), ("meshes", _MESH_UNIT), ("skin_rows", _ROWS_UNIT), ("skin_list", _LIST_UNIT),
             ("mesh_shift", _MESH_SHIFT), ("list_shift", _LIST_SHIFT),
@@ -246,14 +296,16 @@ class SkinTexture:
             height = min((last >> _LIST_SHIFT) + 1, self._list.height)
             self._list.write(self.dancers[: height << _LIST_SHIFT], viewport=(0, 0, 1 << _LIST_SHIFT, height))
 
-    def draw(self, poses: moderngl.Texture, meshes: moderngl.Texture) -> None:
+    def draw(self, poses: moderngl.Texture, meshes: MeshTexture) -> None:
         """Move the vertices of all skins; without depth test, culling and blending."""
         if not self._used:
             return
         self._target.viewport = (0, 0, 1 << self.shift, self._used)
         self._target.use()
         poses.use(_POSE_UNIT)
-        meshes.use(_MESH_UNIT)
+        meshes.bind()
+        if self._own is not None:
+            self._own.texture.use(_OWN_UNIT)
         self._layout.use(_ROWS_UNIT)
         self._list.use(_LIST_UNIT)
         self._triangle.render(moderngl.TRIANGLES, vertices=3)

@@ -52,7 +52,7 @@ class _SetReader(ModelReader):
             mesh = place.integer("mesh", below=self._root.length("meshes"))
             own = skins[place.integer("skin", below=len(skins))] if place.has("skin") else None
             for primitive in self._root.element("meshes", mesh).elements("primitives"):
-                part = self._part(primitive, node, own)
+                part = self._part(primitive, node, own, mesh)
                 if part is not None:
                     yield part
 

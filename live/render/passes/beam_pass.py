@@ -7,7 +7,7 @@ import moderngl
 from live.base.parameter import SPOT_COUNT
 from live.base.picture_parameters import BY_ADDRESS
 from live.render.pass_context import HDR, Moment, PassSetup, ScenePass
-from live.render.shader import compile_program, release_all, set_uniform
+from live.render.shader import SHARED_TEXTURES, compile_program, release_all, set_uniform
 
 _DIVISOR: Final = 4
 """Light in haze is soft: it is drawn at 1/n of the picture's size and enlarged."""
@@ -20,9 +20,16 @@ _LAMP_ROWS: Final = (
 
 
 class BeamPass(ScenePass):
-    """Draws the beams; costs nothing while all are dark."""
+    """Draws the beams; costs nothing while all are dark.
+
+    Their light lies before dancers and stage. If nothing else is drawn over these, the stage adds it itself (`within`),
+    and so do dancers whose pixels are shaded once; that is far cheaper in software than blending it over the picture.
+    """
 
     def __init__(self, making: PassSetup) -> None:
+        self.within = False
+        """Whether the stage adds the light of this frame."""
+        self._blends = making.quality.samples > 0
         self._ctx = making.ctx
         self._beams = compile_program(making.ctx, "full_vertex.glsl", "beam_fragment.glsl")
         self._composite = compile_program(making.ctx, "full_vertex.glsl", "beam_over_fragment.glsl")
@@ -41,14 +48,15 @@ class BeamPass(ScenePass):
         return any(moment.parameter(place) > 0.0 for place in _LAMP_ROWS)
 
     def light_active(self, moment: Moment) -> bool:
-        """The same as `active`: called only then."""
-        return True
+        """Whether the light is blended over the picture: called only while `active`."""
+        return self._blends or not self.within
 
     def prepare(self, moment: Moment) -> None:
         """Integrate the light of all beams along each view ray."""
         self._target.use()
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
         self._triangles[0].render(moderngl.TRIANGLES, vertices=3)
+        self._light.use(SHARED_TEXTURES["beam_map"])
 
     def draw_light(self, moment: Moment) -> None:
         """Add the light to the picture: all of it where the stage is visible, a part in front of dancers."""
@@ -57,12 +65,19 @@ class BeamPass(ScenePass):
         set_uniform(self._composite, "beams", 1)
         ctx.enable(moderngl.DEPTH_TEST | moderngl.BLEND)
         ctx.blend_func = moderngl.ONE, moderngl.ONE_MINUS_SRC_COLOR
-        for test, share in (("<=", 1.0), (">", _FRONT_SHARE)):
-            ctx.depth_func = test
-            set_uniform(self._composite, "share", share)
-            self._triangles[1].render(moderngl.TRIANGLES, vertices=3)
+        if not self.within:
+            self._blend("<=", 1.0)
+        target = ctx.fbo
+        target.scissor = moment.rectangle
+        self._blend(">", _FRONT_SHARE)
+        target.scissor = (0, 0, *target.size)
         ctx.depth_func = "<"
         ctx.disable(moderngl.BLEND)
+
+    def _blend(self, test: str, share: float) -> None:
+        self._ctx.depth_func = test
+        set_uniform(self._composite, "share", share)
+        self._triangles[1].render(moderngl.TRIANGLES, vertices=3)
 
     def resize(self, size: tuple[int, int]) -> None:
         """New size of the picture [pixels]."""

@@ -12,23 +12,18 @@ from live.render.pass_context import HDR, Surfaces
 from live.render.shader import HEAD, WORN, compile_program, release_all, set_uniform
 from live.render.uniforms import FrameUniforms
 
-LIGHT_VARIANTS: Final = ((0, 0, 0), (1, 0, 0), (0, 0, 1), (1, 1, 1))
-"""What the programs that light dancers have beside the usual light: lamps from the sides and behind, follow spots, and
-what moves in the light (gobos, what water throws up). The first that has all that is seen is taken."""
+LIGHT_VARIANTS: Final = ((0, 0), (1, 0), (0, 1), (1, 1))
+"""What the programs that light dancers have beside the usual light: lamps from the sides and behind, and what moves in
+the light (gobos, what water throws up)."""
 
 
 def light_variant(frame: FrameUniforms) -> int:
     """Return the index of the variant for a frame."""
-    seen = frame.side_lamps_lit, frame.spots_lit, frame.light_moves
-    return next(
-        index
-        for index, has in enumerate(LIGHT_VARIANTS)
-        if all(one <= other for one, other in zip(seen, has, strict=True))
-    )
+    return LIGHT_VARIANTS.index((int(frame.side_lamps_lit), int(frame.light_moves)))
 
 
-def _light_constants(variant: tuple[int, int, int]) -> tuple[tuple[str, int], ...]:
-    return tuple(zip(("BESIDE", "SPOTS", "MOVING"), variant, strict=True))
+def _light_constants(variant: tuple[int, int]) -> tuple[tuple[str, int], ...]:
+    return tuple(zip(("BESIDE", "MOVING"), variant, strict=True))
 
 
 class DancerPass:
@@ -116,9 +111,9 @@ class GBufferPass:
         for where in NEARNESS:
             crowd.draw(linked, self.quality.level_of(where), where, character_program=worn, head_program=head)
 
-    def shade(self, floor_map: moderngl.Texture, light: int, *, hdr: bool = False) -> None:
+    def shade(self, floor_map: moderngl.Texture, light: int, *, hdr: bool = False, beams: bool = False) -> None:
         """Light the surfaces into the bound target, which must not write depth; `hdr`: as compressed light; `light`:
-        see `LIGHT_VARIANTS`."""
+        see `LIGHT_VARIANTS`; `beams`: with their light before them."""
         which = len(LIGHT_VARIANTS) * hdr + light
         linked = self._shades[which]
         self._ctx.enable(moderngl.DEPTH_TEST)
@@ -127,6 +122,7 @@ class GBufferPass:
         for unit, (name, texture) in enumerate(textures.items(), start=1):
             texture.use(unit)
             set_uniform(linked, name, unit)
+        set_uniform(linked, "beams", int(beams))
         self._triangles[which].render(moderngl.TRIANGLES, vertices=3)
         self._ctx.depth_func = "<"
 

@@ -4,12 +4,13 @@ Shadows are the dancers projected along the key light, in three layers by height
 blurred wider, so shadows of feet are sharp and those of arms soft.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Final
 
 import moderngl
 import numpy as np
 
+from live.base.arrays import Float32, Float64
 from live.base.stage_snapshot import StageView
 from live.render.adaptive_quality import Quality
 from live.render.body.body_mesh import COARSE
@@ -88,11 +89,23 @@ class FloorPass:
         texture.repeat_x = texture.repeat_y = False
         return texture
 
-    def draw(self, crowd: DancerBatch, view: StageView, *, shadows: bool = True, beams: bool = False) -> None:
-        """Fill `texture` for this frame, with the dancers' `shadows` or without, and with the pools of `beams`."""
+    def draw(
+        self,
+        crowd: DancerBatch,
+        view: StageView,
+        light: Float32,
+        boxes: Sequence[Float64] = (),
+        *,
+        shadows: bool = True,
+        beams: bool = False,
+    ) -> None:
+        """Fill `texture` for this frame, with the dancers' `shadows` or without, and with the pools of `beams`.
+
+        `light` (3,): direction towards the key light; `boxes`: around the other casters, shape (2, 3) each.
+        """
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE)
         if shadows:
-            self._draw_shadows(crowd)
+            self._draw_shadows(crowd, self._shadow_rectangle(crowd, light, boxes))
         else:
             self._targets[-1].use()
             self._targets[-1].clear()
@@ -104,7 +117,24 @@ class FloorPass:
         self._elements.draw(view)
         self._set.draw(view)
 
-    def _draw_shadows(self, crowd: DancerBatch) -> None:
+    def _shadow_rectangle(
+        self, crowd: DancerBatch, light: Float32, boxes: Sequence[Float64]
+    ) -> tuple[int, int, int, int]:
+        """Return the texels (x, y, width, height) that shadows may reach, blurred: there is nothing to blur elsewhere."""
+        low, high = crowd.casting_box()
+        for box in boxes:
+            low, high = np.minimum(low, box[0]), np.maximum(high, box[1])
+        if low[0] > high[0]:
+            return 0, 0, 0, 0
+        size = np.array(self.texture.size)
+        way = -light[[0, 2]].astype(np.float64) / float(light[1]) * max(float(high[1]), 0.0)
+        ends = np.array([low[[0, 2]] + np.minimum(way, 0.0), high[[0, 2]] + np.maximum(way, 0.0)])
+        texel = (ends / self._floor_size + 0.5) * size
+        start = np.clip(np.floor(texel[0]) - self._taps - 1, 0, size).astype(int)
+        stop = np.clip(np.ceil(texel[1]) + self._taps + 1, start, size).astype(int)
+        return int(start[0]), int(start[1]), int(stop[0] - start[0]), int(stop[1] - start[1])
+
+    def _draw_shadows(self, crowd: DancerBatch, where: tuple[int, int, int, int]) -> None:
         ctx = self._ctx
         self._targets[0].use()
         self._targets[0].clear()
@@ -119,8 +149,12 @@ class FloorPass:
             (self._layers, self._half_blurred), self._targets[1:], self._triangles, strict=True
         ):
             target.use()
-            source.use(1)
-            triangle.render(moderngl.TRIANGLES, vertices=3)
+            target.clear()
+            if where[2] and where[3]:
+                target.scissor = where
+                source.use(1)
+                triangle.render(moderngl.TRIANGLES, vertices=3)
+                target.scissor = (0, 0, *target.size)
 
     def _release_maps(self) -> None:
         for long_side, textures in self._maps.items():

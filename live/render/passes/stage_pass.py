@@ -12,12 +12,11 @@ from live.base.parameter import WORLD_NAMES
 from live.render.shader import compile_program, release_all, set_uniform
 from live.render.uniforms import WALL_DISTANCE
 
-_WALL_PROGRAM: Final = 3
-"""Index of the program for pixels above the floor."""
-_PATTERN_PROGRAM: Final = 4
-"""Index of the program with gobos and patterns; the next one is the one with water."""
-_WHOLE_PROGRAM: Final = 6
-"""Index of the program with all that the floor can show."""
+_FLOOR_VARIANTS: Final = (
+    (0, 0, 0, 0), (0, 0, 0, 1), (1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0), (0, 0, 1, 1), (1, 1, 1, 1),
+)  # fmt: skip
+"""What programs of the floor have: the border of another stage, gobos and patterns, water, spots and beams. The first
+that has all that is seen is taken."""
 
 
 class StagePass:
@@ -26,16 +25,14 @@ class StagePass:
     def __init__(self, ctx: moderngl.Context, *, hdr: bool) -> None:
         """`hdr`: output compressed light, for later tone mapping; otherwise display values."""
         self._ctx = ctx
+        variants = [(1, *floor) for floor in _FLOOR_VARIANTS] + [(0, 0, 0, 0, lamps) for lamps in (0, 1)]
+        names = "FLOOR", "EDGE", "PATTERNS", "WATER", "BEAMS"
         self._programs = [
             compile_program(
                 ctx, "full_vertex.glsl", "stage_fragment.glsl",
-                (("HDR", int(hdr)), ("FLOOR", floor), ("POOLS", pools), ("EDGE", edge),
-                 ("PATTERNS", patterns), ("WATER", water)),
+                (("HDR", int(hdr)), *zip(names, variant, strict=True)),
             )
-            for floor, edge, pools, patterns, water in (
-                (1, 0, 0, 0, 0), (1, 1, 0, 0, 0), (1, 1, 1, 0, 0), (0, 0, 0, 0, 0),
-                (1, 0, 0, 1, 0), (1, 0, 0, 0, 1), (1, 1, 1, 1, 1),
-            )
+            for variant in variants
         ]  # fmt: skip
         self._triangles = [ctx.vertex_array(linked, []) for linked in self._programs]
 
@@ -47,14 +44,15 @@ class StagePass:
         floor_map: moderngl.Texture,
         mirror: moderngl.Texture,
         *,
-        pools: bool = False,
+        lamps: bool = False,
+        beams: bool = False,
         resized: bool = True,
         patterned: bool = False,
         water: bool = False,
     ) -> None:
         """Draw at the far plane, after the dancers; the floor is visible only in the lowest `floor_rows` rows.
 
-        `pools`: with the light pools of spots and beams; `resized`: the stage size may differ from the scene's;
+        `lamps`: with the pools of spots; `beams`: with their light before it; `resized`: the stage size may differ from the scene's;
         `patterned`: with gobos and patterns; `water`: with waves.
         """
         self._ctx.enable(moderngl.DEPTH_TEST)
@@ -63,15 +61,19 @@ class StagePass:
         for unit, texture in enumerate((backdrop, floor_map, mirror), start=1):
             texture.use(unit)
         regions = ((0, 0, width, floor_rows), (0, floor_rows, width, height - floor_rows))
-        floor = 2 if pools else int(resized)
-        if patterned or water:
-            floor = _WHOLE_PROGRAM if pools or resized or patterned == water else _PATTERN_PROGRAM + water
-        for which, region in ((floor, regions[0]), (_WALL_PROGRAM, regions[1])):
+        seen = resized, patterned, water, lamps or beams
+        floor = next(
+            index
+            for index, has in enumerate(_FLOOR_VARIANTS)
+            if all(one <= other for one, other in zip(seen, has, strict=True))
+        )
+        for which, region in ((floor, regions[0]), (len(_FLOOR_VARIANTS) + beams, regions[1])):
             linked, triangle = self._programs[which], self._triangles[which]
             if region[3] <= 0:
                 continue
             for unit, name in enumerate(("backdrop", "floor_map", "mirror"), start=1):
                 set_uniform(linked, name, unit)
+            set_uniform(linked, "beams", int(beams))
             target.scissor = region
             triangle.render(moderngl.TRIANGLES, vertices=3)
         target.scissor = (0, 0, width, height)

@@ -27,6 +27,8 @@ MAX_STROKES: Final = 16_384
 class ConstellationPass(ScenePass):
     """Draws stars and strokes over the stage; costs nothing while the world is not seen."""
 
+    only_adds = True
+
     def __init__(self, making: PassSetup) -> None:
         ctx = self._ctx = making.ctx
         self._stars_program = compile_program(ctx, "star_vertex.glsl", "star_fragment.glsl")

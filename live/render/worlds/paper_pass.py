@@ -42,13 +42,14 @@ class PaperPass:
         border = round(_MARGIN * source.height)
         left, low = max(x - border, 0), max(y - border, 0)
         part = left, low, min(x + width + border, source.width) - left, min(y + height + border, source.height) - low
-        parts = (whole,) if not width or not height else (whole, part)
-        for program, where in zip(self._programs, parts, strict=False):
-            if len(parts) > 1 and program is self._programs[0] and part == whole:
-                continue
-            target.scissor = where
+        if not width or not height:
+            part = 0, 0, 0, 0
+        for program, regions in zip(self._programs, (_around(part, source.size), (part,)), strict=True):
             program.set("stroke", (0.618034 * drawn % 1.0, 0.754878 * drawn % 1.0))
-            program.draw(target, light=source, depth=surfaces.depth, shape=surfaces.shape, who=surfaces.identity)
+            for where in regions:
+                if where[2] > 0 and where[3] > 0:
+                    target.scissor = where
+                    program.draw(target, light=source, depth=surfaces.depth, shape=surfaces.shape, who=surfaces.identity)
         target.scissor = whole
 
     def resize(self, size: tuple[int, int]) -> None:
@@ -57,3 +58,10 @@ class PaperPass:
     def release(self) -> None:
         """Free the program."""
         release_all(*self._programs)
+
+
+def _around(part: tuple[int, int, int, int], size: tuple[int, int]) -> tuple[tuple[int, int, int, int], ...]:
+    """Return the rectangles (x, y, width, height) of a picture that a part of it leaves; some may be empty."""
+    x, y, width, height = part
+    right, top = x + width, y + height
+    return (0, 0, size[0], y), (0, top, size[0], size[1] - top), (0, y, x, height), (right, y, size[0] - right, height)

@@ -7,6 +7,7 @@ import numpy as np
 
 from live.base.body.catalogue import DEFAULT_BODY, CharacterFile, MaterialOverride
 from live.base.errors import PersonError
+from live.motion.cloth.spring_rig import SpringRig
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import find_resource
 from live.show.patch.section_picture import CharacterSection
@@ -61,6 +62,15 @@ def drawable_characters(patch: Patch, path: Path) -> tuple[CharacterFile, ...]:
             load_character(said)
             kept.append(said)
     return tuple(kept)
+
+
+def character_springs(patch: Patch, path: Path) -> dict[str, SpringRig]:
+    """Return the springs of a patch's characters that can be drawn now, by name."""
+    if not patch.character:
+        return {}
+    from live.render.characters.character import load_character
+
+    return {said.name: load_character(said).springs.rig for said in drawable_characters(patch, path)}
 
 
 def bodies_of(patch: Patch) -> tuple[str, ...]:

@@ -12,11 +12,13 @@ from live.control.events.event_json import field_types
 from live.control.events.events import EVENT_TYPES
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.selector import StepSelector
+from live.motion.cloth.spring_rig import SpringRig
 from live.motion.partner.time_scaled_units import Stretches
 from live.motion.partner.units import Units
 from live.motion.partner_live.stage_partner import PartnerExamples
 from live.motion.pose.pose_pipeline import PoseSkeleton
 from live.motion.texture.live_bank import TextureBank
+from live.show.dancers.character_springs import SpringCast
 from live.show.desk.parameter_table import ParameterTable
 from live.show.group.group_motion import GroupMotion
 from live.show.partner.example_bank import ExampleBank
@@ -71,6 +73,8 @@ CONSTANT_KINDS: Final[dict[str, type]] = {
     "constant-react-section": ReactSection,
     "constant-sequences": SequenceLookup,
     "constant-signal-section": SignalSection,
+    "constant-spring-cast": SpringCast,
+    "constant-spring-rig": SpringRig,
     "constant-stretches": Stretches,
     "constant-table": ImproviseTable,
     "constant-texture-bank": TextureBank,

@@ -171,7 +171,7 @@ KINDS: Final = [
         rows:i4(dancer)* count:int position:f4* velocity:f4* joints:f4* carrier:f4* fresh:u1*
     """, {"compiled": no_value, "_limbs": no_value, "_rest": no_value, "_sections": list}),
     Kind("stage-view", StageView, """
-        joint_position:f4 joint_rotation:f4 group:i4 present:b1 face:f4 hand:f4 appearance:i4
+        joint_position:f4 joint_rotation:f4 group:i4 present:b1 face:f4 hand:f4 spring:f4* spring_slot:i4 appearance:i4
         cloth_position:f4* cloth_garment:i4* element_kind:i4
         element_position:f4 element_level:f4
         element_radius:f4 element_strength:f4 element_flow:i4 element_first:i4 element_corners:i4 element_corner:f4

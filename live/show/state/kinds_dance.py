@@ -9,6 +9,7 @@ from live.show.capture.performer import CapturedPerformer
 from live.show.capture.performer_forces import PerformerForces
 from live.show.capture.pose_buffer import DriftCorrection, PoseBuffer
 from live.show.capture.stage_presence import CanonBounds, Performers
+from live.show.dancers.character_springs import CharacterSprings
 from live.show.dancers.collision_avoidance import CollisionAvoidance, ContactResolver
 from live.show.dancers.correction_update import CorrectionUpdate, NextCorrection
 from live.show.dancers.dancers import Dancers
@@ -95,6 +96,10 @@ KINDS: Final = [
         group:i4(group) names:row[str] half:tuple[float,float] _attributes:row[frozenset[str]] _named:dict[str,str]
         roster:roster
     """),
+    Kind("character-springs", CharacterSprings, """
+        cast:constant-spring-cast _dancers:dancers _motion:group-motion _desk:desk _time:float _ticks:int _chosen:b1
+        _dancer:i4* _running:b1* _level:f4* _hips:f4* _now:f4* _before:f4* _turn:f4* _turn_before:f4*
+    """, after_read=CharacterSprings.check_sizes),
     Kind("choices", StepChoices, """
         edge:i4(edge) candidate:i4(candidate) terms:f8 end:f8 node:i4(node) start_position:f8 heading:f8 step:i4(step)
         wish:f8 target:f8 error:f8 lag:f8 measures_behind:i4 _decided:bool

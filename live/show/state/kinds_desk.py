@@ -63,6 +63,7 @@ from live.show.stages.measure_lines import MeasureBegin, MeasureLines
 from live.show.stages.measure_span import MeasureSpan
 from live.show.stages.plan_stage import PlanStage
 from live.show.stages.show_clock import ShowClock
+from live.show.stages.springs_stage import SpringsStage
 from live.show.stages.step_selection import StepSelection
 from live.show.stages.tripped_stages import TrippedStages
 from live.show.state import consistency as whole
@@ -120,13 +121,15 @@ KINDS: Final = [
         seed:int breakers:breakers refusals:refusals clock:show-clock casting:casting reactions:reactions
         score_runner:prompter motion:group-motion variation:variation dancers:dancers garments:garments
         scheduler:scheduler interrupts:interrupts directions:directions mocap:mocap desk:desk audience:audience
-        light:light hot_swap:hot-swap view_builder:seen expression:expression launcher:launcher frame:frame
+        light:light hot_swap:hot-swap view_builder:seen expression:expression launcher:launcher
+        springs:character-springs frame:frame
     """),
     Kind("frame", Frame, """
         breakers:breakers router:event-router clock:show-clock measure_lines:measure-lines plan:plan-stage
-        group:group-stage crowd:crowd-stage dancers:dancers-stage garments:garments-stage light:light view_builder:seen
-        motion:group-motion tripped:tripped-stages
+        group:group-stage crowd:crowd-stage dancers:dancers-stage springs:springs-stage garments:garments-stage
+        light:light view_builder:seen motion:group-motion tripped:tripped-stages
     """),
+    Kind("springs-stage", SpringsStage, "_breakers:breakers _springs:character-springs"),
     Kind("event-router", EventRouter, """
         _parts:row[audience|desk|directions|elements|garments|group-controls|hot-swap|launcher|light|mocap|score-requests|seen|expression|show-clock|tripped-stages]
         _clock:show-clock _motion:group-motion _undo_history:edits _refusals:refusals
@@ -312,7 +315,7 @@ KINDS: Final = [
     Kind("seen", ViewBuilder, """
         _dancers:dancers _motion:group-motion _division:division _desk:desk _audience:audience _light:light
         _follower:timeline-follower _frozen_view:stage-view|none _appearances:appearances _expression:expression
-        _garments:garments
+        _garments:garments _springs:character-springs
     """, factories={"_easing": ArmEasing}),
     Kind("spots", Spots, "_parameters:parameters _followers:row[chase] _levels:list[int]"),
     Kind("subgroup", Subgroup, """

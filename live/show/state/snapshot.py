@@ -54,6 +54,7 @@ CONSTANT_PATHS: Final = {
     "scenes": "desk.scenes._scenes",
     "cues": "desk.cues._cues",
     "own-passes": "desk.scenes._custom_passes",
+    "springs": "springs.cast",
 }
 """Constants, determined by patch, steps and seed: paths by their names in snapshots. A fresh show provides them."""
 VARIABLE_PATHS: Final = ("scheduler.choosing.max_turns", "scheduler.choosing.facts")

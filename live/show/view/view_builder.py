@@ -21,6 +21,7 @@ from live.show.stages.now import Now
 if TYPE_CHECKING:
     from live.clock.follower.timeline_follower import TimelineFollower
     from live.show.audience.audience import Audience
+    from live.show.dancers.character_springs import CharacterSprings
     from live.show.dancers.dancers import Dancers
     from live.show.dancers.expression import Expression
     from live.show.dancers.garments import Garments
@@ -64,11 +65,12 @@ class ViewBuilder:
         appearances: "Appearances",
         expression: "Expression",
         garments: "Garments",
+        springs: "CharacterSprings",
     ) -> None:
         self._expression = expression
         self._dancers, self._motion, self._division, self._desk = dancers, motion, division, desk
         self._audience, self._light, self._follower = audience, light, follower
-        self._appearances, self._garments = appearances, garments
+        self._appearances, self._garments, self._springs = appearances, garments, springs
         self._frozen_view: StageView | None = None
         self._easing = ArmEasing()
 
@@ -76,6 +78,7 @@ class ViewBuilder:
         """Return an empty drawing snapshot of the right size, to be filled each frame."""
         view = StageView.allocate(len(self._division.part), JOINT_COUNT)
         view.picture = self._desk.parameters.picture.copy()
+        self._springs.prepare(view)
         return view
 
     @property
@@ -118,6 +121,7 @@ class ViewBuilder:
             detail=None if view.detailed or view.picture is None else motion_detail(view.picture, hips),
             easing=self._easing,
         )
+        self._springs.show(view, time - now.time)
         self._motion.show(view)
         seen = EVERYWHERE if view.detailed or view.picture is None else face_distance(view.picture)
         self._expression.show(view, time, now, seen)

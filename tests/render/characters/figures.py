@@ -10,7 +10,8 @@ from PIL import Image
 
 from live.motion import quaternion
 from live.motion.skeleton import SKELETON
-from live.render.body.body_mesh import LIGHT, build_body
+from live.render.body.body_lookup import build_figure
+from live.render.body.body_mesh import LIGHT
 from live.render.body.drawn_joints import ANCHORS
 
 MIXAMO = {
@@ -95,7 +96,7 @@ SKELETAL = np.concatenate([np.arange(len(SKELETON.names)), ANCHORS])
 
 def body_of(figure):
     """Mesh, positions, normals and joint positions of the figure in its rest pose; weights (V, J)."""
-    mesh = build_body(figure.level)
+    mesh = build_figure(figure.level)
     rest = SKELETON.rest_positions().astype(float)
     turn = np.tile((1.0, 0.0, 0.0, 0.0), (len(rest), 1))
     for joint, name in enumerate(SKELETON.names):

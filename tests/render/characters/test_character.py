@@ -3,6 +3,7 @@
 import io
 import json
 import struct
+import time
 import zlib
 
 import numpy as np
@@ -60,6 +61,9 @@ CASES = {
     "an accessor that is too long": (set_value("accessors", 0, "count", value=10**9), "numbers|beyond|exceed"),
     "a view beyond the end": (set_value("bufferViews", 0, "byteLength", value=10**8), "ends at byte"),
     "lines": (set_value("meshes", 0, "primitives", 0, "mode", value=1), "hold no triangles"),
+    "a scale of nothing": (set_value("nodes", 0, "scale", value=[0.0, 0.0, 0.0]), "scale is"),
+    "a mirrored bone": (set_value("nodes", 3, "scale", value=[-1.0, 1.0, 1.0]), "scale is"),
+    "a circle of nodes": (lambda root, _: root["nodes"][5].setdefault("children", []).append(0), "cycle|has a parent"),
     "compressed": (set_value("extensionsRequired", value=["KHR_draco_mesh_compression"]), "needs KHR_draco"),
     "bones in one place": (collapse_bones, "in one place"),
     "nothing that moves it": (
@@ -81,11 +85,50 @@ def test_damaged_file_is_refused_with_reason(case, tmp_path):
     assert refused.value.remedy
 
 
+@pytest.mark.parametrize(
+    ("begin", "words", "remedy"),
+    [
+        (b"Kaydara FBX Binary  \0", "an FBX file", "File > Import > FBX"),
+        (b"BLENDER-v402", "a Blender file", "Export > glTF"),
+        (b"PK\x03\x04", "a ZIP archive", "unpack"),
+        (b"version https://git-lfs.github.com/spec/v1\n", "pointer of Git LFS", "git lfs pull"),
+        (b"<!doctype html><html>", "a web page", "download it again"),
+        (b"solid of something", "was read", "glTF"),
+    ],
+)
+def test_file_of_another_format_is_refused_with_what_to_do(begin, words, remedy, tmp_path):
+    path = tmp_path / "anna.glb"
+    path.write_bytes(begin + bytes(200))
+    with pytest.raises(PersonError, match=words) as refused:
+        load_character(CharacterFile("anna", str(path)))
+    assert remedy in (refused.value.remedy or "")
+    assert "anna.glb" in refused.value.message
+
+
+def test_three_million_triangles_are_refused_before_they_are_read(tmp_path):
+    """With the bytes of as many, and with a header that only claims them."""
+
+    def claim(root, chunk):
+        root["accessors"][INDICES]["count"] = 9_000_000
+        view = root["bufferViews"][root["accessors"][INDICES]["bufferView"]]
+        view |= {"byteOffset": len(chunk), "byteLength": 36_000_000}
+        chunk.extend(bytes(36_000_000))
+        root["buffers"][0]["byteLength"] = len(chunk)
+
+    path = tmp_path / "anna.glb"
+    path.write_bytes(damaged_glb(claim))
+    begin = time.process_time()
+    with pytest.raises(PersonError, match="3,000,000 triangles; 300,000 at most are read") as refused:
+        load_character(CharacterFile("anna", str(path)))
+    assert time.process_time() - begin < 1.0
+    assert "Decimate" in (refused.value.remedy or "")
+
+
 def test_oversized_file_is_refused(tmp_path):
     path = tmp_path / "anna.glb"
     with path.open("wb") as file:
         file.truncate(2 * BYTE_LIMIT)
-    with pytest.raises(PersonError, match="200 MB; a character has 100 MB at most") as refused:
+    with pytest.raises(PersonError, match="200 MB; 100 MB at most are read") as refused:
         load_character(CharacterFile("anna", str(path)))
     assert "fewer triangles" in (refused.value.remedy or "")
 

@@ -1,18 +1,21 @@
 """Fit of characters to the engine's skeleton, for any bone names, rest pose, unit and proportions."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from live.base.body.catalogue import CharacterFile, MaterialOverride
 from live.base.errors import PersonError
 from live.motion.skeleton import SKELETON
-from live.render.body.body_mesh import COARSE, LIGHT, build_body
+from live.render.body.body_lookup import build_figure
+from live.render.body.body_mesh import COARSE, LIGHT
 from live.render.characters.character import TRIANGLES, load_character
 from live.render.characters.model_reader import parse_model
 from live.render.characters.skeleton_fit import find_joints, fit
 from tests.render.characters.figures import glb_of, mixamo, rigify, striped_image, unreal
 
-BODY = build_body(LIGHT)
+BODY = build_figure(LIGHT)
 OTHER = {"LowerLeg": 0.8, "Foot": 0.85, "UpperArm": 1.2, "LowerArm": 1.2, "Hand": 1.1, "head": 1.3}
 
 
@@ -53,6 +56,18 @@ def test_hands_and_feet_match_skeleton_at_any_proportions():
     assert abs(own.position[feet, 1].min()) < 0.004  # the sole lies on the floor
 
 
+def test_joints_of_toes_near_the_floor_do_not_stretch_the_foot():
+    """MakeHuman's game engine rig has them 1 cm over the floor."""
+    model = parse_model(glb_of(), "anna.glb")
+    joints = find_joints(model, {})
+    place = model.node_position.copy()
+    place[[joints["leftToes"], joints["rightToes"]], 1] = 0.006
+    own = fit(replace(model, node_position=place), joints)
+    toes = own.weight[:, SKELETON.index("leftToes")] > 0.5
+    assert own.position[toes, 1].max() < BODY.position[toes, 1].max() + 0.03
+    assert np.ptp(own.position[toes, 2]) < 1.5 * np.ptp(BODY.position[toes, 2])
+
+
 def test_missing_joints_are_synthesized():
     lacks = ("upperChest", "neck", "leftToes", "rightToes", "leftShoulder", "rightShoulder")
     model, own = fit_figure(vrm="1.0", without=lacks)
@@ -63,8 +78,14 @@ def test_missing_joints_are_synthesized():
         assert own.weight[:, SKELETON.index(name)].max() > 0.9
 
 
+def test_bones_whose_names_say_nothing_are_found_by_the_shape_of_the_skeleton():
+    model = parse_model(glb_of(names=lambda name: f"Bone{SKELETON.index(name):03d}"), "anna.glb")
+    assert find_joints(model, {}) == {name: at for at, name in enumerate(SKELETON.names)}
+
+
 def test_unknown_bone_names_are_reported_and_can_be_mapped():
-    data = glb_of(names=lambda name: f"Bone{SKELETON.index(name):03d}")
+    unclear = {"LowerArm": 1.7, "Hand": 1.7}  # arms as long as legs
+    data = glb_of(names=lambda name: f"Bone{SKELETON.index(name):03d}", lengths=unclear)
     model = parse_model(data, "anna.glb")
     with pytest.raises(ValueError, match=r"no hips, no head.*joints = \{ hips"):
         find_joints(model, {})
@@ -81,19 +102,21 @@ def test_levels_have_fewer_triangles_and_keep_the_shape(tmp_path):
     path.write_bytes(glb_of(level=2, image=striped_image()))
     loaded = load_character(CharacterFile("anna", str(path)))
     fine, light, coarse = (loaded.levels[level].body for level in (2, 1, 0))
-    assert len(fine.triangle) == len(build_body(2).triangle)
+    assert len(fine.triangle) == len(build_figure(2).triangle)
     for level, mesh in ((LIGHT, light), (COARSE, coarse)):
         assert 0.6 * TRIANGLES[level] < len(mesh.triangle) <= TRIANGLES[level]
         assert np.abs(mesh.position.max(axis=0) - fine.position.max(axis=0)).max() < 0.025  # toes are thin
         assert np.abs(mesh.position.min(axis=0) - fine.position.min(axis=0)).max() < 0.02
         edges = mesh.position[mesh.triangle] - mesh.position[mesh.triangle[:, [1, 2, 0]]]
-        assert np.linalg.norm(edges, axis=2).max() < 0.12  # nothing is torn across the body
+        assert np.linalg.norm(edges, axis=2).max() < 0.13  # nothing is torn across the body
         assert np.allclose(mesh.weight.sum(axis=1), 1.0, atol=1e-5)
-    assert _volume(light) == pytest.approx(_volume(fine), rel=0.06)
+    assert _volume(light) == pytest.approx(_volume(fine), rel=0.1)  # clusters round off; much is left to the head
 
 
 def _volume(mesh):
-    a, b, c = (mesh.position[mesh.triangle[:, corner]].astype(float) for corner in range(3))
+    """Volume below the neck; above it eyes, lids and hair lie within one another."""
+    corners = mesh.position[mesh.triangle].astype(float) - (0.0, 1.46, 0.0)
+    a, b, c = corners[corners[..., 1].max(axis=1) < 0.0].transpose(1, 0, 2)
     return np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0
 
 

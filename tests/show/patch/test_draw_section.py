@@ -51,7 +51,7 @@ def test_invalid_draw_key_is_refused_with_reason(draw, words):
 def test_look_sets_styles_of_all_groups_or_one():
     look = {"name": "lines", "draw": {"solid": 0, "ink": 1, "xray tide": 1}}
     made = validate(patch_values() | {"looks": [look]})
-    assert look_settings(made.looks[0]) == {
+    assert look_settings(made, made.looks[0]) == {
         "/dance/draw/solid": 0.0,
         "/dance/draw/ink": 1.0,
         "/dance/draw/xray tide": 1.0,

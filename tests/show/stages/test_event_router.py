@@ -57,5 +57,5 @@ def test_refusal_names_source_and_reason():
 def test_every_declared_event_is_an_event_of_the_table():
     router = made_show().frame.router
     assert set(router._handlers) <= set(events.EVENT_TYPES.values())
-    assert [len(router._handlers[kind]) for kind in (events.Clear, events.LaunchEnded)] == [3, 3]
+    assert [len(router._handlers[kind]) for kind in (events.Clear, events.LaunchEnded)] == [4, 3]
     assert len(router._handlers[events.FreezePicture]) == 2

@@ -2,6 +2,7 @@
 #include "frame.glsl"
 #include "light.glsl"
 #include "finish.glsl"
+#include "beams.glsl"
 
 in vec2 at;
 in vec3 ray;
@@ -20,9 +21,10 @@ void main() {
     float away = 2.0 * FAR * NEAR / (FAR + NEAR - z * (FAR - NEAR));
     vec3 n = normalize(s.xyz - 0.5);
     vec3 colour = lit(eye.xyz + ray * away, n, c.rgb * c.rgb, s.w, c.a);
+    colour = beams_over(colour * key_light.w, at, BEFORE_DANCERS);
 #if HDR
-    shown = vec4(compressed(colour * key_light.w), 1.0);
+    shown = vec4(compressed(colour), 1.0);
 #else
-    shown = vec4(to_picture(colour * key_light.w, gl_FragCoord.xy), 1.0);
+    shown = vec4(to_picture(colour, gl_FragCoord.xy), 1.0);
 #endif
 }

@@ -17,7 +17,7 @@ layout(std140) uniform Frame {
     vec4 back_light;      // rgb, w: how much the vignette takes at the film curve
     vec4 beam_light;      // rgb, w: beats, coming back after 64
     vec4 spot_place[4];   // x, z, radius [m], strength
-    vec4 spot_light[4];   // rgb; w of the first: 1 if any is lit
+    vec4 spot_light[4];   // rgb; w: of the first 1 if any is lit, of the next two the first lit one and the one after the last
     vec4 worlds;          // shares of the worlds: studio, paper, constellation, water
     vec4 open_sky;        // shares of dusk and haze; how far the key light falls everywhere alike
     vec4 fill_above;      // rgb
@@ -40,6 +40,10 @@ float key_pool(vec2 place) {
     float reach = dot(at, at);
     return mix(1.0 / (1.0 + reach * reach * 0.55), 1.0, open_sky.z);
 }
+
+// The spots that may be lit, for a loop that need not look at all.
+int spots_begin() { return int(spot_light[1].w); }
+int spots_end() { return int(spot_light[2].w); }
 
 // Follow spots: lamps high in front of the stage, a firm edge around whom they follow.
 vec3 spot_lamp(int k) { return vec3(spot_place[k].x * 0.4 + (float(k) - 1.5) * 1.6, 8.5, stage.y + 5.0); }

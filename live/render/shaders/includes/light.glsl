@@ -4,14 +4,11 @@ uniform sampler2D floor_map;
 const vec3 RIM_LEFT = vec3(-0.6276, 0.4602, -0.6276);
 const vec3 RIM_RIGHT = vec3(0.6276, 0.4602, -0.6276);
 
-// Lamps that are dark in the usual light: low from both sides, straight behind, follow spots. Where the processor draws
-// a program without them is used while they are dark: a branch would cost it as much as the lamps. So it is with what
-// moves in the light: gobos, and what water throws up.
+// Lamps that are dark in the usual light: low from both sides, straight behind. Where the processor draws a program
+// without them is used while they are dark: a branch would cost it as much as the lamps. So it is with what moves in the
+// light: gobos, and what water throws up. A loop that runs for no spot costs next to nothing.
 #ifndef BESIDE
 #define BESIDE 1
-#endif
-#ifndef SPOTS
-#define SPOTS 1
 #endif
 #ifndef MOVING
 #define MOVING 1
@@ -27,18 +24,22 @@ vec3 beside(vec3 place, vec3 n, vec3 albedo, vec3 to_eye, float edge, float open
     vec3 colour = sides * (albedo * 1.25 * (0.5 + 0.5 * openness) + 0.35 * edge);
     float back = max(dot(n, BACK), 0.0);
     colour += back_light.rgb * back * (albedo * 0.9 + edge * 1.1) * (0.4 + 0.6 * openness);
-#if SPOTS
-    for (int k = 0; k < 4; ++k) {
-        if (spot_place[k].w <= 0.0) continue;
-        vec3 to_lamp = normalize(spot_lamp(k) - place);
-        float front = clamp((dot(n, to_lamp) + 0.10) / 1.10, 0.0, 1.0);
-        float shine = pow(max(dot(n, normalize(to_lamp + to_eye)), 0.0), 24.0);
-        colour += spot_light[k].rgb * spot_reach(k, place) * (albedo * front * 1.4 * (0.5 + 0.5 * openness) + 0.12 * shine);
-    }
-#endif
     return colour;
 }
 #endif
+
+vec3 spots(vec3 place, vec3 n, vec3 albedo, vec3 to_eye, float openness) {
+    vec3 colour = vec3(0.0);
+    for (int k = spots_begin(); k < spots_end(); ++k) {
+        vec3 to_lamp = normalize(spot_lamp(k) - place);
+        float front = clamp((dot(n, to_lamp) + 0.10) / 1.10, 0.0, 1.0);
+        float shine = max(dot(n, normalize(to_lamp + to_eye)), 0.0);
+        shine *= shine; shine *= shine; shine *= shine;
+        shine *= shine * shine;   // to the power of 24
+        colour += spot_light[k].rgb * spot_reach(k, place) * (albedo * front * 1.4 * (0.5 + 0.5 * openness) + 0.12 * shine);
+    }
+    return colour;
+}
 
 vec3 lit(vec3 place, vec3 n, vec3 albedo, float sheen, float openness) {
     vec3 to_eye = normalize(eye.xyz - place);
@@ -73,9 +74,9 @@ vec3 lit(vec3 place, vec3 n, vec3 albedo, float sheen, float openness) {
 
     vec3 colour = albedo * light;
 #if BESIDE
-    vec4 more = vec4(side_left.rgb + side_right.rgb + back_light.rgb, spot_light[0].w);
-    if (dot(more, vec4(1.0)) > 0.0) colour += beside(place, n, albedo, to_eye, edge, openness);
+    if (dot(side_left.rgb + side_right.rgb + back_light.rgb, vec3(1.0)) > 0.0) colour += beside(place, n, albedo, to_eye, edge, openness);
 #endif
+    colour += spots(place, n, albedo, to_eye, openness);
 #if MOVING
     if (share_water() > 0.0) {   // light that the water throws up
         float web = caustics(place.xz * 1.3 + place.y * 0.6) * (0.75 - 0.55 * n.y) * exp(-height * 0.85);

@@ -56,14 +56,11 @@ void main() {
         }
         sum *= beam_answer();
     }
-    if (spot_light[0].w > 0.0) {
-        for (int k = 0; k < 4; ++k) {
-            if (spot_place[k].w <= 0.0) continue;
-            vec3 lamp = spot_lamp(k), to = vec3(spot_place[k].x, 0.9, spot_place[k].y) - lamp;
-            float far = length(to);
-            float spread = spot_place[k].z / far * 0.8;
-            sum += spot_light[k].rgb * 0.30 * cone(lamp, to / far, 0.06, spread, start, direction, reach, known);
-        }
+    for (int k = spots_begin(); k < spots_end(); ++k) {
+        vec3 lamp = spot_lamp(k), to = vec3(spot_place[k].x, 0.9, spot_place[k].y) - lamp;
+        float far = length(to);
+        float spread = spot_place[k].z / far * 0.8;
+        sum += spot_light[k].rgb * 0.30 * cone(lamp, to / far, 0.06, spread, start, direction, reach, known);
     }
     shown = vec4(sum * 0.13 * key_light.w, 1.0);
 }

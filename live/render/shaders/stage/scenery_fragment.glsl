@@ -12,7 +12,7 @@ out vec4 shown;
 void main() {
     if (amount < 1.0) dissolve();
     vec3 n = bumped(outward(normalize(facing.xyz)), place), glow = emitted();
-    vec4 colour = surface(vec3(0.0), 0);
+    vec4 colour = surface(vec3(0.0), 0, 0);
     vec3 light = lit(place, n, colour.rgb * colour.rgb, colour.a, facing.w) + glow;
     shown = vec4(compressed(light * key_light.w), 1.0);
 }

@@ -12,7 +12,7 @@ layout(location = 2) out vec4 who;   // nobody; goes nowhere where nobody asks
 
 void main() {
     if (amount < 1.0) dissolve();
-    vec4 colour = surface(vec3(0.0), 0);
+    vec4 colour = surface(vec3(0.0), 0, 0);
     colour.rgb = sqrt(min(colour.rgb * colour.rgb + emitted(), 1.0));
     cover = vec4(colour.rgb, facing.w);
     shape = vec4(outward(normalize(facing.xyz)) * 0.5 + 0.5, colour.a);

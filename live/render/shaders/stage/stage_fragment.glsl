@@ -1,6 +1,9 @@
 // Behind the dancers: the kept backdrop, with this moment's shadows, elements and mirror images on the floor.
 #include "frame.glsl"
 #include "finish.glsl"
+#if BEAMS
+#include "beams.glsl"
+#endif
 
 in vec2 at;
 in vec3 ray;
@@ -26,13 +29,11 @@ vec3 resized(vec3 colour, vec2 place) {
 }
 #endif
 
-#if POOLS
+#if FLOOR && BEAMS
 // Pools of the follow spots on the floor; those of the beams are soft, so they are on the floor map.
 vec3 pools(vec3 place) {
     vec3 sum = vec3(0.0);
-    for (int k = 0; k < 4; ++k) {
-        if (spot_place[k].w > 0.0) sum += spot_light[k].rgb * spot_reach(k, place);
-    }
+    for (int k = spots_begin(); k < spots_end(); ++k) sum += spot_light[k].rgb * spot_reach(k, place);
     return sum * (0.03 + 1.7 * light_floor());
 }
 #endif
@@ -117,10 +118,13 @@ void main() {
     colour += (key_light.rgb * 0.028 + rim_light.rgb * 0.020) * (share_water() * kept.a * caustics(place + slope * 1.5) / (1.0 + square(dot(middle, middle))));
 #endif
 #endif
-#if FLOOR && POOLS
+#if FLOOR && BEAMS
     colour += pools(vec3(place.x, 0.0, place.y)) * kept.a * (1.0 - 0.8 * here.a);
 #endif
     colour *= key_light.w * answer() * light_stage();
+#if BEAMS
+    colour = beams_over(colour, at, 1.0);
+#endif
 #if HDR
     shown = vec4(compressed(colour), 1.0);
 #else

@@ -20,11 +20,11 @@ void main() {
     float scale = picture.y / 720.0;
     vec2 pixel = gl_FragCoord.xy / scale;
     vec4 sheet = texture(noise_map, pixel / 460.0);
-    vec4 broad = texture(noise_map, pixel / 1500.0 + stroke);
-    vec4 hand = texture(noise_map, pixel / 620.0 + stroke);
+    vec4 broad = textureLod(noise_map, pixel / 1500.0 + stroke, 0.0);
+    vec4 hand = textureLod(noise_map, pixel / 620.0 + stroke, max(log2(512.0 / 620.0 / scale), 0.0));
     // the hand is not quite steady
     vec2 place = at + (hand.rg - 0.5) * (3.4 * scale) * picture.zw;
-    vec3 here = expanded(textureLod(light, at, 0.0).rgb), lit = expanded(textureLod(light, place, 0.0).rgb);
+    vec3 here = expanded(texelFetch(light, ivec2(gl_FragCoord.xy), 0).rgb), lit = expanded(textureLod(light, place, 0.0).rgb);
     float level = max(key_light.w, 1e-3);
     lit /= level;
     float body = 0.0, value = 1.0, turned = 0.5, tone = 1.0;
@@ -70,6 +70,6 @@ void main() {
 #endif
 
     // the sheet itself: its grain in a low light, and fibres
-    drawn *= 1.0 + 0.085 * (sheet.b - 0.5) + 0.10 * (sheet.a - 0.5) + 0.05 * (texture(noise_map, pixel / 900.0).g - 0.5);
+    drawn *= 1.0 + 0.085 * (sheet.b - 0.5) + 0.10 * (sheet.a - 0.5) + 0.05 * (textureLod(noise_map, pixel / 900.0, 0.0).g - 0.5);
     shown = vec4(compressed(mix(here, max(drawn, 0.0) * level, share_paper())), 1.0);
 }

@@ -6,7 +6,7 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from live.motion import quaternion
-from live.motion.two_bone_ik import SOFTNESS, bone_rotation, hinge_axis, two_bone
+from live.motion.pose.two_bone_ik import SOFTNESS, bone_rotation, hinge_axis, two_bone
 
 Float = npt.NDArray[np.float64]
 
