@@ -73,8 +73,8 @@ def choose_quality(ctx: moderngl.Context, dancer_count: int) -> Quality:
 
 
 _CLOSE_BODIES_WITHIN: Final = 10.0
-"""Beyond this [m], for a picture of 720 rows, triangles of the close body are smaller than pixels: nobody sees them, but
-software shades a block of pixels for each."""
+"""Beyond this [m], for a picture of 720 rows, triangles of the close body are smaller than pixels. Nobody sees
+them, but software shades a block of pixels for each."""
 
 
 def film_quality(ctx: moderngl.Context, height: int) -> Quality:

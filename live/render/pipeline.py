@@ -333,8 +333,8 @@ class Pipeline:
         frame = moment.uniforms
         self._stages[hdr].draw(
             into, self._floor_rows, self._backdrop.texture, moment.floor, self._mirror.texture,
-            lamps=frame.spots_lit, beams=self._beams.within, resized=frame.stage_resized, patterned=frame.floor_patterned,
-            water=frame.worlds["water"] > 0.0,
+            lamps=frame.spots_lit, beams=self._beams.within, resized=frame.stage_resized,
+            patterned=frame.floor_patterned, water=frame.worlds["water"] > 0.0,
         )  # fmt: skip
 
     def _dancer_rectangle(self, moment: Moment) -> tuple[int, int, int, int]:

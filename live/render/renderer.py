@@ -9,7 +9,15 @@ import moderngl
 from live.base.arrays import Float64
 from live.base.custom_pass import CustomShader
 from live.base.element_kinds import PATH
-from live.base.picture_parameters import BY_ADDRESS, STYLE_ADDRESS_PREFIX, STYLE_NAMES, group_parameter, picture_row
+from live.base.parameter import WORLD_NAMES
+from live.base.picture_parameters import (
+    BY_ADDRESS,
+    STYLE_ADDRESS_PREFIX,
+    STYLE_NAMES,
+    WORLD_PREFIX,
+    group_parameter,
+    picture_row,
+)
 from live.base.set_geometry import SetItem
 from live.base.stage_snapshot import Camera, Scene, StageView, Title
 from live.render.adaptive_quality import HARDWARE, Quality, QualityStep, choose_quality, quality_steps
@@ -101,8 +109,10 @@ class Renderer:
         self._pipeline.set_stage(self._scene.stage_size, self._scene.items or _WARM_UP_ITEMS)
         for step in (*reversed(range(len(self.steps))), 0) if len(self.steps) > 1 else (0,):
             self.set_step(step)
-            for styles in (_warm_up_row(self._scene, passes=len(self.steps) > 1), None) if step == 0 else (None,):
-                view.picture = styles
+            live = len(self.steps) > 1
+            everything = (_warm_up_row(self._scene, passes=live), *(_lamp_rows(self._scene) if live else ()))
+            rows = (*everything, None) if step == 0 else (None,)
+            for view.picture in rows:
                 self.draw(view, framebuffer)
         release_all(framebuffer, scratch)
 
@@ -298,6 +308,18 @@ def _warm_up_row(scene: Scene, *, passes: bool) -> Float64:
     for name in STYLE_NAMES:
         row[group_parameter(STYLE_ADDRESS_PREFIX + name, 0).row_slice] = 0.5
     return row
+
+
+def _lamp_rows(scene: Scene) -> tuple[Float64, ...]:
+    """Return parameter rows with what a show lights without being told: a follow spot, sides and beams; then with all
+    worlds, too."""
+    lit = picture_row(scene)
+    for address in ("/dance/spot/4", "/dance/light/beams", "/dance/light/side"):
+        lit[BY_ADDRESS[address].first] = 0.5
+    worlds = lit.copy()
+    for name in WORLD_NAMES:
+        worlds[BY_ADDRESS[WORLD_PREFIX + name].first] = 0.5
+    return lit, worlds
 
 
 def _transparent_quality(ctx: moderngl.Context) -> Quality:

@@ -197,7 +197,7 @@ class FrameUniforms:
         self._numbers_buffer.bind_to_uniform_block(PICTURE_BINDING)
 
     def _write_spots(self, view: StageView) -> None:
-        """Write the follow spots; w of the first one's light is 1 if any is lit, of the next two which ones to look at."""
+        """Write the follow spots; w of the first one's light is 1 if any is lit, of the next two their range."""
         data, first, end = self._data, SPOT_COUNT, 0
         if not (self._spots_changed or self.spots_lit):
             return

@@ -2,8 +2,8 @@
 
 Contact of cloth with cloth costs more than all the rest. A tube has a simpler law: seen from the middle of a row, its
 particles stay in their order around it, so no fold passes another one and none is wound up when a turn ends. Each
-sector, between the middle and two neighbours, keeps a signed area not below a small limit: a constraint as of volumes in
-Müller et al., *Position Based Dynamics* (2007), one dimension lower.
+sector, between the middle and two neighbours, keeps a signed area not below a small limit: a constraint as of volumes
+in Müller et al., *Position Based Dynamics* (2007), one dimension lower.
 """
 
 import math
@@ -21,8 +21,8 @@ Int32 = npt.NDArray[np.int32]
 RING_FIRST, RING_EVEN, RING_ODD = range(3)
 """Columns of `rings`: the first particle of a row, and the numbers of its even and odd columns."""
 PER_AREA, LEAST_AREA = range(2)
-"""Columns of `areas`: inverse of twice the area within a row that is a circle [1/m2], and the least of twice the area of
-a sector [m2]."""
+"""Columns of `areas`: inverse of twice the area within a row that is a circle [1/m2], and the least of twice the area
+of a sector [m2]."""
 _ZERO: Any = np.float32(0.0)
 _ONE: Any = np.float32(1.0)
 _TINY: Any = np.float32(1e-12)

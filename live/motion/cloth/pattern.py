@@ -37,7 +37,7 @@ THICKNESS: Final = 0.014
 LEAST_SECTOR: Final = 0.3
 """Between two neighbours in a row of a tube is at least this share of the area that they have in a circle."""
 FOLDED: Final = 1.9
-"""Distance between next but one neighbours in a row of a tube, in widths between neighbours: cloth that hangs in folds."""
+"""Distance between next but one neighbours in a row of a tube, in widths between neighbours: it hangs in folds."""
 FOLD_SOFTNESS: Final = 1.5
 """How much softer cloth bends along its rows than down its columns, so that it still falls in folds."""
 FLOOR_FRICTION: Final = 0.25
@@ -173,6 +173,7 @@ def compile_pattern(pattern: Pattern, fabric: Fabric) -> CompiledPattern:
     weight[:, 0] = 1.0 - weight[:, 1]
     runs = _Runs(pattern)
     _add_structure(runs, pattern, fabric)
+    _add_folds(runs, pattern, fabric)
     limits, last = _Runs(pattern), _Runs(pattern)
     _add_limits(limits, pattern, ROW_REPEATS)
     _add_limits(last, pattern, LAST_REPEATS)
@@ -252,15 +253,20 @@ def _add_structure(runs: _Runs, pattern: Pattern, fabric: Fabric) -> None:
     for row in range(2, rows):
         pairs = [(place(row - 2, c), place(row, c)) for c in range(columns)]
         runs.add(pairs, 2.0 * pattern.spacing, compliance=fabric.bend)
-    if pattern.kind == "cloth" and pattern.closed:
-        for row in range(pattern.pinned_rows, rows):
-            for pairs in _row_pairs(pattern, row, 2):
-                runs.add(pairs, FOLDED * pattern.widths[row], compliance=FOLD_SOFTNESS * fabric.bend)
     if pattern.tubular:
         for row in range(pattern.pinned_rows, rows):
             across = pattern.widths[row] / np.sin(np.pi / columns)
             for c in range(columns // 2):
                 runs.add([(place(row, c), place(row, c + columns // 2))], float(across), compliance=fabric.bend)
+
+
+def _add_folds(runs: _Runs, pattern: Pattern, fabric: Fabric) -> None:
+    """Add what a tube of cloth has against bending along its rows."""
+    if not pattern.closed or pattern.kind != "cloth":
+        return
+    for row in range(pattern.pinned_rows, pattern.rows):
+        for pairs in _row_pairs(pattern, row, 2):
+            runs.add(pairs, FOLDED * pattern.widths[row], compliance=FOLD_SOFTNESS * fabric.bend)
 
 
 def _add_limits(limits: _Runs, pattern: Pattern, repeats: int) -> None:

@@ -5,7 +5,7 @@ from typing import Any, Final
 import moderngl
 import numpy as np
 
-from live.base.arrays import Int32
+from live.base.arrays import Float64, Int32
 from live.base.stage_snapshot import StageView
 from live.motion.cloth.pattern import Pattern
 from live.motion.cloth.wardrobe import PATTERN_NAMES, PATTERNS
@@ -59,6 +59,8 @@ class GarmentMeshes:
         self._wardrobe_rows = 1
         self.any = False
         """Whether any garment is drawn."""
+        self.box: Float64 | None = None
+        """Box around all particles, shape (2, 3): lowest and highest x, y, z [m]; None: there are none."""
 
     def _make_texture(self, height: int) -> moderngl.Texture:
         texture = self._ctx.texture((1 << _SHIFT, height), 3, dtype="f4")
@@ -70,6 +72,7 @@ class GarmentMeshes:
         """Upload the particles of a view, and list the garments of those dancers whose bodies are drawn."""
         garments, count = view.cloth_garment, len(view.cloth_position)
         self.any = bool(len(garments))
+        self.box = None
         self._lists = {key: (buffer, 0) for key, (buffer, _) in self._lists.items()}
         if not self.any:
             return
@@ -79,6 +82,7 @@ class GarmentMeshes:
             self._texture.release()
             self._texture = self._make_texture(height + height // 4)
         self._staging[:count] = view.cloth_position
+        self.box = np.stack([view.cloth_position.min(axis=0), view.cloth_position.max(axis=0)]).astype(np.float64)
         self._texture.write(self._staging[: height << _SHIFT], viewport=(0, 0, 1 << _SHIFT, height))
         seen = crowd.visibility[garments[:, 0]]
         styles, group = crowd.styles, view.group[garments[:, 0]] % len(crowd.styles.plain)

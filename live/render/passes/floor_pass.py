@@ -120,7 +120,7 @@ class FloorPass:
     def _shadow_rectangle(
         self, crowd: DancerBatch, light: Float32, boxes: Sequence[Float64]
     ) -> tuple[int, int, int, int]:
-        """Return the texels (x, y, width, height) that shadows may reach, blurred: there is nothing to blur elsewhere."""
+        """Return the texels (x, y, width, height) that blurred shadows may reach; elsewhere is nothing to blur."""
         low, high = crowd.casting_box()
         for box in boxes:
             low, high = np.minimum(low, box[0]), np.maximum(high, box[1])

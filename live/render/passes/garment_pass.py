@@ -46,6 +46,7 @@ class GarmentPass(ScenePass):
     def active(self, moment: Moment) -> bool:
         """Whether anybody wears a garment; uploads this frame's."""
         self._meshes.update(moment.view, moment.batch)
+        self.box = self._meshes.box
         self._has_styles = moment.batch.styles.has_effects
         return self._meshes.any
 

@@ -52,8 +52,8 @@ class StagePass:
     ) -> None:
         """Draw at the far plane, after the dancers; the floor is visible only in the lowest `floor_rows` rows.
 
-        `lamps`: with the pools of spots; `beams`: with their light before it; `resized`: the stage size may differ from the scene's;
-        `patterned`: with gobos and patterns; `water`: with waves.
+        `lamps`: with the pools of spots; `beams`: with their light before it; `resized`: the stage size may differ from
+        the scene's; `patterned`: with gobos and patterns; `water`: with waves.
         """
         self._ctx.enable(moderngl.DEPTH_TEST)
         self._ctx.depth_func = "<="

@@ -49,7 +49,9 @@ class PaperPass:
             for where in regions:
                 if where[2] > 0 and where[3] > 0:
                     target.scissor = where
-                    program.draw(target, light=source, depth=surfaces.depth, shape=surfaces.shape, who=surfaces.identity)
+                    program.draw(
+                        target, light=source, depth=surfaces.depth, shape=surfaces.shape, who=surfaces.identity
+                    )
         target.scissor = whole
 
     def resize(self, size: tuple[int, int]) -> None:

@@ -99,6 +99,24 @@ def test_spinning_flares_a_skirt_and_it_swings_on_when_the_dancer_stops():
     assert abs(height[-1] - height[95]) < 0.08
 
 
+@pytest.mark.parametrize("name", ["skirt", "long skirt"])
+def test_skirt_does_not_tangle_when_a_turn_stops(name):
+    """Two turns a second, up and down, then a stop: around the middle of each row neighbours stay in order, so no
+    fold has passed another one."""
+    batch, least = dressed(name), []
+    for tick in range(220):
+        spun = min(tick, 100) * TICK
+        position, rotation = posed(heading_deg=720.0 * spun, lift=0.3 * np.sin(9.0 * spun))
+        batch.tick(position, rotation, STILL, 3, TICK)
+        if tick > 90 and tick % 4 == 0:
+            own = grid(batch, position, rotation)[0].astype(np.float64)
+            own -= own.mean(axis=1, keepdims=True)
+            parts = np.cross(own, np.roll(own, -1, axis=1))
+            axis = parts.sum(axis=1, keepdims=True)
+            least.append(float(((parts * axis).sum(-1) / np.linalg.norm(axis, axis=-1)).min()))
+    assert min(least) > 0.0
+
+
 def test_threads_do_not_change_a_bit(dance):
     one, many = dressed("skirt", 24), dressed("skirt", 24)
     crowd = tuple(np.concatenate([part] * 3, axis=1) for part in dance)

@@ -187,7 +187,7 @@ def test_cache_entry_that_is_no_mesh_is_replaced(folder, change) -> None:
 
 
 def test_body_of_other_code_is_not_read(folder, monkeypatch) -> None:
-    monkeypatch.setattr(body_mesh, "_code_digest", lambda: b"another version")
+    monkeypatch.setattr(body_mesh, "code_digest", lambda: b"another version")
     monkeypatch.setattr(body_mesh, "_SHADOW_OFFSET", 0.1)
     other = build_body.__wrapped__(COARSE)
     monkeypatch.undo()

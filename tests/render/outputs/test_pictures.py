@@ -95,7 +95,7 @@ def test_body_read_from_file_has_outline_of_generated_body(draw_characters, qual
     own = draw_characters(glb_of(level=level, names=mixamo), quality, **white, **{red: (1.0, 1.0, 1.0)})
     inside = body.min(axis=2) > 200
     assert inside.mean() > 0.015
-    assert (inside != (own.min(axis=2) > 200)).sum() <= 0.01 * inside.sum()
+    assert (inside != (own.min(axis=2) > 200)).sum() <= 0.02 * inside.sum()  # the file is drawn with other triangles
 
 
 @pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])

@@ -140,3 +140,24 @@ def test_grid_has_a_cell_for_each_cell_of_the_cloth(name, step, parts):
     first, second = b - a, c - a
     area = 0.5 * np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]).sum()
     assert area == pytest.approx((pattern.rows - 1) * along)
+
+
+def test_garments_far_from_their_dancer_are_lit_as_on_a_card(gl_context) -> None:
+    """A software renderer lights a rectangle only: cloth that flies beyond the joints lies in it, too."""
+    lit = {}
+    for quality in (SOFTWARE, HARDWARE):
+        view = stage_view([(ARMS_DOWN, (-0.6, 0.0), 0.0, 0)])
+        rows, columns = PATTERNS["skirt"].rows, PATTERNS["skirt"].columns
+        side, down = np.meshgrid(np.linspace(0.9, 1.5, columns), np.linspace(1.4, 0.9, rows))
+        view.cloth_position = np.stack([side, down, np.zeros_like(side)], axis=-1).reshape(-1, 3).astype(np.float32)
+        view.cloth_garment = np.array([[0, PATTERN_NAMES.index("skirt"), 0]], np.int32)
+        camera = Camera((0.0, 1.2, 4.0), (0.0, 1.0, 0.0), 45.0)
+        renderer = Renderer(gl_context, scene(1, camera), size=(320, 180), quality=quality)
+        target = gl_context.simple_framebuffer((320, 180))
+        renderer.draw(view, target)
+        picture = read(target).astype(int)
+        lit[quality.samples > 0] = ((picture[..., 0] > picture[..., 2] + 30)[:, 190:]).sum()
+        renderer.release()
+        target.release()
+    assert lit[True] > 200
+    assert lit[False] > 0.7 * lit[True]
