@@ -59,7 +59,8 @@ def content_errors(value, schema, where):
     found = []
     if isinstance(value, list):
         items = schema.get("items", {})
-        for n, item in enumerate(value):
+        known = value[: len(items)] if isinstance(items, list) else value  # a longer list is an error already
+        for n, item in enumerate(known):
             found += schema_errors(item, items[n] if isinstance(items, list) else items, f"{where}.{n + 1}")
     if isinstance(value, dict):
         found += [f"{where}: {key} is missing" for key in schema.get("required", ()) if key not in value]
