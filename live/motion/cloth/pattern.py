@@ -38,7 +38,7 @@ LEAST_SECTOR: Final = 0.3
 """Between two neighbours in a row of a tube is at least this share of the area that they have in a circle."""
 FOLDED: Final = 1.9
 """Distance between next but one neighbours in a row of a tube, in widths between neighbours: it hangs in folds."""
-FOLD_SOFTNESS: Final = 1.5
+FOLD_SOFTNESS: Final = 2.0
 """How much softer cloth bends along its rows than down its columns, so that it still falls in folds."""
 FLOOR_FRICTION: Final = 0.25
 _REST: Final = SKELETON.rest_positions()
