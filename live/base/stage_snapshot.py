@@ -4,6 +4,7 @@ Metres, seconds, radians, beats; right-handed, Y up, +x to the right as the audi
 audience, the origin at the centre of the stage floor.
 """
 
+import re
 from dataclasses import dataclass, field
 from typing import Final
 
@@ -14,6 +15,7 @@ from live.base.body.appearance import DEFAULT_APPEARANCE
 from live.base.body.catalogue import CharacterFile
 from live.base.body.expression import FACE_SIZE, HAND_SIZE
 from live.base.custom_pass import PASSES, CustomShader
+from live.base.errors import PersonError
 from live.base.parameter import SPOT_COUNT
 from live.base.set_geometry import SetItem
 
@@ -54,6 +56,26 @@ class Camera:
     """Drawn width / height of a square that faces the camera."""
     skew: float = 0.0
     """Shift of a square's upper edge to the right, as a share of its height."""
+
+
+STREAM_SCHEMES: Final = ("udp", "tcp", "srt", "rtsp", "http", "https")
+KINDS_HINT: Final = "camera:0, shm:NAME or udp://0.0.0.0:5000"
+
+
+def parse_input(text: str) -> tuple[str, str]:
+    """Return kind (`camera`, `shm` or `stream`) and name of a live input as a patch names it; PersonError if it is
+    none."""
+    text = text.strip()
+    scheme, found, _ = text.partition("://")
+    if found and scheme in STREAM_SCHEMES:
+        return "stream", text
+    kind, found, name = text.partition(":")
+    if kind == "shm" and re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}", name):
+        return kind, name
+    if kind == "camera" and name.strip() and name.isprintable():
+        return kind, name.strip()
+    schemes = ", ".join(f"{scheme}://" for scheme in STREAM_SCHEMES)
+    raise PersonError(f"{text[:80]!r} is no live input", f"{KINDS_HINT}; streams begin with {schemes}")
 
 
 @dataclass(frozen=True, slots=True)

@@ -153,7 +153,7 @@ def test_wrong_table_is_refused_with_line_and_field(text, line, words):
 )
 def test_value_that_is_no_table_is_refused(text, words):
     with pytest.raises(PersonError, match=words):
-        parse_patch(text + PATCH, "test.toml", [FoilTables])
+        parse_patch(f"{text}\n{PATCH}", "test.toml", [FoilTables])
 
 
 def test_venue_with_a_table_of_a_bridge_is_read_with_and_without_it(tmp_path, monkeypatch):

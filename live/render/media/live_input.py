@@ -4,7 +4,6 @@ A thread opens the input, keeps its newest picture and opens it again every seco
 for it. An input that is unplugged keeps its last picture.
 """
 
-import re
 import sys
 import threading
 from collections.abc import Iterator
@@ -12,13 +11,12 @@ from typing import Any, Final
 
 import numpy as np
 
-from live.base.errors import PersonError
+from live.base.stage_snapshot import parse_input
 from live.render.film.shared_memory import FrameRingReader
 from live.render.media.media_files import Picture
 
 INPUT_SIZE: Final = (1280, 720)
 """Every live picture is scaled to this width and height [pixels]; the plane that shows it has its own aspect."""
-STREAM_SCHEMES: Final = ("udp", "tcp", "srt", "rtsp", "http", "https")
 RETRY_DELAY_S: Final = 1.0
 """From a failure until the input is opened again [s]."""
 SILENCE_S: Final = 5.0
@@ -27,23 +25,6 @@ _POLL_S: Final = 0.005
 """Interval at which shared memory is looked at [s]."""
 _DEVICES: Final = {"linux": ("v4l2", "/dev/video{}"), "darwin": ("avfoundation", "{}:none"), "win32": ("dshow", "")}
 """Format of capture devices in FFmpeg, and the name of a numbered one, by system."""
-KINDS_HINT: Final = "camera:0, shm:NAME or udp://0.0.0.0:5000"
-
-
-def parse_input(text: str) -> tuple[str, str]:
-    """Return kind (`camera`, `shm` or `stream`) and name of a live input as a patch names it; PersonError if it is
-    none."""
-    text = text.strip()
-    scheme, found, _ = text.partition("://")
-    if found and scheme in STREAM_SCHEMES:
-        return "stream", text
-    kind, found, name = text.partition(":")
-    if kind == "shm" and re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9._-]{0,63}", name):
-        return kind, name
-    if kind == "camera" and name.strip() and name.isprintable():
-        return kind, name.strip()
-    schemes = ", ".join(f"{scheme}://" for scheme in STREAM_SCHEMES)
-    raise PersonError(f"{text[:80]!r} is no live input", f"{KINDS_HINT}; streams begin with {schemes}")
 
 
 class LiveInput:

@@ -7,7 +7,7 @@ from pydantic import Field, ValidationInfo, model_validator
 from live.base.errors import PersonError
 from live.base.floor_corners import check_corners
 from live.base.parameter import WORLD_NAMES
-from live.render.media.live_input import parse_input
+from live.base.stage_snapshot import parse_input
 from live.show.patch.section_base import (
     Colour,
     Draw,

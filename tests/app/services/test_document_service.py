@@ -352,6 +352,11 @@ def test_steps_of_parts_are_kept_and_danced_again(night: EditedShow) -> None:
     assert night.replay_differences() == ()
 
 
+def _without_camera(values: dict[str, object]) -> dict[str, object]:
+    """Leave out the camera, which its director moves."""
+    return {address: value for address, value in values.items() if not address.startswith("/dance/camera/")}
+
+
 def test_scenes_cues_and_formations_made_live_are_kept(night: EditedShow) -> None:
     night.run(1.0)
     for address, values in (
@@ -371,7 +376,8 @@ def test_scenes_cues_and_formations_made_live_are_kept(night: EditedShow) -> Non
     patch = read_patch(night.path)
     wanted = {"/dance/light/level": 0.5, "/dance/motion/larger tide": 0.25}
     wanted["/dance/group/colour 2-3"] = (1.0, 0.0, 0.5)
-    assert [(scene.name, scene.set) for scene in patch.scene] == [("dusk", wanted), ("now", wanted)]
+    kept = [(scene.name, _without_camera(scene.set)) for scene in patch.scene]
+    assert kept == [("dusk", wanted), ("now", wanted)]
     assert [(cue.name, cue.scene) for cue in patch.cue] == [("now", "now")]
     assert spec_from_table(patch.formation[0]) == replace(parse_formation("polygon:5"), name="wedge")
     night.inbox.put(REGISTRY.call("/dance/light/level", [0.75], night.clock.now(), "osc"))  # type: ignore[arg-type]
