@@ -17,6 +17,17 @@ OFFSCREEN_GL: Final[Mapping[str, Any]] = {"backend": "egl"} if sys.platform == "
 """Arguments of `moderngl.create_context` with which it needs no screen."""
 
 
+_CAPTURE: Final = {"linux": ("v4l2", "/dev/video{}"), "darwin": ("avfoundation", "{}:none"), "win32": ("dshow", "")}
+"""Format of capture devices in FFmpeg, and the name of a numbered one, by system."""
+
+
+def capture_device(name: str) -> tuple[str, str]:
+    """Return FFmpeg's format and name of a capture device, which a person gives by number or by name."""
+    form, numbered = _CAPTURE.get(sys.platform, _CAPTURE["linux"])
+    name = numbered.format(name) if name.isdigit() and numbered else name
+    return form, f"video={name}" if form == "dshow" and not name.startswith("video=") else name
+
+
 def has_desktop() -> bool:
     """Whether a window may be tried: X11 or Wayland is announced, or the system always has windows."""
     return sys.platform != "linux" or any(os.environ.get(name) for name in ("DISPLAY", "WAYLAND_DISPLAY"))

@@ -172,7 +172,10 @@ class LetterField:
                 if self._closing:
                     return
                 key = self._jobs.popleft()
-            self._done.append((self._cells[key], self._bake(key)))
+            try:
+                self._done.append((self._cells[key], self._bake(key)))
+            except Exception as error:  # a letter is lost, not the thread
+                self._tell(f"a letter cannot be drawn: {error}")
 
     def _bake(self, key: _Key) -> Field:
         try:

@@ -4,7 +4,6 @@ A thread opens the input, keeps its newest picture and opens it again every seco
 for it. An input that is unplugged keeps its last picture.
 """
 
-import sys
 import threading
 from collections.abc import Iterator
 from typing import Any, Final
@@ -12,6 +11,7 @@ from typing import Any, Final
 import numpy as np
 
 from live.base.stage_snapshot import parse_input
+from live.base.system.features import capture_device
 from live.render.film.shared_memory import FrameRingReader
 from live.render.media.media_files import Picture
 
@@ -23,8 +23,6 @@ SILENCE_S: Final = 5.0
 """An input without a picture for so long [s] is opened again."""
 _POLL_S: Final = 0.005
 """Interval at which shared memory is looked at [s]."""
-_DEVICES: Final = {"linux": ("v4l2", "/dev/video{}"), "darwin": ("avfoundation", "{}:none"), "win32": ("dshow", "")}
-"""Format of capture devices in FFmpeg, and the name of a numbered one, by system."""
 
 
 class LiveInput:
@@ -90,9 +88,7 @@ class LiveInput:
 
         url, form = self._name, None
         if self.kind == "camera":
-            form, numbered = _DEVICES.get(sys.platform, _DEVICES["linux"])
-            url = numbered.format(url) if url.isdigit() and numbered else url
-            url = f"video={url}" if form == "dshow" and not url.startswith("video=") else url
+            form, url = capture_device(self._name)
         options = {"fflags": "nobuffer", "flags": "low_delay"}
         with av.open(url, format=form, options=options, timeout=(SILENCE_S, SILENCE_S)) as container:
             if not container.streams.video:

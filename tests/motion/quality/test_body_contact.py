@@ -17,7 +17,8 @@ from live.motion.quality.body_contact import (
 )
 from live.motion.quaternion import from_axis_angle, rotate
 from live.motion.skeleton import JOINT_COUNT, MIRROR, SKELETON
-from live.render.body.implicit_surface import TORSO, Shape
+from live.render.body.body_parts import TORSO
+from live.render.body.implicit_surface import Shape
 
 REST = SKELETON.rest_positions().astype(np.float64)
 LEFT_ELBOW, LEFT_WRIST = ARM_CHAINS[0, 1], ARM_CHAINS[0, 2]
