@@ -20,6 +20,7 @@ from live.render.body.body_mesh import (
     FINE,
     LIGHT,
     BodyMesh,
+    cached_mesh,
     empty_mesh,
     merged,
     strongest_weights,
@@ -331,9 +332,13 @@ def build_hair(level: int, body: str = DEFAULT_BODY, style: str = "bun", *, hang
     `bald`; without `hanging`: only what lies on the head, where the rest is a garment that moves by itself."""
     if style not in CAPS:
         return empty_mesh()
+    cap = CAPS[style] if hanging or style != "long" else _SMOOTH
+    return cached_mesh(f"hair {style} {body} {level} {hanging}", lambda: _built(level, body, style, cap, hanging))
+
+
+def _built(level: int, body: str, style: str, cap: _Cap, hanging: bool) -> BodyMesh:
     faces = faces_of(body)
     shape = FaceShape(skull=max(face.skull for face in faces), forehead=max(face.forehead for face in faces))
-    cap = CAPS[style] if hanging or style != "long" else _SMOOTH
     flat = level == COARSE and not cap.falls and cap.crown < 0.02  # its shadow is the skull's
     parts = [] if flat else [_cap(level, cap, shape, body)]
     if style == "bun":

@@ -103,12 +103,12 @@ def test_glb_holds_every_dancer_where_the_show_draws_them(show_files):
     assert all(mesh.primitives[0].material is not None for mesh in document.meshes)
     assert len(document.materials) == 3
     assert 3 <= len(document.meshes) <= 9  # one for each colour and body; those of a body share their data
-    (attributes,) = {tuple(vars(mesh.primitives[0].attributes).items()) for mesh in document.meshes}
-    weights = document.accessors[dict(attributes)["WEIGHTS_0"]]
-    view = document.bufferViews[weights.bufferView]
-    shares = np.frombuffer(document.binary_blob(), np.float32, weights.count * 4, view.byteOffset).reshape(-1, 4)
-    np.testing.assert_allclose(shares.sum(axis=1), 1.0, atol=1e-6)
-    assert weights.count > 3000  # a body, not bones
+    for attributes in {tuple(vars(mesh.primitives[0].attributes).items()) for mesh in document.meshes}:
+        weights = document.accessors[dict(attributes)["WEIGHTS_0"]]
+        place = document.bufferViews[weights.bufferView].byteOffset
+        shares = np.frombuffer(document.binary_blob(), np.float32, weights.count * 4, place).reshape(-1, 4)
+        np.testing.assert_allclose(shares.sum(axis=1), 1.0, atol=1e-6)
+        assert weights.count > 3000  # a body, not bones
     for dancer, root in enumerate(roots):
         found, scale = glb_joints(document, document.binary_blob(), root)
         np.testing.assert_allclose(found, joints[:, dancer], atol=1e-4)  # a tenth of a millimetre
