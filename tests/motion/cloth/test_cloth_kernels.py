@@ -144,6 +144,7 @@ def test_free_fall_of_what_nothing_holds():
     assert np.abs(offset).max() < 0.012  # the steps of the pins are not those of the fall within a substep
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("body", ["dancer", "slim", "strong", "round", "child"])
 def test_contact_brings_points_out_of_the_body_that_is_drawn(body):
     """Points inside the trunk, legs and head of the implicit surface are outside of it afterwards."""

@@ -131,6 +131,7 @@ def test_cross_fade_has_no_jump(plain, one, other):
     assert np.abs(halfway - frames[-1]).mean() > 0.1 * whole
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("name", [*WORLD_NAMES, "patterns"])
 def test_no_world_flashes_on_the_beat(gl_context, name):
     """Four measures at 180 bpm, thirty pictures a second: the limit never dims, nor comes near to it."""
@@ -230,6 +231,7 @@ def test_gobo_goes_on_turning_from_where_it_is_when_its_speed_changes(plain):
     )
 
 
+@pytest.mark.long
 def test_ladder_draws_every_world_at_every_step(gl_context):
     target = gl_context.simple_framebuffer(SIZE)
     renderer = Renderer(gl_context, scene(12), size=SIZE, quality=SOFTWARE, steps=True, warm_up=False)

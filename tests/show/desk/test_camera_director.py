@@ -238,6 +238,7 @@ def test_locked_camera_stands_and_says_so():
     assert session.desk.facts(0.0)["camera"]["locked"]
 
 
+@pytest.mark.long
 def test_only_dancer_is_shown_whole_and_an_empty_stage_too():
     session = DeskSession(LIVELY).run(1)
     assert session.say("/dance/leave", "front + back - 1"), session.words
