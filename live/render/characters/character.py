@@ -204,7 +204,9 @@ def _level(shape: _Shape, number: int, wanted: int) -> CharacterMesh:
     if len(triangle) > wanted:
         level = simplify_to(position, fitted.weight, surface[:, -1].astype(np.int64), triangle, wanted)
         movements = simplified(movements, level)
-        position, normal, surface = level.mean_positions(position), level.mean(normal), level.mean(surface)
+        coarse = number == COARSE  # its cells are as large as limbs: planes would draw out its edges
+        position = level.mean_positions(position) if coarse else level.surface_positions(position, triangle)
+        normal, surface = level.mean(normal), level.mean(surface)
         weight = level.mean(weight.astype(np.float64)).astype(np.float32)
         triangle = level.triangle
     normal = normal / np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)

@@ -95,9 +95,9 @@ class SetModel:
         mesh = simplify_to((self.position - middle) * scale, weight, material, self.triangle, max_triangles)
         normal = mesh.mean(self.normal)
         normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-9)
+        position = mesh.surface_positions(self.position, self.triangle)
         return SetModel(
-            mesh.mean_positions(self.position), normal, mesh.mean(self.surface), mesh.triangle, self.layers,
-            self.extras, self.two_sided,
+            position, normal, mesh.mean(self.surface), mesh.triangle, self.layers, self.extras, self.two_sided,
         )  # fmt: skip
 
 

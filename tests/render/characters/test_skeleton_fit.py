@@ -16,6 +16,8 @@ from live.render.characters.skeleton_fit import find_joints, fit
 from tests.render.characters.figures import glb_of, mixamo, rigify, striped_image, unreal
 
 BODY = build_figure(LIGHT)
+LONGEST_EDGE = 0.13
+"""[m]: the figure itself, drawn finely, has edges of 0.124 on its trunk."""
 OTHER = {"LowerLeg": 0.8, "Foot": 0.85, "UpperArm": 1.2, "LowerArm": 1.2, "Hand": 1.1, "head": 1.3}
 
 
@@ -108,9 +110,9 @@ def test_levels_have_fewer_triangles_and_keep_the_shape(tmp_path):
         assert np.abs(mesh.position.max(axis=0) - fine.position.max(axis=0)).max() < 0.025  # toes are thin
         assert np.abs(mesh.position.min(axis=0) - fine.position.min(axis=0)).max() < 0.02
         edges = mesh.position[mesh.triangle] - mesh.position[mesh.triangle[:, [1, 2, 0]]]
-        assert np.linalg.norm(edges, axis=2).max() < 0.13  # nothing is torn across the body
+        assert np.linalg.norm(edges, axis=2).max() < LONGEST_EDGE  # nothing is torn across the body
         assert np.allclose(mesh.weight.sum(axis=1), 1.0, atol=1e-5)
-    assert _volume(light) == pytest.approx(_volume(fine), rel=0.1)  # clusters round off; much is left to the head
+    assert _volume(light) == pytest.approx(_volume(fine), rel=0.06)
 
 
 def _volume(mesh):
