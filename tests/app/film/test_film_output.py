@@ -18,6 +18,8 @@ from live.app.session_audio import AudioChoice
 from live.base.errors import PersonError
 from live.motion.formats.ways import COLUMNS
 from live.motion.skeleton import JOINT_COUNT, SKELETON
+from live.show.dancers.character_casting import bodies_of
+from live.show.patch.patch_reader import read_patch
 from live.show.patch.patch_search_path import PATCHES
 from tests.cli.command import run_live
 
@@ -102,7 +104,9 @@ def test_glb_holds_every_dancer_where_the_show_draws_them(show_files):
     assert {len(skin.joints) for skin in document.skins} == {JOINT_COUNT}
     assert all(mesh.primitives[0].material is not None for mesh in document.meshes)
     assert len(document.materials) == 3
-    assert 3 <= len(document.meshes) <= 9  # one for each colour and body; those of a body share their data
+    bodies = bodies_of(read_patch(PATCHES / "first_show.toml"))
+    worn = set(zip(groups, bodies, strict=True))
+    assert len(document.meshes) == len(worn)  # one for each colour and body; those of a body share their data
     for attributes in {tuple(vars(mesh.primitives[0].attributes).items()) for mesh in document.meshes}:
         weights = document.accessors[dict(attributes)["WEIGHTS_0"]]
         place = document.bufferViews[weights.bufferView].byteOffset
