@@ -21,8 +21,8 @@ BY_CHANCE: Final = -1
 DEFAULT_APPEARANCE: Final = (BY_CHANCE, BY_CHANCE, 0, BY_CHANCE, 0, 0)
 """The appearance of a dancer of whom nothing is said."""
 
-HAIRS: Final = ("bun", "bald", "crop", "bob", "ponytail", "long", "curls", "braid")
-"""Hair styles; the first is the default."""
+HAIRS: Final = ("usual", "bun", "bald", "crop", "bob", "ponytail", "long", "curls", "braid")
+"""Hair styles; the first is the default: short hair for men, a bun for all others."""
 COSTUMES: Final = ("leotard", "unitard", "trousers", "dress", "skirt", "jacket", "bare")
 """Costumes; the first is the default. `bare`: shorts, and for women a top."""
 FABRICS: Final = ("cotton", "silk", "wool", "tulle")

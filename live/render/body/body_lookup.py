@@ -52,7 +52,7 @@ def kinds_of(scene: Scene) -> tuple[Kind, ...]:
     return (
         *(Kind("character" if name in names else "body", name) for name in bodies),
         *(Kind("head", name, face) for name in generated for face in range(FACE_COUNT)),
-        *(Kind("hair", name, style) for name in generated for style in range(len(HAIRS))),
+        *(Kind("hair", name, style) for name in generated for style in range(1, len(HAIRS))),
         *(
             Kind(family, name, style)
             for name in generated
@@ -64,8 +64,8 @@ def kinds_of(scene: Scene) -> tuple[Kind, ...]:
 
 
 def _hair_of(body: str, style: int) -> int:
-    """Return the place among `HAIRS` of a hair style on a body: instead of the default, men have short hair."""
-    return HAIRS.index("crop") if style == 0 and body in MEN else style
+    """Return the place among `HAIRS` of a hair style on a body: what is usual depends on it."""
+    return HAIRS.index("crop" if body in MEN else "bun") if HAIRS[style] == "usual" else style
 
 
 def pieces_of(kinds: tuple[Kind, ...], scene: Scene, appearance: Int32) -> Int32:

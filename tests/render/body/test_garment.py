@@ -105,7 +105,7 @@ def test_lapels_and_collars_lie_on_the_jacket(level) -> None:
 def test_men_have_short_hair_unless_another_is_said() -> None:
     scene = Scene((8.0, 6.0), Camera(), 2, JOINT_COUNT, bodies=("woman", "man"))
     kinds, rows = kinds_of(scene), np.tile(DEFAULT_APPEARANCE, (2, 1)).astype(np.int32)
-    for said, worn in (("bun", ("bun", "crop")), ("long", ("long", "long"))):
+    for said, worn in (("usual", ("bun", "crop")), ("bun", ("bun", "bun")), ("long", ("long", "long"))):
         rows[:, HAIR] = HAIRS.index(said)
         pieces = pieces_of(kinds, scene, rows)[:, FAMILIES.index("hair")]
         assert tuple(HAIRS[kinds[kind].style] for kind in pieces) == worn
