@@ -15,9 +15,9 @@ from live.clock.ticks import TICK
 from live.motion.cloth.cloth_kernels import keep_out
 from live.motion.cloth.fabric import fabric_of
 from live.motion.cloth.garment_batch import GarmentBatch
+from live.motion.cloth.garment_catalogue import PATTERNS
 from live.motion.cloth.limb_kernels import LANES
 from live.motion.cloth.pattern import compile_pattern
-from live.motion.cloth.wardrobe import PATTERNS
 from live.render.body.body_limbs import body_sections
 from live.show.dancers.garments import BUDGET, FEWEST_SUBSTEPS, SUBSTEPS
 

@@ -16,8 +16,8 @@ from live.clock.ticks import TICK
 from live.library.motion_file import read_motion
 from live.motion.cloth.fabric import fabric_of
 from live.motion.cloth.garment_batch import GarmentBatch
+from live.motion.cloth.garment_catalogue import PATTERNS
 from live.motion.cloth.pattern import compile_pattern
-from live.motion.cloth.wardrobe import PATTERNS
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.retarget.retarget import retarget
 from live.render.body.body_limbs import body_sections

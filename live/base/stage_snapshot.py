@@ -216,7 +216,7 @@ class StageView:
     """What each dancer looks like, shape (A, APPEARANCE_SIZE): the columns of `live.base.body.appearance`."""
     cloth_position: Float32 = field(default_factory=lambda: np.zeros((0, 3), np.float32))
     """Particles of all garments [m], shape (N, 3): of each one row by row, as in its pattern
-    (`live.motion.cloth.wardrobe`)."""
+    (`live.motion.cloth.garment_catalogue`)."""
     cloth_garment: Int32 = field(default_factory=lambda: np.zeros((0, 3), np.int32))
     """Garments that move by themselves, shape (G, 3): dancer, pattern by its place in `PATTERN_NAMES`, first
     particle."""

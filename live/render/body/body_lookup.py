@@ -13,7 +13,7 @@ from live.base.arrays import Int32
 from live.base.body.appearance import BODY, COSTUME, COSTUMES, HAIR, HAIRS, SHOES, SHOES_WORN
 from live.base.body.catalogue import BODIES, DEFAULT_BODY, MEN
 from live.base.stage_snapshot import Scene
-from live.motion.cloth.wardrobe import MOVING_HAIR
+from live.motion.cloth.garment_catalogue import MOVING_HAIR
 from live.render.body.body_mesh import BodyMesh, build_body, merged
 from live.render.body.face_shape import FACE_COUNT
 from live.render.body.garment_mesh import GARMENTS, build_garment

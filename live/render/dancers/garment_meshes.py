@@ -7,8 +7,8 @@ import numpy as np
 
 from live.base.arrays import Float64, Int32
 from live.base.stage_snapshot import StageView
+from live.motion.cloth.garment_catalogue import PATTERN_NAMES, PATTERNS
 from live.motion.cloth.pattern import Pattern
-from live.motion.cloth.wardrobe import PATTERN_NAMES, PATTERNS
 from live.render.dancers.dancer_batch import WARDROBE_UNIT, DancerBatch
 from live.render.dancers.wardrobe import CLOTH, HAIR
 from live.render.render_kernels import CASTING, CLOSE, FAR, MIRRORED, NEAR, VISIBLE

@@ -24,9 +24,9 @@ from live.clock.ticks import TICK
 from live.control.events.events import TicksSkipped
 from live.motion.cloth.fabric import fabric_of
 from live.motion.cloth.garment_batch import GarmentBatch
+from live.motion.cloth.garment_catalogue import PATTERN_NAMES, PATTERNS, garments_of
 from live.motion.cloth.limb_kernels import LANES
 from live.motion.cloth.pattern import CompiledPattern, compile_pattern
-from live.motion.cloth.wardrobe import PATTERN_NAMES, PATTERNS, garments_of
 from live.motion.skeleton import JOINT_COUNT
 from live.render.body.body_limbs import body_sections
 from live.show.dancers.character_casting import bodies_of

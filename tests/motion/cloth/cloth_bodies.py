@@ -5,8 +5,8 @@ import numpy as np
 from live.clock.ticks import TICK
 from live.motion.cloth.fabric import fabric_of
 from live.motion.cloth.garment_batch import GarmentBatch
+from live.motion.cloth.garment_catalogue import PATTERNS
 from live.motion.cloth.pattern import compile_pattern
-from live.motion.cloth.wardrobe import PATTERNS
 from live.motion.skeleton import SKELETON
 from live.render.body.body_limbs import body_sections
 from tests.render.poses import ALL, ARMS_DOWN, pose

@@ -5,8 +5,8 @@ import pytest
 
 from live.base.row_ranges import SerialRunner, row_runner
 from live.clock.ticks import TICK
+from live.motion.cloth.garment_catalogue import PATTERNS
 from live.motion.cloth.pattern import LONGEST
-from live.motion.cloth.wardrobe import PATTERNS
 from live.render.body.body_mesh import FINE, build_body
 from live.render.body.body_variants import parts_of
 from live.render.body.implicit_surface import Shape

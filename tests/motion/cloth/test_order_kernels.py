@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from live.motion.cloth.fabric import FABRICS
+from live.motion.cloth.garment_catalogue import PATTERNS
 from live.motion.cloth.limb_kernels import LANES
 from live.motion.cloth.order_kernels import LEAST_AREA, keep_order
 from live.motion.cloth.pattern import compile_pattern
-from live.motion.cloth.wardrobe import PATTERNS
 
 SKIRT = compile_pattern(PATTERNS["skirt"], FABRICS["cotton"])
 

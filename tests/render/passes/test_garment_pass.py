@@ -6,7 +6,7 @@ import pytest
 from live.base.body.appearance import COSTUME, COSTUMES
 from live.base.picture_parameters import EYE, STYLE_ADDRESS_PREFIX, TARGET, group_parameter, picture_row
 from live.base.stage_snapshot import Camera
-from live.motion.cloth.wardrobe import PATTERN_NAMES, PATTERNS
+from live.motion.cloth.garment_catalogue import PATTERN_NAMES, PATTERNS
 from live.render.adaptive_quality import HARDWARE, SOFTWARE
 from live.render.dancers.garment_meshes import grid_mesh
 from live.render.renderer import Renderer

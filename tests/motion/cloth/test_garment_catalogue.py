@@ -7,8 +7,8 @@ from live.base.body.appearance import COSTUMES, EXTRAS, FABRICS, HAIRS
 from live.motion.cloth.cloth_kernels import RUN_COUNT, RUN_FIRST, RUN_SECOND
 from live.motion.cloth.fabric import FABRICS as KNOWN
 from live.motion.cloth.fabric import fabric_of
+from live.motion.cloth.garment_catalogue import PATTERNS, SKIRT_LENGTHS, garments_of
 from live.motion.cloth.pattern import compile_pattern
-from live.motion.cloth.wardrobe import PATTERNS, SKIRT_LENGTHS, garments_of
 from live.render.body.body_limbs import body_sections
 
 
