@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import inline_kernel, kernel
+from live.motion.cloth.air_kernels import face_air, follow_falls
 from live.motion.cloth.limb_kernels import (
     AXES,
     BACKS,
@@ -55,10 +56,11 @@ CONTACT_FIRST, CONTACT_COUNT, CONTACT_LIMB, CONTACT_MIDDLES = range(4)
 """Columns of `contacts`: the particles of a row, their number, the limb, and what keeps out of it: …"""
 PARTICLES, OPEN, CLOSED = range(3)
 """… the particles, the middles between neighbours, or these and the one between the last and the first."""
-DRAG, GRAVITY, THICKNESS, FLOOR, FLOOR_FRICTION = range(5)
+DRAG, GRAVITY, THICKNESS, FLOOR, FLOOR_FRICTION, FACING, FOLLOWS = range(7)
 """Entries of `matter`: drag of the air [1/s], acceleration [m/s2], distance kept from the body and height kept over the
-floor [m], share of the speed along the floor that is lost in a substep."""
-MATTER_COLUMNS = 5
+floor [m], share of the speed along the floor that is lost in a substep, drag across the surface [1/m], share of the
+body's falls beyond gravity that it follows."""
+MATTER_COLUMNS = 7
 _ZERO: Any = np.float32(0.0)
 _HALF: Any = np.float32(0.5)
 _ONE: Any = np.float32(1.0)
@@ -353,9 +355,12 @@ def step_garments(
             x[b], v[b], before[b], fresh[b], now, placed, limb, work, skin, limb_joint, bridges, limbs[b], by, weight,
             rest[b], last_runs, last_limits, contacts, more_contacts, thickness, per_step,
         )  # fmt: skip
-        carrier[b] = before[b, :, 0]
         own, speed = x[b], v[b]
         flat, flat_speed = own.reshape((3, count * LANES)), speed.reshape((3, count * LANES))
+        face_air(flat, flat_speed, rings, wind, matter[FACING] * tick)
+        if matter[FOLLOWS] > _ZERO:
+            follow_falls(speed, now, before[b], carrier[b], fresh[b], matter[GRAVITY], matter[FOLLOWS], tick)
+        carrier[b] = before[b, :, 0]
         flat_old = old.reshape((3, count * LANES))
         for s in range(substeps):
             share: Any = np.float32(s + 1) / np.float32(substeps)

@@ -37,6 +37,8 @@ _HIPS_BELOW: Final = 0.12
 """So far below the waistband [m] the hips are widest."""
 _FOLD: Final = 4
 """Columns in a fold."""
+_FOLLOWS: Final = 0.6
+"""Share of the wearer's falls beyond gravity that skirts follow, and hair: both still lift a little."""
 
 
 def _ellipse(widths: tuple[float, float, float], clear: float, angle: Float64, fold: Float64 | float = 0.0) -> Float64:
@@ -111,6 +113,7 @@ def _skirt(name: str, length: float, rows: int, columns: int, flare: float) -> P
         joints=("hips", "leftUpperLeg", "rightUpperLeg"),
         rest_shape=partial(_skirt_shape, rows, columns, length, widths),
         share=tuple(map(tuple, share.tolist())), second=(tuple(second.tolist()),) * rows, contacts=tuple(contacts),
+        follows=_FOLLOWS,
     )  # fmt: skip
 
 
@@ -145,7 +148,7 @@ def _long_hair() -> Pattern:
         name="long hair", kind="hair", rows=rows, columns=columns, closed=False, pinned_rows=2, length=_HAIR_LENGTH,
         widths=tuple(np.interp(np.arange(rows), [0, 2, rows - 1], [0.034, 0.038, 0.034])), joints=("head",),
         rest_shape=_hair_shape, share=_grid(0.0, rows, columns), second=((0,) * columns,) * rows, contacts=contacts,
-        sheared=False, strands=True,
+        sheared=False, strands=True, follows=_FOLLOWS,
     )  # fmt: skip
 
 
@@ -181,7 +184,7 @@ def _ponytail() -> Pattern:
         name="ponytail", kind="hair", rows=rows, columns=columns, closed=True, pinned_rows=2, length=_TAIL_LENGTH,
         widths=tuple(2.0 * math.sin(math.pi / columns) * radius for radius in _TAIL_RADII), joints=("head",),
         rest_shape=_tail_shape, share=_grid(0.0, rows, columns), second=((0,) * columns,) * rows, contacts=contacts,
-        tubular=True,
+        tubular=True, follows=_FOLLOWS,
     )  # fmt: skip
 
 

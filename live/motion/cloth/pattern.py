@@ -84,6 +84,8 @@ class Pattern:
     """Whether it resists shearing."""
     tubular: bool = False
     """Whether its cross-section stays open, as a ponytail's."""
+    follows: float = 0.0
+    """Share of its wearer's falls beyond gravity that it follows."""
     strands: bool = False
     """Whether neighbours in a row are only kept from parting, as hair is."""
 
@@ -178,7 +180,7 @@ def compile_pattern(pattern: Pattern, fabric: Fabric) -> CompiledPattern:
     _add_limits(limits, pattern, ROW_REPEATS)
     _add_limits(last, pattern, LAST_REPEATS)
     matter = np.zeros(MATTER_COLUMNS, np.float32)
-    matter[:] = fabric.drag, fabric.gravity, THICKNESS, 0.012, FLOOR_FRICTION
+    matter[:] = fabric.drag, fabric.gravity, THICKNESS, 0.012, FLOOR_FRICTION, fabric.facing, pattern.follows
     return CompiledPattern(
         pattern, np.array(joints, np.int32),
         np.array([joints.index(LIMBS[limb].joint) for limb in limbs], np.int32), np.array(limbs, np.int32),
