@@ -310,7 +310,7 @@ def _contacts(pattern: Pattern, limbs: list[int], *, often: bool) -> Int32:
         name = contact.limb
         return len(limbs) + between.index(name) if name in BRIDGES else limbs.index(limb_index(name))
 
-    for contact in sorted(pattern.contacts, key=place):
+    for contact in sorted(pattern.contacts, key=lambda contact: (contact.limb not in BRIDGES, place(contact))):
         limb = place(contact)
         for row in range(max(contact.first, pattern.pinned_rows), min(contact.last, pattern.rows - 1) + 1):
             if contact.often == often:
