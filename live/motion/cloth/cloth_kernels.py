@@ -373,7 +373,7 @@ def step_garments(
             skin_particles(placed, by, weight, rest[b], pinned, own)
             project_runs(flat, runs, amounts, per_step)
             if s == substeps - 1:  # once in a tick is enough
-                keep_order(flat, rings, areas, 1)
+                keep_order(flat, rings, areas, limb, 1)
             keep_out(flat, contacts, limb, thickness)
             if s == substeps - 1:
                 keep_out(flat, more_contacts, limb, thickness)

@@ -195,14 +195,19 @@ _SLEEVE_RADII: Final = (0.056, 0.150)
 """Radius of a wide sleeve at the elbow, and at its hem [m]."""
 
 
+_SLEEVE_BELOW: Final = (0.02, 0.10)
+"""The seam is so far below the elbow [m] outside, and inside, where the arm bends: no cloth is caught there."""
+
+
 def _sleeve_shape(side: int, sections: Float32) -> Float64:
     around = 2.0 * np.pi * np.arange(_SLEEVE_COLUMNS) / _SLEEVE_COLUMNS
+    seam = 0.430 + _SLEEVE_BELOW[0] + (_SLEEVE_BELOW[1] - _SLEEVE_BELOW[0]) * (0.5 + 0.5 * side * np.sin(around))
     thick = max(half_widths(sections[limb_index("left forearm")], 0.05)) + 0.014
     points = np.empty((_SLEEVE_ROWS, _SLEEVE_COLUMNS, 3))
     for row in range(_SLEEVE_ROWS):
         share = row / (_SLEEVE_ROWS - 1)
         radius = max(thick, _SLEEVE_RADII[0]) + share * (_SLEEVE_RADII[1] - _SLEEVE_RADII[0]) * 0.6
-        points[row, :, 0] = side * (0.435 + share * 0.94 * _SLEEVE_LENGTH)
+        points[row, :, 0] = side * (seam + share * 0.94 * _SLEEVE_LENGTH)
         points[row, :, 1] = 1.38 + radius * np.cos(around)
         points[row, :, 2] = -0.01 + side * radius * np.sin(around)
     return points
@@ -211,17 +216,20 @@ def _sleeve_shape(side: int, sections: Float32) -> Float64:
 def _sleeve(side: str) -> Pattern:
     rows, columns = _SLEEVE_ROWS, _SLEEVE_COLUMNS
     widths = tuple(np.linspace(*_SLEEVE_RADII, rows) * 2.0 * np.sin(np.pi / columns))
+    other = "right" if side == "left" else "left"
     contacts = (
         Contact(f"{side} forearm", 1, rows, True), Contact(f"{side} hand", 3, rows, True),
-        Contact(f"{side} upper arm", 1, 4), Contact("chest", 1, rows, False, False),
-        Contact("waist", 1, rows, False, False), Contact("pelvis", 1, rows, False, False),
-        *_pair("thigh", 4, rows, often=False), Contact("head", 3, rows, False, False),
+        Contact(f"{side} upper arm", 1, rows), Contact("chest", 1, rows), Contact("waist", 1, rows),
+        *_pair("thigh", 1, rows), Contact("pelvis", 1, rows, False, False),
+        Contact("shoulders", 1, rows, False, False), Contact("head", 3, rows, False, False),
+        Contact(f"{other} forearm", 2, rows, False, False), Contact(f"{other} hand", 2, rows, False, False),
     )  # fmt: skip
     return Pattern(
         name=f"{side} sleeve", kind="cloth", rows=rows, columns=columns, closed=True, pinned_rows=1,
         length=_SLEEVE_LENGTH, widths=widths, joints=(f"{side}LowerArm",),
         rest_shape=partial(_sleeve_shape, 1 if side == "left" else -1),
         share=_grid(0.0, rows, columns), second=((0,) * columns,) * rows, contacts=contacts,
+        around=(f"{side} forearm", 5),
     )  # fmt: skip
 
 

@@ -36,6 +36,8 @@ THICKNESS: Final = 0.014
 """Distance of particles from the body [m]."""
 LEAST_SECTOR: Final = 0.3
 """Between two neighbours in a row of a tube is at least this share of the area that they have in a circle."""
+LEAST_AROUND: Final = 0.1
+"""The same for a row that stays around a limb, which may lie on one side within it."""
 FOLDED: Final = 1.9
 """Distance between next but one neighbours in a row of a tube, in widths between neighbours: it hangs in folds."""
 FOLD_SOFTNESS: Final = 2.0
@@ -84,6 +86,8 @@ class Pattern:
     """Whether it resists shearing."""
     tubular: bool = False
     """Whether its cross-section stays open, as a ponytail's."""
+    around: tuple[str, int] = ("", 0)
+    """The limb that a tube stays around, and the last row of it that does."""
     follows: float = 0.0
     """Share of its wearer's falls beyond gravity that it follows."""
     strands: bool = False
@@ -135,7 +139,7 @@ class CompiledPattern:
     contacts: Int32
     more_contacts: Int32
     rings: Int32
-    """Rows that keep their order around their middles, (N, 3), …"""
+    """Rows that keep their order around their middles, or around a limb, (N, 4), …"""
     areas: Float32
     """… and how, (N, 2): see `keep_order`."""
     matter: Float32
@@ -185,7 +189,7 @@ def compile_pattern(pattern: Pattern, fabric: Fabric) -> CompiledPattern:
         pattern, np.array(joints, np.int32),
         np.array([joints.index(LIMBS[limb].joint) for limb in limbs], np.int32), np.array(limbs, np.int32),
         bridges, by, weight, *runs.arrays(), *limits.arrays(), *last.arrays(),
-        _contacts(pattern, limbs, often=True), _contacts(pattern, limbs, often=False), *_rings(pattern), matter, order,
+        _contacts(pattern, limbs, often=True), _contacts(pattern, limbs, often=False), *_rings(pattern, limbs), matter, order,
     )  # fmt: skip
 
 
@@ -288,14 +292,17 @@ def _add_limits(limits: _Runs, pattern: Pattern, repeats: int) -> None:
             limits.add(above, LONGEST * pattern.spacing, kind=AT_MOST, first_held=sweep == repeats)
 
 
-def _rings(pattern: Pattern) -> tuple[Int32, Float32]:
+def _rings(pattern: Pattern, limbs: list[int]) -> tuple[Int32, Float32]:
     """Return the rows of a tube of cloth that keep their order, and twice their areas."""
     if not pattern.closed or pattern.kind != "cloth":
-        return np.zeros((0, 3), np.int32), np.zeros((0, 2), np.float32)
+        return np.zeros((0, 4), np.int32), np.zeros((0, 2), np.float32)
     columns, half = pattern.columns, pattern.columns // 2
-    rings = [(row * columns, half, half) for row in range(pattern.rows)]
+    name, last = pattern.around
+    around = [limbs.index(limb_index(name)) if row <= last and name else -1 for row in range(pattern.rows)]
+    rings = [(row * columns, half, half, around[row]) for row in range(pattern.rows)]
     circles = np.square(columns * np.array(pattern.widths)) / (2.0 * np.pi)
-    areas = np.stack([1.0 / circles, LEAST_SECTOR * circles / columns], axis=1)
+    least = np.where(np.array(around) < 0, LEAST_SECTOR, LEAST_AROUND)
+    areas = np.stack([1.0 / circles, least * circles / columns], axis=1)
     return np.array(rings, np.int32), areas.astype(np.float32)
 
 
