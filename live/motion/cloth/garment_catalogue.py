@@ -143,6 +143,7 @@ def _long_hair() -> Pattern:
     contacts = (
         Contact("shoulders", 2, rows), Contact("chest", 4, rows), Contact("waist", 6, rows, False, False),
         Contact("neck", 2, 6), Contact("head", 2, rows), *_pair("upper arm", 3, rows, often=False),
+        *_pair("forearm", 4, rows, often=False),
     )  # fmt: skip
     return Pattern(
         name="long hair", kind="hair", rows=rows, columns=columns, closed=False, pinned_rows=2, length=_HAIR_LENGTH,
@@ -178,7 +179,8 @@ def _ponytail() -> Pattern:
     rows, columns = _TAIL_ROWS, _TAIL_COLUMNS
     contacts = (
         Contact("shoulders", 2, rows), Contact("chest", 4, rows), Contact("neck", 2, rows), Contact("head", 2, rows),
-        *_pair("upper arm", 5, rows, often=False),
+        *_pair("upper arm", 2, rows, often=False), *_pair("forearm", 2, rows, often=False),
+        *_pair("hand", 2, rows, often=False),
     )  # fmt: skip
     return Pattern(
         name="ponytail", kind="hair", rows=rows, columns=columns, closed=True, pinned_rows=2, length=_TAIL_LENGTH,

@@ -24,6 +24,7 @@ Int32 = npt.NDArray[np.int32]
 Uint8 = npt.NDArray[np.uint8]
 _ZERO: Any = np.float32(0.0)
 _ONE: Any = np.float32(1.0)
+_CLOSE: Any = np.float32(0.004)  # distance from the body [m] where lengths leave no more
 
 
 @kernel("void(f4[:,::1], f4[:,::1], f4[:,::1], f4[:,:,::1], f4[:,:,::1], f4, f4, f4[:,:,::1])")
@@ -127,7 +128,7 @@ def draw_garments(
         keep_out(flat, more_contacts, limb, matter[THICKNESS])
         if not skinned:
             project_runs(flat, limit_runs, limits, _ZERO)
-            keep_out(flat, contacts, limb, matter[THICKNESS])
+            keep_out(flat, contacts, limb, _CLOSE)
             project_runs(flat, limit_runs, limits, _ZERO)
         for i in range(LANES):
             who = b * LANES + i
