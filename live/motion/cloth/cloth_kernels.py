@@ -66,6 +66,9 @@ _HALF: Any = np.float32(0.5)
 _ONE: Any = np.float32(1.0)
 _TWO: Any = np.float32(2.0)
 _TINY: Any = np.float32(1e-12)
+_NEAR_ROWS = (MIDDLE, MIDDLE + 1, MIDDLE + 2, AXES + 3, AXES + 4, AXES + 5, LENGTH, BOUND)
+"""Rows of a limb that tell whether anything is near."""
+_OTHER_ROWS = tuple(row for row in range(LIMB_ROWS) if row not in _NEAR_ROWS)
 _RUNAWAY: Any = np.float32(1e4)
 _FASTEST: Any = np.float32(9.0)  # no cloth is faster [m/s]; feet of the fastest kicks are as fast
 
@@ -98,9 +101,9 @@ def project_runs(places: Float32, runs: Int32, amounts: Float32, per_step: float
 
 
 @inline_kernel
-def _tile(tile: Float32, limbs: Float32, k: int, columns: int) -> None:
-    """Repeat the rows of limb k of (LIMB_ROWS, K, LANES) along `tile` (LIMB_ROWS, WIDTH), so many times."""
-    for row in range(LIMB_ROWS):
+def _tile(tile: Float32, limbs: Float32, k: int, columns: int, rows: Any) -> None:
+    """Repeat `rows` of limb k of (LIMB_ROWS, K, LANES) along `tile` (LIMB_ROWS, WIDTH), so many times."""
+    for row in rows:
         own = limbs[row, k]
         for column in range(columns):
             for i in range(LANES):
@@ -184,14 +187,14 @@ def keep_out(places: Float32, contacts: Int32, limbs: Float32, thickness: float)
     """
     limb, at = np.empty((LIMB_ROWS, WIDTH), np.float32), np.empty((3, WIDTH), np.float32)
     push = np.empty((3, WIDTH), np.float32)
-    tiled, columns = -1, 1
+    tiled, whole, columns = -1, -1, 1
     for c in range(contacts.shape[0]):
         columns = contacts[c, CONTACT_COUNT] if contacts[c, CONTACT_COUNT] > columns else columns
     for c in range(contacts.shape[0]):
         first, middles = contacts[c, CONTACT_FIRST] * LANES, contacts[c, CONTACT_MIDDLES]
         if contacts[c, CONTACT_LIMB] != tiled:
             tiled = contacts[c, CONTACT_LIMB]
-            _tile(limb, limbs, tiled, min(columns, COLUMNS))
+            _tile(limb, limbs, tiled, min(columns, COLUMNS), _NEAR_ROWS)
         width = min(int(contacts[c, CONTACT_COUNT]), COLUMNS) * LANES
         half = (width // LANES + 1) // 2 * LANES
         closed = LANES if middles == CLOSED else 0
@@ -207,6 +210,9 @@ def keep_out(places: Float32, contacts: Int32, limbs: Float32, thickness: float)
                     to[i] = row[i]
         if not _any_near(limb, at, n):
             continue
+        if whole != tiled:  # most limbs are near to nothing
+            whole = tiled
+            _tile(limb, limbs, tiled, min(columns, COLUMNS), _OTHER_ROWS)
         _push_out(limb, at, push, n, thickness)
         for axis in range(3):
             row, out = places[axis, first : first + width], push[axis]
