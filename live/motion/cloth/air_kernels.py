@@ -85,7 +85,8 @@ def follow_falls(
     """Take garments along with a body that falls faster than free fall, as in steps that music makes faster.
 
     v (3, P, LANES); now and last (7, J, LANES): the joints now and at the last tick, the first of which carries them;
-    before (7, LANES): this one a tick earlier; fresh (LANES,): not 0 where there is no such past. `share` of what its acceleration exceeds gravity by.
+    before (7, LANES): this one a tick earlier; fresh (LANES,): not 0 where there is no such past. `share`: of what its
+    acceleration exceeds gravity by.
     """
     more = np.empty(LANES, np.float32)
     for i in range(LANES):

@@ -70,6 +70,8 @@ _NEAR_ROWS = (MIDDLE, MIDDLE + 1, MIDDLE + 2, AXES + 3, AXES + 4, AXES + 5, LENG
 """Rows of a limb that tell whether anything is near."""
 _OTHER_ROWS = tuple(row for row in range(LIMB_ROWS) if row not in _NEAR_ROWS)
 _RUNAWAY: Any = np.float32(1e4)
+_KEPT: Any = np.float32(0.9)
+_PUT_ON = 40  # steps in which a garment that begins goes from the rest pose into its wearer's
 _FASTEST: Any = np.float32(9.0)  # no cloth is faster [m/s]; feet of the fastest kicks are as fast
 
 
@@ -182,21 +184,19 @@ def _push_out(limb: Float32, at: Float32, push: Float32, n: int, thickness: Any)
 def keep_out(places: Float32, contacts: Int32, limbs: Float32, thickness: float) -> None:
     """Push rows of particles, and middles between neighbours, to `thickness` [m] outside the limbs.
 
-    places (3, P LANES); contacts (C, 4), sorted by limb; limbs (LIMB_ROWS, K, LANES). A limb is an ellipse across and
+    places (3, P LANES); contacts (C, 4), sorted by limb, all of as many particles; limbs (LIMB_ROWS, K, LANES). A limb is an ellipse across and
     round at its ends; the distance is of first order, k0 (k0 - 1) / k1.
     """
     limb, at = np.empty((LIMB_ROWS, WIDTH), np.float32), np.empty((3, WIDTH), np.float32)
     push = np.empty((3, WIDTH), np.float32)
-    tiled, whole, columns = -1, -1, 1
-    for c in range(contacts.shape[0]):
-        columns = contacts[c, CONTACT_COUNT] if contacts[c, CONTACT_COUNT] > columns else columns
+    tiled, whole = -1, -1
     for c in range(contacts.shape[0]):
         first, middles = contacts[c, CONTACT_FIRST] * LANES, contacts[c, CONTACT_MIDDLES]
+        columns = min(int(contacts[c, CONTACT_COUNT]), COLUMNS)
         if contacts[c, CONTACT_LIMB] != tiled:
             tiled = contacts[c, CONTACT_LIMB]
-            _tile(limb, limbs, tiled, min(columns, COLUMNS), _NEAR_ROWS)
-        width = min(int(contacts[c, CONTACT_COUNT]), COLUMNS) * LANES
-        half = (width // LANES + 1) // 2 * LANES
+            _tile(limb, limbs, tiled, columns, _NEAR_ROWS)
+        width, half = columns * LANES, (columns + 1) // 2 * LANES
         closed = LANES if middles == CLOSED else 0
         n = width
         if middles:
@@ -212,7 +212,7 @@ def keep_out(places: Float32, contacts: Int32, limbs: Float32, thickness: float)
             continue
         if whole != tiled:  # most limbs are near to nothing
             whole = tiled
-            _tile(limb, limbs, tiled, min(columns, COLUMNS), _OTHER_ROWS)
+            _tile(limb, limbs, tiled, columns, _OTHER_ROWS)
         _push_out(limb, at, push, n, thickness)
         for axis in range(3):
             row, out = places[axis, first : first + width], push[axis]
@@ -264,31 +264,65 @@ def _mark_runaways(x: Float32, fresh: Uint8) -> None:
                 fresh[i] |= not abs(x[axis, p, i]) < _RUNAWAY
 
 
+@kernel("void(f4[::1], f4[::1], f4)")
+def _go_on(x: Float32, last: Float32, kept: float) -> None:
+    """Move x on by a share of the way that it has come since `last`, which becomes x."""
+    for i in range(x.shape[0]):
+        way = x[i] - last[i]
+        last[i] = x[i]
+        x[i] += way * kept if kept > _ZERO else _ZERO
+
+
+@kernel("void(f4[:,:,::1], f4[:,::1], f4[:,:,::1])")
+def _stand(now: Float32, standing: Float32, out: Float32) -> None:
+    """Compute the joints `out` (7, J, LANES) of the rest pose, at the place of the first of the joints `now`."""
+    for j in range(standing.shape[0]):
+        sx, sy, sz = standing[j, 0], standing[j, 1], standing[j, 2]
+        for i in range(LANES):
+            w, x, y, z = now[3, 0, i], now[4, 0, i], now[5, 0, i], now[6, 0, i]
+            tx, ty, tz = _TWO * (y * sz - z * sy), _TWO * (z * sx - x * sz), _TWO * (x * sy - y * sx)
+            out[0, j, i] = now[0, 0, i] + sx + w * tx + y * tz - z * ty
+            out[1, j, i] = now[1, 0, i] + sy + w * ty + z * tx - x * tz
+            out[2, j, i] = now[2, 0, i] + sz + w * tz + x * ty - y * tx
+            out[3, j, i], out[4, j, i], out[5, j, i], out[6, j, i] = w, x, y, z
+
+
 @kernel(
-    "void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], u1[::1], f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4[:,::1],"
-    " f4[:,:,::1], i4[::1], i4[:,::1], f4[:,:,::1], i4[:,::1], f4[:,::1], f4[:,:,::1], i4[:,::1], f4[:,::1],"
-    " i4[:,::1], i4[:,::1], f4, f4)"
+    "void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], u1[::1], f4[:,:,::1], f4[:,::1], f4[:,:,::1], f4[:,:,::1], f4[:,::1],"
+    " f4[:,:,::1], i4[::1], i4[:,::1], f4[:,:,::1], i4[:,::1], f4[:,::1], f4[:,:,::1], i8, i4[:,::1], f4[:,::1],"
+    " i4[:,::1], f4[:,::1], i4[:,::1], i4[:,::1], i4[:,::1], f4[:,::1], f4, f4)"
 )
 def _begin(
-    x: Float32, v: Float32, before: Float32, fresh: Uint8, now: Float32, placed: Float32, limb: Float32, work: Float32,
-    skin: Float32, limb_joint: Int32, bridges: Int32, limbs: Float32, by: Int32, weight: Float32, rest: Float32,
-    runs: Int32, limits: Float32, contacts: Int32, more_contacts: Int32, thickness: float, per_step: float,
+    x: Float32, v: Float32, before: Float32, fresh: Uint8, now: Float32, standing: Float32, placed: Float32,
+    limb: Float32, work: Float32, skin: Float32, limb_joint: Int32, bridges: Int32, limbs: Float32, by: Int32,
+    weight: Float32, rest: Float32, pinned: int, runs: Int32, amounts: Float32, limit_runs: Int32, limits: Float32,
+    contacts: Int32, more_contacts: Int32, rings: Int32, areas: Float32, thickness: float, per_step: float,
 ) -> None:  # fmt: skip
-    """Let the garments of a block that are `fresh` begin at rest, as skin that is brought out of the body."""
+    """Let the garments of a block that are `fresh` begin at rest: put on in the rest pose, from which the body then
+    bends into its own, so that legs are in the skirt even of somebody who sits."""
     begins, count = 0, x.shape[1]
     for i in range(LANES):
         begins += fresh[i]
     if begins == 0:
         return
-    interpolate_joints(now, now, _ONE, placed)
-    place_limbs(placed, limb_joint, limbs, limb)
-    place_bridges(limb, bridges, work)
-    skin_particles(placed, by, weight, rest, count, skin)
-    flat = skin.reshape((3, count * LANES))
-    for _ in range(3):  # what is inside the body then would be thrown out of it
+    start = np.empty((7, now.shape[1], LANES), np.float32)
+    _stand(now, standing, start)
+    last = np.empty((3, count, LANES), np.float32)
+    flat, flat_last = skin.reshape((3, count * LANES)), last.reshape((3, count * LANES))
+    for step in range(_PUT_ON + 1):
+        share: Any = np.float32(step) / np.float32(_PUT_ON)
+        interpolate_joints(start, now, share, placed)
+        place_limbs(placed, limb_joint, limbs, limb)
+        place_bridges(limb, bridges, work)
+        skin_particles(placed, by, weight, rest, count if step == 0 else pinned, skin)
+        for axis in range(3):
+            _go_on(flat[axis], flat_last[axis], _KEPT if step > 1 else _ZERO)
+        project_runs(flat, runs, amounts, per_step)
+        keep_order(flat, rings, areas, limb, 1)
         keep_out(flat, contacts, limb, thickness)
         keep_out(flat, more_contacts, limb, thickness)
-        project_runs(flat, runs, limits, per_step)
+        project_runs(flat, limit_runs, limits, per_step)
+        keep_out(flat, contacts, limb, thickness)
     for i in range(LANES):
         if fresh[i] != 0:
             x[:, :, i] = skin[:, :, i]
@@ -298,8 +332,8 @@ def _begin(
 
 @kernel(
     "void(f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,::1], u1[:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1],"
-    " i4[::1], i4[::1], i4[:,::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[:,::1], f4[:,::1], i8, i4[:,::1], f4[:,::1],"
-    " i4[:,::1], f4[:,::1],"
+    " i4[::1], f4[:,::1], i4[::1], i4[:,::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[:,::1], f4[:,::1], i8, i4[:,::1],"
+    " f4[:,::1], i4[:,::1], f4[:,::1],"
     " i4[:,::1], f4[:,::1], i4[:,::1], i4[:,::1], i4[:,::1], f4[:,::1], f4[::1], f4[::1], i8, f4, i8, i8)"
 )
 def step_garments(
@@ -312,6 +346,7 @@ def step_garments(
     rotation: Float32,
     rows: Int32,
     joints: Int32,
+    standing: Float32,
     limb_joint: Int32,
     bridges: Int32,
     limbs: Float32,
@@ -341,7 +376,8 @@ def step_garments(
     The state: x, v (B, 3, P, LANES) [m, m/s]; before (B, 7, J, LANES), the joints at the last tick; carrier (B, 7,
     LANES), the first joint at the tick before it; fresh (B, LANES), 1 where a garment begins anew, as skin, which is
     also set where a number is not finite. position (A, J, 3) and rotation (A, J, 4): the joints now. rows (B, LANES):
-    dancers; joints (J,): the joints that the pattern needs; limb_joint (K,) and limbs (B, LIMB_ROWS, K, LANES) as in
+    dancers; joints (J,): the joints that the pattern needs; standing (J, 3): where they are in the rest pose, relative
+    to the first; limb_joint (K,) and limbs (B, LIMB_ROWS, K, LANES) as in
     `place_limbs`, bridges as in `place_bridges`; rest (B, 6, P, LANES), by and weight as in `skin_particles`; `pinned`:
     the first so many particles stay on the body. contacts and limits are kept in each substep, more_contacts and
     last_limits in the last one. wind (3,) [m/s].
@@ -358,8 +394,9 @@ def step_garments(
     for b in range(begin, end):
         gather_joints(position, rotation, rows[b], joints, now)
         _begin(
-            x[b], v[b], before[b], fresh[b], now, placed, limb, work, skin, limb_joint, bridges, limbs[b], by, weight,
-            rest[b], last_runs, last_limits, contacts, more_contacts, thickness, per_step,
+            x[b], v[b], before[b], fresh[b], now, standing, placed, limb, work, skin, limb_joint, bridges, limbs[b],
+            by, weight, rest[b], pinned, runs, amounts, last_runs, last_limits, contacts, more_contacts, rings, areas,
+            thickness, per_step,
         )  # fmt: skip
         own, speed = x[b], v[b]
         flat, flat_speed = own.reshape((3, count * LANES)), speed.reshape((3, count * LANES))

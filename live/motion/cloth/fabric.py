@@ -17,8 +17,8 @@ class Fabric:
     gravity: float = 9.81
     """Acceleration downwards [m/s2]; below 9.81 for what air carries."""
     facing: float = 0.0
-    """Drag of the air across the surface [1/m], relative to the square of the speed: half of the air's density times the
-    drag coefficient of a plate, 1.2, over the mass per area, 0.72 / (kg/m2)."""
+    """Drag of the air across the surface [1/m], which grows with the square of the speed: half the density of air times
+    a plate's drag coefficient, 1.2, over the mass per area: 0.72 / (kg/m2)."""
 
 
 FABRICS: Final[dict[str, Fabric]] = {

@@ -120,6 +120,8 @@ class CompiledPattern:
     pattern: Pattern
     joints: Int32
     """Joints of the skeleton that it needs, (J,); the first one carries it."""
+    standing: Float32
+    """Where these are in the rest pose, relative to the first one, (J, 3) [m]."""
     limb_joint: Int32
     """Index in `joints` of each of its limbs' joints, (K,)."""
     limbs: Int32
@@ -186,10 +188,11 @@ def compile_pattern(pattern: Pattern, fabric: Fabric) -> CompiledPattern:
     matter = np.zeros(MATTER_COLUMNS, np.float32)
     matter[:] = fabric.drag, fabric.gravity, THICKNESS, 0.012, FLOOR_FRICTION, fabric.facing, pattern.follows
     return CompiledPattern(
-        pattern, np.array(joints, np.int32),
+        pattern, np.array(joints, np.int32), (_REST[joints] - _REST[joints[0]]).astype(np.float32),
         np.array([joints.index(LIMBS[limb].joint) for limb in limbs], np.int32), np.array(limbs, np.int32),
         bridges, by, weight, *runs.arrays(), *limits.arrays(), *last.arrays(),
-        _contacts(pattern, limbs, often=True), _contacts(pattern, limbs, often=False), *_rings(pattern, limbs), matter, order,
+        _contacts(pattern, limbs, often=True), _contacts(pattern, limbs, often=False), *_rings(pattern, limbs), matter,
+        order,
     )  # fmt: skip
 
 
