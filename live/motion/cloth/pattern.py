@@ -13,7 +13,8 @@ import numpy as np
 
 from live.base.arrays import Float32, Float64, Int32
 from live.motion.cloth.body_sections import BRIDGES, LIMBS, limb_index
-from live.motion.cloth.cloth_kernels import AT_MOST, CLOSED, COLUMNS, EXACT, MATTER_COLUMNS, OPEN, PARTICLES
+from live.motion.cloth.cloth_kernels import AT_MOST, EXACT, MATTER_COLUMNS
+from live.motion.cloth.contact_kernels import CLOSED, COLUMNS, OPEN, PARTICLES
 from live.motion.cloth.fabric import Fabric
 from live.motion.skeleton import SKELETON
 

@@ -6,7 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import kernel
-from live.motion.cloth.cloth_kernels import FLOOR, THICKNESS, keep_out, project_runs
+from live.motion.cloth.cloth_kernels import FLOOR, THICKNESS, project_runs
+from live.motion.cloth.contact_kernels import keep_out
 from live.motion.cloth.limb_kernels import (
     JOINT_ROWS,
     LANES,

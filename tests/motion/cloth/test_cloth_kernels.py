@@ -5,7 +5,8 @@ import pytest
 
 from live.clock.ticks import TICK
 from live.motion.cloth.body_sections import LIMBS
-from live.motion.cloth.cloth_kernels import AT_MOST, EXACT, keep_out, project_runs
+from live.motion.cloth.cloth_kernels import AT_MOST, EXACT, project_runs
+from live.motion.cloth.contact_kernels import keep_out
 from live.motion.cloth.garment_batch import limb_rows
 from live.motion.cloth.limb_kernels import LANES, interpolate_joints
 from live.motion.cloth.pattern import Pattern
