@@ -188,7 +188,8 @@ def code_digest() -> bytes:
     """Return the digest of the code that builds bodies."""
     here = Path(__file__).resolve().parent
     package = here.parents[1]
-    return digest_of_code([here, package / "base" / "body", package / "motion" / "skeleton.py"])
+    motion = package / "motion"
+    return digest_of_code([here, package / "base" / "body", motion / "skeleton.py", motion / "curve.py"])
 
 
 def _unpack(arrays: Arrays) -> BodyMesh:
