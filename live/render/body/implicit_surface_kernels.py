@@ -48,7 +48,7 @@ def distance_at(x: float, y: float, z: float, parts: Float64, sections: Float64)
         if length > 0.0:
             along = min(max(a, 0.0), length)
             place = along * inverse_a
-            low = max(min(int(place), SAMPLES - 2), 0)  # also of what is no number
+            low = int(place) if place < SAMPLES - 2 else SAMPLES - 2  # also if it is no number
             share = place - low
             at = int(parts[row, FIRST]) + low
             c -= sections[at, 3] * (1.0 - share) + sections[at + 1, 3] * share
