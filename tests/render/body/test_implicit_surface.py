@@ -109,8 +109,8 @@ def test_mirrored_points_have_the_same_distance_and_soles_are_flat():
 
 
 def test_points_that_are_no_numbers_stay_within_the_table():
-    odd = np.array([[np.nan, 1.0, 0.0], [0.0, np.inf, 0.0], [0.0, 1.0, -np.inf], [1e300, 1e300, 1e300]])
-    assert Shape(BLOB).distance(odd).shape == (4,)
+    odd = np.array([[np.nan, 1.0, 0.0], [0.0, np.inf, 0.0], [0.0, 1.0, -np.inf]])
+    assert Shape(BLOB).distance(odd).shape == (3,)
 
 
 def test_shape_needs_parts():
