@@ -151,7 +151,7 @@ def collapse(gone: int, kept: int, quadrics: Float64, triangles: Int64, first: I
     return removed
 
 
-@kernel("void(i8, f4, f4[::1], i8[::1])")
+@kernel("void(i8, f8, f4[::1], i8[::1])")
 def set_cost(edge: int, cost: float, costs: Float32, winners: Int64) -> None:
     """Set the cost of an edge, and let the cheaper ones win on all matches from there to the top."""
     costs[edge] = cost
@@ -173,12 +173,12 @@ def refresh_costs(
     while corner >= 0:
         triangle = corner // 3
         for k in range(3):
-            gone, kept, cost = triangles[triangle, k], triangles[triangle, (k + 1) % 3], np.float32(math.inf)
+            gone, kept, cost = triangles[triangle, k], triangles[triangle, (k + 1) % 3], math.inf
             if triangles[triangle, 0] >= 0:
                 if gone != vertex and kept != vertex:
                     continue
                 if not fixed[gone] and (partner[gone] != gone or partner[kept] == kept):  # those at x = 0 stay there
-                    cost = np.float32(collapse_cost(gone, kept, points, quadrics, data))
+                    cost = collapse_cost(gone, kept, points, quadrics, data)
             set_cost(3 * triangle + k, cost, costs, winners)
         corner = following[corner]
 
@@ -211,7 +211,7 @@ def collapse_cheapest(
             one, other = (gone, kept) if side == 0 else (partner[gone], partner[kept])
             possible = possible and may_collapse(one, other, points, triangles, first, following, around)
         if not possible:
-            set_cost(edge, np.float32(math.inf), costs, winners)  # until an edge beside it has collapsed
+            set_cost(edge, math.inf, costs, winners)  # until an edge beside it has collapsed
             continue
         for side in range(sides):
             one, other = (gone, kept) if side == 0 else (partner[gone], partner[kept])
