@@ -6,7 +6,7 @@ vertex are a linked list: `first` (V,) and `following` (3T,), -1 at its end.
 Each corner is an edge, from its vertex, which may go, to the next one of the triangle, which would be kept: `costs`
 (3T,), infinite for one that may not collapse. A tournament among them has its `winners` (6T,): the edges themselves
 from 3T on, above them the winners of each two, the cheapest of all at 1. Costs are rounded to float32, so that nearly
-equal ones are equal on all machines; then the edge of the lower number wins.
+equal ones are equal on all machines; then the edge between lower vertices wins.
 """
 
 import math
@@ -151,14 +151,18 @@ def collapse(gone: int, kept: int, quadrics: Float64, triangles: Int64, first: I
     return removed
 
 
-@kernel("void(i8, f8, f4[::1], i8[::1])")
-def set_cost(edge: int, cost: float, costs: Float32, winners: Int64) -> None:
+@kernel("void(i8, f8, i8[:,::1], f4[::1], i8[::1])")
+def set_cost(edge: int, cost: float, triangles: Int64, costs: Float32, winners: Int64) -> None:
     """Set the cost of an edge, and let the cheaper ones win on all matches from there to the top."""
     costs[edge] = cost
     node = (costs.shape[0] + edge) // 2
     while node > 0:
         one, other = winners[2 * node], winners[2 * node + 1]
-        other_wins = costs[other] < costs[one] or (costs[other] == costs[one] and other < one)
+        other_wins = costs[other] < costs[one]
+        if costs[other] == costs[one]:
+            by_gone = triangles[other // 3, other % 3] - triangles[one // 3, one % 3]
+            by_kept = triangles[other // 3, (other + 1) % 3] - triangles[one // 3, (one + 1) % 3]
+            other_wins = by_gone < 0 or (by_gone == 0 and by_kept < 0)
         winners[node] = other if other_wins else one
         node //= 2
 
@@ -179,7 +183,7 @@ def refresh_costs(
                     continue
                 if not fixed[gone] and (partner[gone] != gone or partner[kept] == kept):  # those at x = 0 stay there
                     cost = collapse_cost(gone, kept, points, quadrics, data)
-            set_cost(3 * triangle + k, cost, costs, winners)
+            set_cost(3 * triangle + k, cost, triangles, costs, winners)
         corner = following[corner]
 
 
@@ -211,7 +215,7 @@ def collapse_cheapest(
             one, other = (gone, kept) if side == 0 else (partner[gone], partner[kept])
             possible = possible and may_collapse(one, other, points, triangles, first, following, around)
         if not possible:
-            set_cost(edge, math.inf, costs, winners)  # until an edge beside it has collapsed
+            set_cost(edge, math.inf, triangles, costs, winners)  # until an edge beside it has collapsed
             continue
         for side in range(sides):
             one, other = (gone, kept) if side == 0 else (partner[gone], partner[kept])
