@@ -180,7 +180,8 @@ def _begin(
         project_runs(flat, runs, amounts, per_step)
         keep_order(flat, rings, areas, limb, 1)
         keep_out(flat, contacts, limb, thickness)
-        keep_out(flat, more_contacts, limb, thickness)
+        if step == _PUT_ON:
+            keep_out(flat, more_contacts, limb, thickness)
         project_runs(flat, limit_runs, limits, per_step)
         keep_out(flat, contacts, limb, thickness)
     for i in range(LANES):
@@ -255,7 +256,7 @@ def step_garments(
         gather_joints(position, rotation, rows[b], joints, now)
         _begin(
             x[b], v[b], before[b], fresh[b], now, standing, placed, limb, work, skin, limb_joint, bridges, limbs[b],
-            by, weight, rest[b], pinned, runs, amounts, last_runs, last_limits, contacts, more_contacts, rings, areas,
+            by, weight, rest[b], pinned, runs, amounts, limit_runs, limits, contacts, more_contacts, rings, areas,
             thickness, per_step,
         )  # fmt: skip
         own, speed = x[b], v[b]
