@@ -35,7 +35,7 @@ LAST_REPEATS: Final = 8
 """Sweeps along a row to limit its length, in a substep and in the last one of a tick."""
 THICKNESS: Final = 0.014
 """Distance of particles from the body [m]."""
-LEAST_SECTOR: Final = 0.3
+LEAST_SECTOR: Final = 0.4
 """Between two neighbours in a row of a tube is at least this share of the area that they have in a circle."""
 LEAST_AROUND: Final = 0.1
 """The same for a row that stays around a limb, which may lie on one side within it."""
