@@ -31,7 +31,7 @@ WIDEST: Final = 1.035
 TETHER: Final = 1.01
 """A particle is at most so many times its way along the cloth from the row above that stays on the body."""
 ROW_REPEATS: Final = 1
-LAST_REPEATS: Final = 8
+LAST_REPEATS: Final = 9
 """Sweeps along a row to limit its length, in a substep and in the last one of a tick."""
 THICKNESS: Final = 0.014
 """Distance of particles from the body [m]."""
