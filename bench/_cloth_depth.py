@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from scipy.spatial import cKDTree
 
-from live.base.arrays import Float32, Float64
+from live.base.arrays import Bool, Float32, Float64
 from live.motion.skeleton import SKELETON
 from live.render.body.body_mesh import FINE, build_body, skeleton_weights
 from live.render.body.body_variants import parts_of
@@ -16,6 +16,8 @@ from live.render.body.implicit_surface import Shape
 
 NEAR: Final = 0.05
 """Points farther from the skin [m] are not measured: they are outside."""
+_BEFORE: Final = (0.015, 0.03, 0.045, 0.06)
+"""So far in front of the skin [m] other flesh covers it."""
 _REST: Final = SKELETON.rest_positions().astype(np.float64)
 
 
@@ -24,7 +26,7 @@ class SkinDepth:
 
     def __init__(self, name: str) -> None:
         mesh = build_body(FINE, name)
-        self._vertices = mesh.position.astype(np.float64)
+        self._vertices, self._normal = mesh.position.astype(np.float64), mesh.normal.astype(np.float64)
         self._joint, weight = skeleton_weights(mesh)
         self._weight = weight.astype(np.float64)
         self._shape = Shape(parts_of(name))
@@ -34,6 +36,27 @@ class SkinDepth:
 
         position (J, 3), rotation (J, 4): the dancer's joints. Skin as drawn: dual quaternions (Kavan et al. 2007).
         """
+        _, back, skin = self._posed(position, rotation)
+        away, nearest = cKDTree(skin).query(points, distance_upper_bound=NEAR)
+        out = np.full(len(points), NEAR)
+        near = np.flatnonzero(np.isfinite(away))
+        if len(near):
+            at = nearest[near]
+            rest = self._vertices[at] + _turned(back[at], points[near] - skin[at])
+            out[near] = self._shape.distance(rest)
+        return out
+
+    def is_covered(self, points: Float64, position: Float32, rotation: Float32) -> Bool:
+        """Return whether flesh lies in front of the skin nearest to points (N, 3) inside the body, as in the bend of an
+        elbow: nobody sees there what of cloth is inside."""
+        turn, _, skin = self._posed(position, rotation)
+        at = cKDTree(skin).query(points)[1]
+        normal = _turned(turn[at], self._normal[at])
+        before = [self.distance(skin[at] + far * normal, position, rotation) < 0.0 for far in _BEFORE]
+        return np.asarray(np.any(before, axis=0))
+
+    def _posed(self, position: Float32, rotation: Float32) -> tuple[Float64, Float64, Float64]:
+        """Return the turns of the vertices, their inverses, (N, 4), and the skin (N, 3) [m]."""
         q = rotation.astype(np.float64)
         moved = position.astype(np.float64) - _turned(q, _REST)
         dual = 0.5 * _product(np.concatenate([np.zeros((len(q), 1)), moved], axis=1), q)
@@ -44,14 +67,7 @@ class SkinDepth:
         turn, dual = turn / size, dual / size
         back = turn * np.array([1.0, -1.0, -1.0, -1.0])
         skin = _turned(turn, self._vertices) + 2.0 * _product(dual, back)[:, 1:]
-        away, nearest = cKDTree(skin).query(points, distance_upper_bound=NEAR)
-        out = np.full(len(points), NEAR)
-        near = np.flatnonzero(np.isfinite(away))
-        if len(near):
-            at = nearest[near]
-            rest = self._vertices[at] + _turned(back[at], points[near] - skin[at])
-            out[near] = self._shape.distance(rest)
-        return out
+        return turn, back, skin
 
 
 def between(grid: Float64, *, closed: bool, parts: int = 3) -> Float64:

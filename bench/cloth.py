@@ -12,7 +12,7 @@ from bench._show import crowd
 from live.base.arrays import Float32
 from live.cli.bench import Row
 from live.clock.ticks import TICK
-from live.motion.cloth.cloth_kernels import keep_out
+from live.motion.cloth.contact_kernels import keep_out
 from live.motion.cloth.fabric import fabric_of
 from live.motion.cloth.garment_batch import GarmentBatch
 from live.motion.cloth.garment_catalogue import PATTERNS

@@ -67,6 +67,7 @@ def _measure(title: str, name: str, dance: _Dance, skin: SkinDepth, *, every: in
     batch.wear(np.arange(count, dtype=np.int32), [body_sections(BODY)] * count)
     out = np.zeros((count, pattern.count, 3), np.float32)
     particles, sheet, down, along, disorder = [], [], [], [], []
+    seen = 0
     for tick in range(len(position)):
         batch.tick(position[tick], rotation[tick], np.zeros(3, np.float32), SUBSTEPS, TICK)
         if tick < SETTLE or tick % every:
@@ -85,10 +86,14 @@ def _measure(title: str, name: str, dance: _Dance, skin: SkinDepth, *, every: in
             depth = -skin.distance(points, position[tick, who], rotation[tick, who])
             own = free[1:].shape[0] * free.shape[1]
             particles.append(depth[:own])
+            deep = points[:own][depth[:own] > DEEP]
+            if len(deep):
+                seen += int(np.sum(~skin.is_covered(deep, position[tick, who], rotation[tick, who])))
             sheet.append(depth[own:])
     inside, within, rows = np.concatenate(particles), np.concatenate(sheet), np.concatenate(along)
     found = [
         Row(f"{title}: particles more than 5 mm inside", 100.0 * float(np.mean(inside > DEEP)), "%"),
+        Row(f"{title}: … where no other flesh covers the skin", 100.0 * seen / len(inside), "%"),
         Row(f"{title}: particles, 999 of 1000 are less deep than", 1e3 * float(np.percentile(inside, 99.9)), "mm", 5.0),
         Row(f"{title}: the sheet more than 5 mm inside", 100.0 * float(np.mean(within > DEEP)), "%"),
         Row(f"{title}: deepest place of the sheet", 1e3 * float(within.max()), "mm"),

@@ -16,20 +16,13 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from live.base.jit import inline_kernel, kernel
+from live.base.jit import kernel
+from live.motion.cloth.air_kernels import face_air, follow_falls
+from live.motion.cloth.contact_kernels import keep_out
 from live.motion.cloth.limb_kernels import (
-    AXES,
-    BACKS,
-    BOUND,
-    CAPS,
-    FRONTS,
     JOINT_ROWS,
     LANES,
-    LENGTH,
     LIMB_ROWS,
-    MIDDLE,
-    PER_LENGTH,
-    SIDES,
     gather_joints,
     interpolate_joints,
     place_bridges,
@@ -42,29 +35,24 @@ Float32 = npt.NDArray[np.float32]
 Int32 = npt.NDArray[np.int32]
 Uint8 = npt.NDArray[np.uint8]
 
-COLUMNS = 32
-"""Most particles in a row of a garment."""
-WIDTH = COLUMNS * LANES
 EXACT, AT_MOST = 0, 1
 """Kinds of a run: a length, or an upper limit of one."""
 RUN_KIND, RUN_FIRST, RUN_SECOND, RUN_COUNT = range(4)
 """Columns of `runs`."""
 REST, COMPLIANCE, FIRST_MASS, SECOND_MASS = range(4)
 """Columns of `amounts`: length [m], compliance [m/N] of a particle of 1 kg, inverse masses of both ends [1/kg]."""
-CONTACT_FIRST, CONTACT_COUNT, CONTACT_LIMB, CONTACT_MIDDLES = range(4)
-"""Columns of `contacts`: the particles of a row, their number, the limb, and what keeps out of it: …"""
-PARTICLES, OPEN, CLOSED = range(3)
-"""… the particles, the middles between neighbours, or these and the one between the last and the first."""
-DRAG, GRAVITY, THICKNESS, FLOOR, FLOOR_FRICTION = range(5)
+DRAG, GRAVITY, THICKNESS, FLOOR, FLOOR_FRICTION, FACING, FOLLOWS = range(7)
 """Entries of `matter`: drag of the air [1/s], acceleration [m/s2], distance kept from the body and height kept over the
-floor [m], share of the speed along the floor that is lost in a substep."""
-MATTER_COLUMNS = 5
+floor [m], share of the speed along the floor that is lost in a substep, drag across the surface [1/m], share of the
+body's falls beyond gravity that it follows."""
+MATTER_COLUMNS = 7
 _ZERO: Any = np.float32(0.0)
-_HALF: Any = np.float32(0.5)
 _ONE: Any = np.float32(1.0)
 _TWO: Any = np.float32(2.0)
 _TINY: Any = np.float32(1e-12)
 _RUNAWAY: Any = np.float32(1e4)
+_KEPT: Any = np.float32(0.9)
+_PUT_ON = 40  # steps in which a garment that begins goes from the rest pose into its wearer's
 _FASTEST: Any = np.float32(9.0)  # no cloth is faster [m/s]; feet of the fastest kicks are as fast
 
 
@@ -93,126 +81,6 @@ def project_runs(places: Float32, runs: Int32, amounts: Float32, per_step: float
             bx[i] -= wb * dx
             by[i] -= wb * dy
             bz[i] -= wb * dz
-
-
-@inline_kernel
-def _tile(tile: Float32, limbs: Float32, k: int, columns: int) -> None:
-    """Repeat the rows of limb k of (LIMB_ROWS, K, LANES) along `tile` (LIMB_ROWS, WIDTH), so many times."""
-    for row in range(LIMB_ROWS):
-        own = limbs[row, k]
-        for column in range(columns):
-            for i in range(LANES):
-                tile[row, column * LANES + i] = own[i]
-
-
-@kernel("void(f4[::1], f4[::1], i8, i8, i8)")
-def _middles(row: Float32, out: Float32, half: int, n: int, closed: int) -> None:
-    """Compute the middles between neighbours of a row of n numbers, whose even columns are the first `half`: those from
-    an even column to the next odd one, then those from an odd one to the next even one; out (n,)."""
-    even, odd = row[:half], row[half:n]
-    for i in range(n - half):
-        out[i] = _HALF * (even[i] + odd[i])
-    later, after = even[LANES:], out[n - half :]
-    for i in range(half - LANES):
-        after[i] = _HALF * (odd[i] + later[i])
-    for i in range(closed):
-        out[n - closed + i] = _HALF * (odd[half - LANES + i] + even[i])
-
-
-@kernel("void(f4[::1], f4[::1], i8, i8, i8)")
-def _push_both(row: Float32, push: Float32, half: int, n: int, closed: int) -> None:
-    """Add the pushes of middles, in the order of `_middles`, to both their particles."""
-    even, odd = row[:half], row[half:n]
-    for i in range(n - half):
-        even[i] += push[i]
-        odd[i] += push[i]
-    later, after = even[LANES:], push[n - half :]
-    for i in range(half - LANES):
-        odd[i] += after[i]
-        later[i] += after[i]
-    for i in range(closed):
-        odd[half - LANES + i] += push[n - closed + i]
-        even[i] += push[n - closed + i]
-
-
-@inline_kernel
-def _any_near(limb: Float32, at: Float32, n: int) -> Any:
-    """Return whether any of the first n places `at` (3, WIDTH) may touch its limb, (LIMB_ROWS, WIDTH)."""
-    near = np.int32(0)
-    for i in range(n):
-        dx, dy, dz = at[0, i] - limb[MIDDLE, i], at[1, i] - limb[MIDDLE + 1, i], at[2, i] - limb[MIDDLE + 2, i]
-        along = limb[AXES + 3, i] * dx + limb[AXES + 4, i] * dy + limb[AXES + 5, i] * dz
-        s = min(max(along, _ZERO), limb[LENGTH, i])
-        near |= np.int32(dx * dx + dy * dy + dz * dz - s * (_TWO * along - s) < limb[BOUND, i])
-    return near != 0
-
-
-@inline_kernel
-def _push_out(limb: Float32, at: Float32, push: Float32, n: int, thickness: Any) -> None:
-    """Compute how far the first n places `at` (3, WIDTH) have to move out of their limbs, `push` likewise."""
-    for i in range(n):
-        dx, dy, dz = at[0, i] - limb[MIDDLE, i], at[1, i] - limb[MIDDLE + 1, i], at[2, i] - limb[MIDDLE + 2, i]
-        side = limb[AXES, i] * dx + limb[AXES + 1, i] * dy + limb[AXES + 2, i] * dz
-        along = limb[AXES + 3, i] * dx + limb[AXES + 4, i] * dy + limb[AXES + 5, i] * dz
-        front = limb[AXES + 6, i] * dx + limb[AXES + 7, i] * dy + limb[AXES + 8, i] * dz
-        s = min(max(along * limb[PER_LENGTH, i], _ZERO), _ONE)
-        along -= s * limb[LENGTH, i]
-        rs = limb[SIDES, i] + s * (limb[SIDES + 1, i] + s * (limb[SIDES + 2, i] + s * limb[SIDES + 3, i]))
-        rf = limb[FRONTS, i] + s * (limb[FRONTS + 1, i] + s * (limb[FRONTS + 2, i] + s * limb[FRONTS + 3, i]))
-        rb = limb[BACKS, i] + s * (limb[BACKS + 1, i] + s * (limb[BACKS + 2, i] + s * limb[BACKS + 3, i]))
-        rf = rf if front > _ZERO else rb
-        ra = limb[CAPS + 1, i] if along > _ZERO else limb[CAPS, i]
-        us, ua, uf = side * rs, along * ra, front * rf
-        k0 = math.sqrt(us * us + ua * ua + uf * uf)
-        gs, ga, gf = us * rs, ua * ra, uf * rf
-        k1 = _ONE / math.sqrt(gs * gs + ga * ga + gf * gf + _TINY)
-        far = max(thickness - k0 * (k0 - _ONE) * k1, _ZERO) * k1
-        gs, ga, gf = gs * far, ga * far, gf * far
-        push[0, i] = limb[AXES, i] * gs + limb[AXES + 3, i] * ga + limb[AXES + 6, i] * gf
-        push[1, i] = limb[AXES + 1, i] * gs + limb[AXES + 4, i] * ga + limb[AXES + 7, i] * gf
-        push[2, i] = limb[AXES + 2, i] * gs + limb[AXES + 5, i] * ga + limb[AXES + 8, i] * gf
-
-
-@kernel("void(f4[:,::1], i4[:,::1], f4[:,:,::1], f4)")
-def keep_out(places: Float32, contacts: Int32, limbs: Float32, thickness: float) -> None:
-    """Push rows of particles, and middles between neighbours, to `thickness` [m] outside the limbs.
-
-    places (3, P LANES); contacts (C, 4), sorted by limb; limbs (LIMB_ROWS, K, LANES). A limb is an ellipse across and
-    round at its ends; the distance is of first order, k0 (k0 - 1) / k1.
-    """
-    limb, at = np.empty((LIMB_ROWS, WIDTH), np.float32), np.empty((3, WIDTH), np.float32)
-    push = np.empty((3, WIDTH), np.float32)
-    tiled, columns = -1, 1
-    for c in range(contacts.shape[0]):
-        columns = contacts[c, CONTACT_COUNT] if contacts[c, CONTACT_COUNT] > columns else columns
-    for c in range(contacts.shape[0]):
-        first, middles = contacts[c, CONTACT_FIRST] * LANES, contacts[c, CONTACT_MIDDLES]
-        if contacts[c, CONTACT_LIMB] != tiled:
-            tiled = contacts[c, CONTACT_LIMB]
-            _tile(limb, limbs, tiled, min(columns, COLUMNS))
-        width = min(int(contacts[c, CONTACT_COUNT]), COLUMNS) * LANES
-        half = (width // LANES + 1) // 2 * LANES
-        closed = LANES if middles == CLOSED else 0
-        n = width
-        if middles:
-            n = width - LANES + closed
-            for axis in range(3):
-                _middles(places[axis, first : first + width], at[axis], half, width, closed)
-        else:
-            for axis in range(3):
-                row, to = places[axis, first : first + width], at[axis]
-                for i in range(n):
-                    to[i] = row[i]
-        if not _any_near(limb, at, n):
-            continue
-        _push_out(limb, at, push, n, thickness)
-        for axis in range(3):
-            row, out = places[axis, first : first + width], push[axis]
-            if middles:
-                _push_both(row, out, half, width, closed)
-            else:
-                for i in range(n):
-                    row[i] += out[i]
 
 
 @kernel("void(f4[::1], f4[::1], f4[::1], f4, f4, f4)")
@@ -256,31 +124,66 @@ def _mark_runaways(x: Float32, fresh: Uint8) -> None:
                 fresh[i] |= not abs(x[axis, p, i]) < _RUNAWAY
 
 
+@kernel("void(f4[::1], f4[::1], f4)")
+def _go_on(x: Float32, last: Float32, kept: float) -> None:
+    """Move x on by a share of the way that it has come since `last`, which becomes x."""
+    for i in range(x.shape[0]):
+        way = x[i] - last[i]
+        last[i] = x[i]
+        x[i] += way * kept if kept > _ZERO else _ZERO
+
+
+@kernel("void(f4[:,:,::1], f4[:,::1], f4[:,:,::1])")
+def _stand(now: Float32, standing: Float32, out: Float32) -> None:
+    """Compute the joints `out` (7, J, LANES) of the rest pose, at the place of the first of the joints `now`."""
+    for j in range(standing.shape[0]):
+        sx, sy, sz = standing[j, 0], standing[j, 1], standing[j, 2]
+        for i in range(LANES):
+            w, x, y, z = now[3, 0, i], now[4, 0, i], now[5, 0, i], now[6, 0, i]
+            tx, ty, tz = _TWO * (y * sz - z * sy), _TWO * (z * sx - x * sz), _TWO * (x * sy - y * sx)
+            out[0, j, i] = now[0, 0, i] + sx + w * tx + y * tz - z * ty
+            out[1, j, i] = now[1, 0, i] + sy + w * ty + z * tx - x * tz
+            out[2, j, i] = now[2, 0, i] + sz + w * tz + x * ty - y * tx
+            out[3, j, i], out[4, j, i], out[5, j, i], out[6, j, i] = w, x, y, z
+
+
 @kernel(
-    "void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], u1[::1], f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], f4[:,::1],"
-    " f4[:,:,::1], i4[::1], i4[:,::1], f4[:,:,::1], i4[:,::1], f4[:,::1], f4[:,:,::1], i4[:,::1], f4[:,::1],"
-    " i4[:,::1], i4[:,::1], f4, f4)"
+    "void(f4[:,:,::1], f4[:,:,::1], f4[:,:,::1], u1[::1], f4[:,:,::1], f4[:,::1], f4[:,:,::1], f4[:,:,::1], f4[:,::1],"
+    " f4[:,:,::1], i4[::1], i4[:,::1], f4[:,:,::1], i4[:,::1], f4[:,::1], f4[:,:,::1], i8, i4[:,::1], f4[:,::1],"
+    " i4[:,::1], f4[:,::1], i4[:,::1], i4[:,::1], i4[:,::1], f4[:,::1], f4, f4)"
 )
 def _begin(
-    x: Float32, v: Float32, before: Float32, fresh: Uint8, now: Float32, placed: Float32, limb: Float32, work: Float32,
-    skin: Float32, limb_joint: Int32, bridges: Int32, limbs: Float32, by: Int32, weight: Float32, rest: Float32,
-    runs: Int32, limits: Float32, contacts: Int32, more_contacts: Int32, thickness: float, per_step: float,
+    x: Float32, v: Float32, before: Float32, fresh: Uint8, now: Float32, standing: Float32, placed: Float32,
+    limb: Float32, work: Float32, skin: Float32, limb_joint: Int32, bridges: Int32, limbs: Float32, by: Int32,
+    weight: Float32, rest: Float32, pinned: int, runs: Int32, amounts: Float32, limit_runs: Int32, limits: Float32,
+    contacts: Int32, more_contacts: Int32, rings: Int32, areas: Float32, thickness: float, per_step: float,
 ) -> None:  # fmt: skip
-    """Let the garments of a block that are `fresh` begin at rest, as skin that is brought out of the body."""
+    """Let the garments of a block that are `fresh` begin at rest: put on in the rest pose, from which the body then
+    bends into its own, so that legs are in the skirt even of somebody who sits."""
     begins, count = 0, x.shape[1]
     for i in range(LANES):
         begins += fresh[i]
     if begins == 0:
         return
-    interpolate_joints(now, now, _ONE, placed)
-    place_limbs(placed, limb_joint, limbs, limb)
-    place_bridges(limb, bridges, work)
-    skin_particles(placed, by, weight, rest, count, skin)
-    flat = skin.reshape((3, count * LANES))
-    for _ in range(3):  # what is inside the body then would be thrown out of it
+    start = np.empty((7, now.shape[1], LANES), np.float32)
+    _stand(now, standing, start)
+    last = np.empty((3, count, LANES), np.float32)
+    flat, flat_last = skin.reshape((3, count * LANES)), last.reshape((3, count * LANES))
+    for step in range(_PUT_ON + 1):
+        share: Any = np.float32(step) / np.float32(_PUT_ON)
+        interpolate_joints(start, now, share, placed)
+        place_limbs(placed, limb_joint, limbs, limb)
+        place_bridges(limb, bridges, work)
+        skin_particles(placed, by, weight, rest, count if step == 0 else pinned, skin)
+        for axis in range(3):
+            _go_on(flat[axis], flat_last[axis], _KEPT if step > 1 else _ZERO)
+        project_runs(flat, runs, amounts, per_step)
+        keep_order(flat, rings, areas, limb, 1)
         keep_out(flat, contacts, limb, thickness)
-        keep_out(flat, more_contacts, limb, thickness)
-        project_runs(flat, runs, limits, per_step)
+        if step == _PUT_ON:
+            keep_out(flat, more_contacts, limb, thickness)
+        project_runs(flat, limit_runs, limits, per_step)
+        keep_out(flat, contacts, limb, thickness)
     for i in range(LANES):
         if fresh[i] != 0:
             x[:, :, i] = skin[:, :, i]
@@ -290,8 +193,8 @@ def _begin(
 
 @kernel(
     "void(f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,:,::1], f4[:,:,::1], u1[:,::1], f4[:,:,::1], f4[:,:,::1], i4[:,::1],"
-    " i4[::1], i4[::1], i4[:,::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[:,::1], f4[:,::1], i8, i4[:,::1], f4[:,::1],"
-    " i4[:,::1], f4[:,::1],"
+    " i4[::1], f4[:,::1], i4[::1], i4[:,::1], f4[:,:,:,::1], f4[:,:,:,::1], i4[:,::1], f4[:,::1], i8, i4[:,::1],"
+    " f4[:,::1], i4[:,::1], f4[:,::1],"
     " i4[:,::1], f4[:,::1], i4[:,::1], i4[:,::1], i4[:,::1], f4[:,::1], f4[::1], f4[::1], i8, f4, i8, i8)"
 )
 def step_garments(
@@ -304,6 +207,7 @@ def step_garments(
     rotation: Float32,
     rows: Int32,
     joints: Int32,
+    standing: Float32,
     limb_joint: Int32,
     bridges: Int32,
     limbs: Float32,
@@ -333,7 +237,8 @@ def step_garments(
     The state: x, v (B, 3, P, LANES) [m, m/s]; before (B, 7, J, LANES), the joints at the last tick; carrier (B, 7,
     LANES), the first joint at the tick before it; fresh (B, LANES), 1 where a garment begins anew, as skin, which is
     also set where a number is not finite. position (A, J, 3) and rotation (A, J, 4): the joints now. rows (B, LANES):
-    dancers; joints (J,): the joints that the pattern needs; limb_joint (K,) and limbs (B, LIMB_ROWS, K, LANES) as in
+    dancers; joints (J,): the joints that the pattern needs; standing (J, 3): where they are in the rest pose, relative
+    to the first; limb_joint (K,) and limbs (B, LIMB_ROWS, K, LANES) as in
     `place_limbs`, bridges as in `place_bridges`; rest (B, 6, P, LANES), by and weight as in `skin_particles`; `pinned`:
     the first so many particles stay on the body. contacts and limits are kept in each substep, more_contacts and
     last_limits in the last one. wind (3,) [m/s].
@@ -350,12 +255,16 @@ def step_garments(
     for b in range(begin, end):
         gather_joints(position, rotation, rows[b], joints, now)
         _begin(
-            x[b], v[b], before[b], fresh[b], now, placed, limb, work, skin, limb_joint, bridges, limbs[b], by, weight,
-            rest[b], last_runs, last_limits, contacts, more_contacts, thickness, per_step,
+            x[b], v[b], before[b], fresh[b], now, standing, placed, limb, work, skin, limb_joint, bridges, limbs[b],
+            by, weight, rest[b], pinned, runs, amounts, limit_runs, limits, contacts, more_contacts, rings, areas,
+            thickness, per_step,
         )  # fmt: skip
-        carrier[b] = before[b, :, 0]
         own, speed = x[b], v[b]
         flat, flat_speed = own.reshape((3, count * LANES)), speed.reshape((3, count * LANES))
+        face_air(flat, flat_speed, rings, wind, matter[FACING] * tick)
+        if matter[FOLLOWS] > _ZERO:
+            follow_falls(speed, now, before[b], carrier[b], fresh[b], matter[GRAVITY], matter[FOLLOWS], tick)
+        carrier[b] = before[b, :, 0]
         flat_old = old.reshape((3, count * LANES))
         for s in range(substeps):
             share: Any = np.float32(s + 1) / np.float32(substeps)
@@ -368,7 +277,7 @@ def step_garments(
             skin_particles(placed, by, weight, rest[b], pinned, own)
             project_runs(flat, runs, amounts, per_step)
             if s == substeps - 1:  # once in a tick is enough
-                keep_order(flat, rings, areas, 1)
+                keep_order(flat, rings, areas, limb, 1)
             keep_out(flat, contacts, limb, thickness)
             if s == substeps - 1:
                 keep_out(flat, more_contacts, limb, thickness)

@@ -119,7 +119,7 @@ class GarmentBatch:
         def part(begin: int, end: int) -> None:
             step_garments(
                 self.position, self.velocity, self.joints, self.carrier, self.fresh, position, rotation, self.rows,
-                one.joints, one.limb_joint, one.bridges, self._limbs, self._rest, one.by, one.weight,
+                one.joints, one.standing, one.limb_joint, one.bridges, self._limbs, self._rest, one.by, one.weight,
                 one.pattern.pinned_rows * one.pattern.columns, one.runs, one.amounts, one.limit_runs, one.limits,
                 one.last_runs, one.last_limits, one.contacts, one.more_contacts, one.rings, one.areas, one.matter, wind,
                 substeps, dt, begin, end,

@@ -37,6 +37,8 @@ _HIPS_BELOW: Final = 0.12
 """So far below the waistband [m] the hips are widest."""
 _FOLD: Final = 4
 """Columns in a fold."""
+_FOLLOWS: Final = 0.6
+"""Share of the wearer's falls beyond gravity that skirts follow, and hair: both still lift a little."""
 
 
 def _ellipse(widths: tuple[float, float, float], clear: float, angle: Float64, fold: Float64 | float = 0.0) -> Float64:
@@ -111,6 +113,7 @@ def _skirt(name: str, length: float, rows: int, columns: int, flare: float) -> P
         joints=("hips", "leftUpperLeg", "rightUpperLeg"),
         rest_shape=partial(_skirt_shape, rows, columns, length, widths),
         share=tuple(map(tuple, share.tolist())), second=(tuple(second.tolist()),) * rows, contacts=tuple(contacts),
+        follows=_FOLLOWS,
     )  # fmt: skip
 
 
@@ -140,12 +143,13 @@ def _long_hair() -> Pattern:
     contacts = (
         Contact("shoulders", 2, rows), Contact("chest", 4, rows), Contact("waist", 6, rows, False, False),
         Contact("neck", 2, 6), Contact("head", 2, rows), *_pair("upper arm", 3, rows, often=False),
+        *_pair("forearm", 4, rows, often=False),
     )  # fmt: skip
     return Pattern(
         name="long hair", kind="hair", rows=rows, columns=columns, closed=False, pinned_rows=2, length=_HAIR_LENGTH,
         widths=tuple(np.interp(np.arange(rows), [0, 2, rows - 1], [0.034, 0.038, 0.034])), joints=("head",),
         rest_shape=_hair_shape, share=_grid(0.0, rows, columns), second=((0,) * columns,) * rows, contacts=contacts,
-        sheared=False, strands=True,
+        sheared=False, strands=True, follows=_FOLLOWS,
     )  # fmt: skip
 
 
@@ -175,13 +179,14 @@ def _ponytail() -> Pattern:
     rows, columns = _TAIL_ROWS, _TAIL_COLUMNS
     contacts = (
         Contact("shoulders", 2, rows), Contact("chest", 4, rows), Contact("neck", 2, rows), Contact("head", 2, rows),
-        *_pair("upper arm", 5, rows, often=False),
+        *_pair("upper arm", 2, rows, often=False), *_pair("forearm", 2, rows, often=False),
+        *_pair("hand", 2, rows, often=False),
     )  # fmt: skip
     return Pattern(
         name="ponytail", kind="hair", rows=rows, columns=columns, closed=True, pinned_rows=2, length=_TAIL_LENGTH,
         widths=tuple(2.0 * math.sin(math.pi / columns) * radius for radius in _TAIL_RADII), joints=("head",),
         rest_shape=_tail_shape, share=_grid(0.0, rows, columns), second=((0,) * columns,) * rows, contacts=contacts,
-        tubular=True,
+        tubular=True, follows=_FOLLOWS,
     )  # fmt: skip
 
 
@@ -192,14 +197,19 @@ _SLEEVE_RADII: Final = (0.056, 0.150)
 """Radius of a wide sleeve at the elbow, and at its hem [m]."""
 
 
+_SLEEVE_BELOW: Final = (0.02, 0.10)
+"""The seam is so far below the elbow [m] outside, and inside, where the arm bends: no cloth is caught there."""
+
+
 def _sleeve_shape(side: int, sections: Float32) -> Float64:
     around = 2.0 * np.pi * np.arange(_SLEEVE_COLUMNS) / _SLEEVE_COLUMNS
+    seam = 0.430 + _SLEEVE_BELOW[0] + (_SLEEVE_BELOW[1] - _SLEEVE_BELOW[0]) * (0.5 + 0.5 * side * np.sin(around))
     thick = max(half_widths(sections[limb_index("left forearm")], 0.05)) + 0.014
     points = np.empty((_SLEEVE_ROWS, _SLEEVE_COLUMNS, 3))
     for row in range(_SLEEVE_ROWS):
         share = row / (_SLEEVE_ROWS - 1)
         radius = max(thick, _SLEEVE_RADII[0]) + share * (_SLEEVE_RADII[1] - _SLEEVE_RADII[0]) * 0.6
-        points[row, :, 0] = side * (0.435 + share * 0.94 * _SLEEVE_LENGTH)
+        points[row, :, 0] = side * (seam + share * 0.94 * _SLEEVE_LENGTH)
         points[row, :, 1] = 1.38 + radius * np.cos(around)
         points[row, :, 2] = -0.01 + side * radius * np.sin(around)
     return points
@@ -208,17 +218,20 @@ def _sleeve_shape(side: int, sections: Float32) -> Float64:
 def _sleeve(side: str) -> Pattern:
     rows, columns = _SLEEVE_ROWS, _SLEEVE_COLUMNS
     widths = tuple(np.linspace(*_SLEEVE_RADII, rows) * 2.0 * np.sin(np.pi / columns))
+    other = "right" if side == "left" else "left"
     contacts = (
         Contact(f"{side} forearm", 1, rows, True), Contact(f"{side} hand", 3, rows, True),
-        Contact(f"{side} upper arm", 1, 4), Contact("chest", 1, rows, False, False),
-        Contact("waist", 1, rows, False, False), Contact("pelvis", 1, rows, False, False),
-        *_pair("thigh", 4, rows, often=False), Contact("head", 3, rows, False, False),
+        Contact(f"{side} upper arm", 1, rows), Contact("chest", 1, rows), Contact("waist", 1, rows),
+        *_pair("thigh", 1, rows), Contact("pelvis", 1, rows, False, False),
+        Contact("shoulders", 1, rows, False, False), Contact("head", 3, rows, False, False),
+        Contact(f"{other} forearm", 2, rows, False, False), Contact(f"{other} hand", 2, rows, False, False),
     )  # fmt: skip
     return Pattern(
         name=f"{side} sleeve", kind="cloth", rows=rows, columns=columns, closed=True, pinned_rows=1,
         length=_SLEEVE_LENGTH, widths=widths, joints=(f"{side}LowerArm",),
         rest_shape=partial(_sleeve_shape, 1 if side == "left" else -1),
         share=_grid(0.0, rows, columns), second=((0,) * columns,) * rows, contacts=contacts,
+        around=(f"{side} forearm", 5),
     )  # fmt: skip
 
 

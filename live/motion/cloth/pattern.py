@@ -13,7 +13,8 @@ import numpy as np
 
 from live.base.arrays import Float32, Float64, Int32
 from live.motion.cloth.body_sections import BRIDGES, LIMBS, limb_index
-from live.motion.cloth.cloth_kernels import AT_MOST, CLOSED, COLUMNS, EXACT, MATTER_COLUMNS, OPEN, PARTICLES
+from live.motion.cloth.cloth_kernels import AT_MOST, EXACT, MATTER_COLUMNS
+from live.motion.cloth.contact_kernels import CLOSED, COLUMNS, OPEN, PARTICLES
 from live.motion.cloth.fabric import Fabric
 from live.motion.skeleton import SKELETON
 
@@ -30,12 +31,14 @@ WIDEST: Final = 1.035
 TETHER: Final = 1.01
 """A particle is at most so many times its way along the cloth from the row above that stays on the body."""
 ROW_REPEATS: Final = 1
-LAST_REPEATS: Final = 10
+LAST_REPEATS: Final = 9
 """Sweeps along a row to limit its length, in a substep and in the last one of a tick."""
 THICKNESS: Final = 0.014
 """Distance of particles from the body [m]."""
-LEAST_SECTOR: Final = 0.3
+LEAST_SECTOR: Final = 0.4
 """Between two neighbours in a row of a tube is at least this share of the area that they have in a circle."""
+LEAST_AROUND: Final = 0.1
+"""The same for a row that stays around a limb, which may lie on one side within it."""
 FOLDED: Final = 1.9
 """Distance between next but one neighbours in a row of a tube, in widths between neighbours: it hangs in folds."""
 FOLD_SOFTNESS: Final = 2.0
@@ -84,6 +87,10 @@ class Pattern:
     """Whether it resists shearing."""
     tubular: bool = False
     """Whether its cross-section stays open, as a ponytail's."""
+    around: tuple[str, int] = ("", 0)
+    """The limb that a tube stays around, and the last row of it that does."""
+    follows: float = 0.0
+    """Share of its wearer's falls beyond gravity that it follows."""
     strands: bool = False
     """Whether neighbours in a row are only kept from parting, as hair is."""
 
@@ -114,6 +121,8 @@ class CompiledPattern:
     pattern: Pattern
     joints: Int32
     """Joints of the skeleton that it needs, (J,); the first one carries it."""
+    standing: Float32
+    """Where these are in the rest pose, relative to the first one, (J, 3) [m]."""
     limb_joint: Int32
     """Index in `joints` of each of its limbs' joints, (K,)."""
     limbs: Int32
@@ -133,7 +142,7 @@ class CompiledPattern:
     contacts: Int32
     more_contacts: Int32
     rings: Int32
-    """Rows that keep their order around their middles, (N, 3), …"""
+    """Rows that keep their order around their middles, or around a limb, (N, 4), …"""
     areas: Float32
     """… and how, (N, 2): see `keep_order`."""
     matter: Float32
@@ -178,12 +187,13 @@ def compile_pattern(pattern: Pattern, fabric: Fabric) -> CompiledPattern:
     _add_limits(limits, pattern, ROW_REPEATS)
     _add_limits(last, pattern, LAST_REPEATS)
     matter = np.zeros(MATTER_COLUMNS, np.float32)
-    matter[:] = fabric.drag, fabric.gravity, THICKNESS, 0.012, FLOOR_FRICTION
+    matter[:] = fabric.drag, fabric.gravity, THICKNESS, 0.012, FLOOR_FRICTION, fabric.facing, pattern.follows
     return CompiledPattern(
-        pattern, np.array(joints, np.int32),
+        pattern, np.array(joints, np.int32), (_REST[joints] - _REST[joints[0]]).astype(np.float32),
         np.array([joints.index(LIMBS[limb].joint) for limb in limbs], np.int32), np.array(limbs, np.int32),
         bridges, by, weight, *runs.arrays(), *limits.arrays(), *last.arrays(),
-        _contacts(pattern, limbs, often=True), _contacts(pattern, limbs, often=False), *_rings(pattern), matter, order,
+        _contacts(pattern, limbs, often=True), _contacts(pattern, limbs, often=False), *_rings(pattern, limbs), matter,
+        order,
     )  # fmt: skip
 
 
@@ -286,14 +296,17 @@ def _add_limits(limits: _Runs, pattern: Pattern, repeats: int) -> None:
             limits.add(above, LONGEST * pattern.spacing, kind=AT_MOST, first_held=sweep == repeats)
 
 
-def _rings(pattern: Pattern) -> tuple[Int32, Float32]:
+def _rings(pattern: Pattern, limbs: list[int]) -> tuple[Int32, Float32]:
     """Return the rows of a tube of cloth that keep their order, and twice their areas."""
     if not pattern.closed or pattern.kind != "cloth":
-        return np.zeros((0, 3), np.int32), np.zeros((0, 2), np.float32)
+        return np.zeros((0, 4), np.int32), np.zeros((0, 2), np.float32)
     columns, half = pattern.columns, pattern.columns // 2
-    rings = [(row * columns, half, half) for row in range(pattern.rows)]
+    name, last = pattern.around
+    around = [limbs.index(limb_index(name)) if row <= last and name else -1 for row in range(pattern.rows)]
+    rings = [(row * columns, half, half, around[row]) for row in range(pattern.rows)]
     circles = np.square(columns * np.array(pattern.widths)) / (2.0 * np.pi)
-    areas = np.stack([1.0 / circles, LEAST_SECTOR * circles / columns], axis=1)
+    least = np.where(np.array(around) < 0, LEAST_SECTOR, LEAST_AROUND)
+    areas = np.stack([1.0 / circles, least * circles / columns], axis=1)
     return np.array(rings, np.int32), areas.astype(np.float32)
 
 
@@ -308,7 +321,7 @@ def _contacts(pattern: Pattern, limbs: list[int], *, often: bool) -> Int32:
         name = contact.limb
         return len(limbs) + between.index(name) if name in BRIDGES else limbs.index(limb_index(name))
 
-    for contact in sorted(pattern.contacts, key=place):
+    for contact in sorted(pattern.contacts, key=lambda contact: (contact.limb not in BRIDGES, place(contact))):
         limb = place(contact)
         for row in range(max(contact.first, pattern.pinned_rows), min(contact.last, pattern.rows - 1) + 1):
             if contact.often == often:

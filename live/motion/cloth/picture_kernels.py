@@ -6,7 +6,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.jit import kernel
-from live.motion.cloth.cloth_kernels import FLOOR, THICKNESS, keep_out, project_runs
+from live.motion.cloth.cloth_kernels import FLOOR, THICKNESS, project_runs
+from live.motion.cloth.contact_kernels import keep_out
 from live.motion.cloth.limb_kernels import (
     JOINT_ROWS,
     LANES,
@@ -24,6 +25,7 @@ Int32 = npt.NDArray[np.int32]
 Uint8 = npt.NDArray[np.uint8]
 _ZERO: Any = np.float32(0.0)
 _ONE: Any = np.float32(1.0)
+_CLOSE: Any = np.float32(0.004)  # distance from the body [m] where lengths leave no more
 
 
 @kernel("void(f4[:,::1], f4[:,::1], f4[:,::1], f4[:,:,::1], f4[:,:,::1], f4, f4, f4[:,:,::1])")
@@ -127,7 +129,7 @@ def draw_garments(
         keep_out(flat, more_contacts, limb, matter[THICKNESS])
         if not skinned:
             project_runs(flat, limit_runs, limits, _ZERO)
-            keep_out(flat, contacts, limb, matter[THICKNESS])
+            keep_out(flat, contacts, limb, _CLOSE)
             project_runs(flat, limit_runs, limits, _ZERO)
         for i in range(LANES):
             who = b * LANES + i

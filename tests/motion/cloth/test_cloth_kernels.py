@@ -5,7 +5,8 @@ import pytest
 
 from live.clock.ticks import TICK
 from live.motion.cloth.body_sections import LIMBS
-from live.motion.cloth.cloth_kernels import AT_MOST, EXACT, keep_out, project_runs
+from live.motion.cloth.cloth_kernels import AT_MOST, EXACT, project_runs
+from live.motion.cloth.contact_kernels import keep_out
 from live.motion.cloth.garment_batch import limb_rows
 from live.motion.cloth.limb_kernels import LANES, interpolate_joints
 from live.motion.cloth.pattern import Pattern
@@ -130,7 +131,7 @@ def test_hanging_strip_moves_as_an_independent_simulation_in_numpy():
 def test_free_fall_of_what_nothing_holds():
     """With pins that fall as well, a strip is weightless: it falls with g and keeps its shape."""
     batch = dressed("", pattern=ribbon())
-    batch.compiled.matter[:] = 0.0, 9.81, 0.0, -100.0, 0.0  # no air, no floor
+    batch.compiled.matter[:] = 0.0, 9.81, 0.0, -100.0, 0.0, 0.0, 0.0  # no air, no floor
     for tick in range(20):
         drop = -0.5 * 9.81 * (tick * TICK) ** 2
         position, rotation = posed(lift=drop)

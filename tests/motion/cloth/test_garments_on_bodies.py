@@ -7,12 +7,13 @@ from live.base.row_ranges import SerialRunner, row_runner
 from live.clock.ticks import TICK
 from live.motion.cloth.garment_catalogue import PATTERNS
 from live.motion.cloth.pattern import LONGEST
+from live.motion.skeleton import SKELETON
 from live.render.body.body_mesh import FINE, build_body
 from live.render.body.body_variants import parts_of
 from live.render.body.implicit_surface import Shape
 from live.show.stages.row_threads import row_threads
 from tests.motion.cloth.cloth_bodies import STILL, dressed, grid, posed, skinned, stretch, wild_dance
-from tests.render.poses import REST
+from tests.render.poses import REST, SIT
 
 DANCERS = 8
 TICKS = 256
@@ -115,6 +116,44 @@ def test_skirt_does_not_tangle_when_a_turn_stops(name):
             axis = parts.sum(axis=1, keepdims=True)
             least.append(float(((parts * axis).sum(-1) / np.linalg.norm(axis, axis=-1)).min()))
     assert min(least) > 0.0
+
+
+def turns_around(rings, point, axis):
+    """How often closed rows (rows, columns, 3) go around a line through a point, as seen along it."""
+    across = np.cross(axis, (0.3, 0.5, 0.8))
+    across /= np.linalg.norm(across)
+    own = rings.astype(np.float64) - point
+    angle = np.arctan2(own @ np.cross(axis, across), own @ across)
+    step = np.roll(angle, -1, axis=1) - angle
+    return np.round(((step + np.pi) % (2.0 * np.pi) - np.pi).sum(axis=1) / (2.0 * np.pi))
+
+
+def test_sleeve_stays_around_its_arm(dance):
+    """Of the rows that hang on the forearm, hardly one has let it through, however fast it moves."""
+    batch, around = dressed("left sleeve", DANCERS), []
+    elbow, wrist = SKELETON.index("leftLowerArm"), SKELETON.index("leftHand")
+    for tick in range(TICKS):
+        batch.tick(dance[0][tick], dance[1][tick], STILL, 3, TICK)
+        for who in range(DANCERS if tick % 8 == 7 else 0):
+            places = dance[0][tick][who].astype(np.float64)
+            axis = (places[wrist] - places[elbow]) / np.linalg.norm(places[wrist] - places[elbow])
+            around.append(turns_around(grid(batch, dance[0][tick], dance[1][tick])[who, 1:4], places[elbow], axis))
+    assert np.mean(np.array(around) == 1.0) > 0.85
+
+
+@pytest.mark.parametrize("name", ["skirt", "long skirt"])
+def test_who_sits_begins_with_both_thighs_in_the_skirt(name):
+    batch = dressed(name)
+    position, rotation = posed(SIT)
+    for _ in range(30):
+        batch.tick(position, rotation, STILL, 3, TICK)
+    places = grid(batch, position, rotation)[0]
+    for side in ("left", "right"):
+        hip, knee = (
+            position[0, SKELETON.index(f"{side}{part}")].astype(np.float64) for part in ("UpperLeg", "LowerLeg")
+        )
+        axis = (knee - hip) / np.linalg.norm(knee - hip)
+        assert (turns_around(places[3:5], 0.5 * (hip + knee), axis) == -1.0).all()
 
 
 def test_threads_do_not_change_a_bit(dance):

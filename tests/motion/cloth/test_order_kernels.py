@@ -5,10 +5,11 @@ import pytest
 
 from live.motion.cloth.fabric import FABRICS
 from live.motion.cloth.garment_catalogue import PATTERNS
-from live.motion.cloth.limb_kernels import LANES
+from live.motion.cloth.limb_kernels import LANES, LIMB_ROWS
 from live.motion.cloth.order_kernels import LEAST_AREA, keep_order
 from live.motion.cloth.pattern import compile_pattern
 
+NO_LIMBS = np.zeros((LIMB_ROWS, 1, LANES), np.float32)
 SKIRT = compile_pattern(PATTERNS["skirt"], FABRICS["cotton"])
 
 
@@ -34,7 +35,7 @@ def kept(grid, times=1):
     flat[:, SKIRT.order.ravel()] = grid.reshape(-1, 3).T[:, :, None]
     before = flat.copy()
     for _ in range(times):
-        keep_order(flat.reshape(3, -1), SKIRT.rings, SKIRT.areas, 1)
+        keep_order(flat.reshape(3, -1), SKIRT.rings, SKIRT.areas, NO_LIMBS, 1)
     return flat[:, SKIRT.order.ravel(), 0].T.reshape(grid.shape), np.array_equal(before, flat)
 
 
