@@ -1,0 +1,117 @@
+"""Causal filter: reads a leader frame by frame and says where the follower is, and at which recorded moments (H024)."""
+
+from typing import Final
+
+import numpy as np
+
+from live.base.arrays import Complex128, Float64
+from live.motion.partner.units import Units
+from live.motion.partner_live.follower_kernels import (
+    advance_posterior,
+    posterior_means,
+    regress,
+    square_distances,
+    write_features,
+)
+from live.motion.partner_live.follower_model import (
+    FACING,
+    KERNEL_WIDTH,
+    TARGET_COLUMNS,
+    FollowerModel,
+    leader_frame,
+    learn_follower,
+)
+
+JUMP_PROBABILITY: Final = 0.4
+"""Probability that a leader jumps from a recorded moment to one that is like it."""
+SEEN_WIDTH: Final = 0.4
+"""Width of the likeness of what is seen and recorded, in shares of the features' mean square."""
+NEAREST_PERCENTILE: Final = 1.0
+"""Percentile of the recorded distances to the leader that defines the minimum distance."""
+
+
+class FollowerFilter:
+    """Filter of one leader. Deterministic; one call per frame, bounded memory."""
+
+    def __init__(self, units: Units, *, rate: float) -> None:
+        """`rate` [Hz] of the frames."""
+        self.units, self.rate = units, rate
+        self.model: FollowerModel = learn_follower(units, rate)
+        points = units.examples[0].live_control.floor.shape[1]
+        ring, count = int(self.model.lags[-1]) + 1, self.model.count
+        self._ring = ring
+        self._at = -1
+        self._x, self._x_height = np.zeros((ring, points), np.complex128), np.zeros((ring, points))
+        self.posterior: Float64 = np.full(count, 1.0 / count)
+        """Probability of each moment, (M,)."""
+        self._now, self._soon = np.zeros(TARGET_COLUMNS), np.zeros(TARGET_COLUMNS)
+        self._feature = np.zeros(len(self.model.scale))
+        self._near_square, self._square, self._scratch = np.zeros(count), np.zeros(count), np.zeros(count)
+        self.expected: Float64 = np.zeros(TARGET_COLUMNS)
+        """The follower as expected now, in the frame of the leader's hips; columns as in `follower_model`."""
+        self.nearest = 0.0
+        """How like the leader is to the most similar recorded moment, 0 to 1."""
+        self.place, self.facing = complex(0.0), complex(1.0)
+        """The leader's hips on the floor and their facing."""
+        self.min_distance = 0.0
+        """Minimum distance of the follower's hips from the leader's [m]; 0 without a second body."""
+        if points > 2:
+            apart = np.hypot(self.model.moments.target[:, 0], self.model.moments.target[:, 2])
+            self.min_distance = float(np.percentile(apart, NEAREST_PERCENTILE))
+
+    @property
+    def frame_index(self) -> int:
+        """Number of the latest frame, -1 before the first."""
+        return self._at
+
+    @property
+    def point_count(self) -> int:
+        """Number of points of the leader's cloud."""
+        return int(self._x.shape[1])
+
+    @property
+    def is_moment(self) -> bool:
+        """Whether the latest frame advanced the posterior."""
+        return self._at % self.model.stride == 0
+
+    def process_frame(self, floor: Complex128, height: Float64) -> None:
+        """Process the leader's next frame, points (P,) [m]; the hips must be finite, other points may be missing."""
+        self._at += 1
+        at, model = self._at, self.model
+        slot = at % self._ring
+        self._x[slot], self._x_height[slot] = floor, height
+        place, facing = leader_frame(self._x[slot])
+        self.place, self.facing = complex(place), complex(facing)
+        write_features(at, max(0, at - self._ring + 1), self._x, self._x_height, model.lags, self._feature)
+        self._feature *= model.scale
+        square_distances(self._feature, model.rows, model.share, model.near, self._near_square, self._square)
+        if self.is_moment:
+            advance_posterior(
+                self.posterior, model.moments.follows, model.jump_to, model.jump_share, JUMP_PROBABILITY,
+                self._near_square, SEEN_WIDTH, self._scratch,
+            )  # fmt: skip
+            posterior_means(self.posterior, model.moments.target, model.moments.follows, self._now, self._soon)
+        self.nearest = regress(self._square, KERNEL_WIDTH, model.weights, model.mean, self.expected)
+        part = (at % model.stride) / model.stride
+        self.expected += (1.0 - part) * self._now + part * self._soon
+        self.expected *= 0.5
+
+    @property
+    def change(self) -> Float64:
+        """How the filter expects `expected` to change until the next moment, (TARGET_COLUMNS,)."""
+        return np.asarray(self._soon - self._now)
+
+    def expected_root(self) -> tuple[complex, complex]:
+        """Return the follower's expected hip position on the floor and facing (unit complex number)."""
+        values = self.expected
+        facing = complex(*values[FACING])
+        facing = facing / abs(facing) if abs(facing) > 1e-9 else complex(1.0)
+        return self.place + self.facing * complex(values[0], values[2]), self.facing * facing
+
+    def keep_distance(self, place: complex) -> complex:
+        """Return `place`, moved away from the leader to the minimum distance if it is too near."""
+        if self.min_distance <= 0.0:
+            return place
+        away = place - self.place
+        far = abs(away)
+        return place if far >= self.min_distance or far < 1e-9 else self.place + away * (self.min_distance / far)

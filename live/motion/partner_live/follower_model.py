@@ -1,0 +1,243 @@
+"""What a follower does, learnt from recorded pairs: where she is, how she stands and which hands she holds (H018).
+
+Two methods are learnt from the same *moments*, 7.5 a second of each recording, and their mean is used. Kernel ridge
+regression predicts the follower from what the leader did in the last three seconds. A forward filter knows at which
+recorded moments the couple may be: a moment leads to the next one, or to one at which the recorded follower was alike.
+Both are in the frame of the leader's hips, as in C. Saunders et al., *Ridge regression learning algorithm in dual
+variables* (1998), and L. Rabiner, *A tutorial on hidden Markov models* (1989).
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from live.base.arrays import Complex128, Float64, Int32, Int64
+from live.motion import quaternion
+from live.motion.clip import Clip
+from live.motion.forward_kinematics import forward_kinematics
+from live.motion.partner.point_clouds import END_JOINTS
+from live.motion.partner.units import Example, Units
+from live.motion.partner_live.follower_kernels import solve_positive, square_distances, write_features
+from live.motion.skeleton import JOINT_COUNT
+
+MOMENT_RATE: Final = 7.5
+"""Moments per second."""
+MAX_MOMENTS: Final = 3000
+"""Moments that are learnt from; of more, stretches of STRETCH_MOMENTS are left out evenly."""
+STRETCH_MOMENTS: Final = 64
+LAGS: Final = (0.0, 0.3, 0.6, 1.0, 1.5, 2.0, 2.5, 3.0)
+"""How long ago [s] a leader's points count ..."""
+LAG_DECAY: Final = 0.3
+"""... and how fast they count less [1/s]."""
+NEAR_LAGS: Final = 2
+"""Number of lags that the filter looks at."""
+KERNEL_WIDTH: Final = 0.5
+RIDGE: Final = 0.2
+"""Width of the Gaussian kernel, in shares of the features' mean square, and variance of what cannot be told."""
+ROUNDING: Final = 1e-6
+"""What is learnt is rounded to this, so that the last bits of a library do not matter."""
+JUMPS: Final = 48
+"""Number of moments that a moment may jump to."""
+JUMP_WIDTH: Final = 0.3
+"""Width of the likeness of two moments of followers, in weighted metres."""
+JUMP_WEIGHTS: Final = (1.5, 1.5, 0.3, 0.15)
+"""Weights of place [1/m], facing, hands [1/m] and of the change of place and facing per second."""
+JOINT_COLUMNS: Final = 3 * JOINT_COUNT
+FACING: Final = slice(JOINT_COLUMNS, JOINT_COLUMNS + 2)
+HOLDS: Final = slice(JOINT_COLUMNS + 2, JOINT_COLUMNS + 6)
+TARGET_COLUMNS: Final = JOINT_COLUMNS + 6
+"""Columns of what is predicted: joints (22 · z, y, x) [m] in the frame of the leader's hips, facing (z, x), and whether
+each pair of palms holds: the leader's left with the follower's left and right, the leader's right with both."""
+END_COLUMNS: Final = tuple(3 * joint + axis for joint in END_JOINTS for axis in range(3))
+
+
+def root_track(clip: Clip) -> tuple[Complex128, Complex128]:
+    """Return the hips of a clip on the floor (z + i x) and their facing as unit complex numbers, (T,) each."""
+    front = quaternion.rotate(clip.rotation[:, 0].astype(np.float64), np.array((0.0, 0.0, 1.0)))
+    facing = front[:, 2] + 1j * front[:, 0]
+    root = clip.root_position.astype(np.float64)
+    return np.asarray(root[:, 2] + 1j * root[:, 0]), np.asarray(facing / np.maximum(np.abs(facing), 1e-9))
+
+
+def leader_frame(floor: Complex128) -> tuple[Complex128, Complex128]:
+    """Return the middle of the hips and their facing from points (..., P), the hip joints first."""
+    across = floor[..., 0] - floor[..., 1]
+    size = np.abs(across)
+    facing = np.where(size > 1e-9, -1j * across / np.maximum(size, 1e-9), 1.0)
+    return np.asarray(0.5 * (floor[..., 0] + floor[..., 1])), np.asarray(facing)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Moments:
+    """M moments of some recordings."""
+
+    example: Int64
+    """Index of each one's recording, (M,)."""
+    sample: Float64
+    """Its sample there, (M,)."""
+    follows: Int64
+    """How many moments of the recording follow without a gap, at most 2, (M,)."""
+    unit: Int64
+    """Unit that it belongs to, the nearest one outside of all, (M,)."""
+    phase: Float64
+    """Share of the unit that has passed, (M,); before the first unit and after the last it goes on."""
+    feature: Float64
+    """What the leader did, (M, D); not yet scaled."""
+    target: Float64
+    """Where the follower was, (M, TARGET_COLUMNS)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FollowerModel:
+    """What is learnt from the moments."""
+
+    moments: Moments
+    lags: Int64
+    """[frames]"""
+    stride: int
+    """Frames from a moment to the next one."""
+    scale: Float64
+    """Factor of each feature, (D,)."""
+    rows: Float64
+    """Scaled features of all moments, (D, M)."""
+    share: Float64
+    """Share of each feature in the mean square of all, (D,)."""
+    near: int
+    """Number of features that the filter looks at, the first ones."""
+    weights: Float64
+    """Of the regression, (M, TARGET_COLUMNS) ..."""
+    mean: Float64
+    """... and its constant term, (TARGET_COLUMNS,)."""
+    jump_to: Int32
+    jump_share: Float64
+    """Moments to which each one jumps, and with which probabilities, (M, JUMPS)."""
+
+    @property
+    def count(self) -> int:
+        """Number of moments M."""
+        return len(self.moments.sample)
+
+
+def learn_follower(units: Units, rate: float) -> FollowerModel:
+    """Return what is learnt from the examples of `units`, for a leader who is read at `rate` [Hz].
+
+    Raises ValueError for a leader's cloud that does not begin with the hips.
+    """
+    if units.examples[0].live_control.floor.shape[1] not in (2, 6):
+        raise ValueError("two hip joints, or hip joints, hands and feet expected")
+    stride = max(1, round(rate / MOMENT_RATE))
+    lags = np.round(np.array(LAGS) * rate).astype(np.int64)
+    moments = _thinned(_joined([_moments_of(units, n, rate, stride, lags) for n in range(len(units.examples))]))
+    feature, size = moments.feature, len(LAGS)
+    weight = np.repeat(np.exp(-LAG_DECAY * np.array(LAGS)), feature.shape[1] // size)
+    faced = np.tile(np.arange(feature.shape[1] // size) >= feature.shape[1] // size - 2, size)
+    weight = np.where(faced, 1.0, weight)
+    spread = ((feature - feature.mean(axis=0)) * weight) ** 2
+    total = max(float(spread.mean(axis=0).sum()), 1e-9)
+    scale = _rounded(weight / np.sqrt(total))
+    rows = np.ascontiguousarray(_rounded(feature * scale).T)
+    near = NEAR_LAGS * feature.shape[1] // size
+    share = _rounded(np.maximum(spread.mean(axis=0) / total, 1e-9))
+    weights, mean = _regression(rows, share, near, moments.target)
+    jump_to, jump_share = _jumps(moments)
+    return FollowerModel(moments, lags, stride, scale, rows, share, near, weights, mean, jump_to, jump_share)
+
+
+def _rounded(values: Float64) -> Float64:
+    return np.asarray(np.round(values / ROUNDING) * ROUNDING)
+
+
+def _moments_of(units: Units, n: int, rate: float, stride: int, lags: Int64) -> Moments:
+    example = units.examples[n]
+    cloud, clip = example.live_control, example.follower
+    last = min(cloud.count, clip.sample_count) - 1
+    frames = int(last / units.rate * rate + 1e-6) + 1
+    thin = cloud.at(np.arange(frames) * units.rate / rate)
+    at = np.arange(0, frames, stride)
+    features = np.zeros((len(at), len(lags) * (3 * thin.floor.shape[1] - 1)))
+    floor, height = np.ascontiguousarray(thin.floor), np.ascontiguousarray(thin.height)
+    for row, frame in zip(features, at.tolist(), strict=True):
+        write_features(frame, 0, floor, height, lags, row)
+    sample = at * units.rate / rate
+    own = np.flatnonzero(units.example == n)
+    which = own[np.clip(np.searchsorted(units.start[own], sample + 1e-6, side="right") - 1, 0, len(own) - 1)]
+    return Moments(
+        np.full(len(at), n, np.int64),
+        sample,
+        np.minimum(np.arange(len(at))[::-1], 2).astype(np.int64),
+        which.astype(np.int64),
+        (sample - units.start[which]) / units.length[which],
+        features,
+        _targets(example, thin.floor[at], np.round(sample).astype(np.int64)),
+    )
+
+
+def _targets(example: Example, floor: Complex128, at: Int64) -> Float64:
+    """Return the follower at the samples `at` in the frame of the leader with points `floor` (n, P)."""
+    clip = example.follower
+    middle, front = leader_frame(floor)
+    joints, _ = forward_kinematics(clip.root_position[at].astype(np.float64), clip.rotation[at].astype(np.float64))
+    place = (joints[..., 2] + 1j * joints[..., 0] - middle[:, None]) * front.conj()[:, None]
+    facing = root_track(clip)[1][at] * front.conj()
+    found = np.zeros((len(at), TARGET_COLUMNS))
+    found[:, :JOINT_COLUMNS] = np.stack((place.real, joints[..., 1], place.imag), axis=-1).reshape(len(at), -1)
+    found[:, FACING] = np.stack((facing.real, facing.imag), axis=1)
+    for hold in example.holds:
+        found[(at >= hold.begin) & (at <= hold.end), HOLDS.start + 2 * hold.leader_hand + hold.follower_hand] = 1.0
+    return _rounded(found)
+
+
+def _joined(parts: list[Moments]) -> Moments:
+    return Moments(*(np.concatenate([getattr(one, name) for one in parts]) for name in Moments.__dataclass_fields__))
+
+
+def _thinned(moments: Moments) -> Moments:
+    """Return at most about MAX_MOMENTS of them, in whole stretches."""
+    count = len(moments.sample)
+    if count <= MAX_MOMENTS:
+        return moments
+    stretch = np.arange(count) // STRETCH_MOMENTS
+    kept = (stretch + 1) * MAX_MOMENTS // count > stretch * MAX_MOMENTS // count
+    follows = moments.follows.copy()
+    for ahead in (2, 1):
+        gone = np.flatnonzero(~kept) - ahead
+        follows[gone[gone >= 0]] = np.minimum(follows[gone[gone >= 0]], ahead - 1)
+    fields = {name: getattr(moments, name) for name in Moments.__dataclass_fields__} | {"follows": follows}
+    return Moments(*(value[kept] for value in fields.values()))
+
+
+def _regression(rows: Float64, share: Float64, near: int, target: Float64) -> tuple[Float64, Float64]:
+    count = rows.shape[1]
+    kernel, unused = np.empty((count, count)), np.empty(count)
+    for m in range(count):
+        square_distances(np.ascontiguousarray(rows[:, m]), rows, share, near, unused, kernel[m])
+    kernel = np.exp(kernel / (-2.0 * KERNEL_WIDTH**2))
+    kernel[np.diag_indices(count)] += RIDGE
+    mean = _rounded(target.mean(axis=0))
+    weights = np.ascontiguousarray(target - mean)
+    solve_positive(kernel, weights)
+    return _rounded(weights), mean
+
+
+def _jumps(moments: Moments) -> tuple[Int32, Float64]:
+    """Return to which moments each moment jumps: those at which the follower is alike, in place and motion."""
+    target, count = moments.target, len(moments.sample)
+    after = np.minimum(np.arange(count) + np.minimum(moments.follows, 1), count - 1)
+    root = np.column_stack((target[:, (0, 2)], target[:, FACING]))
+    weights = JUMP_WEIGHTS
+    hands = target[:, END_COLUMNS[:6]]
+    state = np.column_stack(
+        (
+            root[:, :2] * weights[0], root[:, 2:] * weights[1], hands * weights[2],
+            (root[after] - root) * (MOMENT_RATE * weights[3]),
+        )
+    )  # fmt: skip
+    keep = min(JUMPS, count)
+    to, share = np.zeros((count, keep), np.int32), np.zeros((count, keep))
+    for m in range(count):
+        square = _rounded(((state - state[m]) ** 2).sum(axis=1))
+        best = np.argsort(square, kind="stable")[:keep]
+        like = np.exp(square[best] / (-2.0 * JUMP_WIDTH**2))
+        to[m], share[m] = best, _rounded(like / like.sum())
+    return to, share
