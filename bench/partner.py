@@ -11,7 +11,6 @@ import numpy as np
 import numpy.typing as npt
 
 from bench import texture_quality
-from bench._fixed_lag import agreement_by_lag
 from bench._partner_baselines import constant_offset, nearest_frames, nearest_units
 from live.cli.bench import Row
 from live.library.partner_pairs import PartnerExamples, read_pairs
@@ -22,7 +21,7 @@ from live.motion.partner.decoder import Reading
 from live.motion.partner.evaluation import FollowerErrors, follower_errors, joint_positions, slide_metrics
 from live.motion.partner.partner_synthesis import SearchSettings, find_partner, shown_beats
 from live.motion.partner.units import cut_units
-from live.motion.partner_live.live_partner import LIVE_RATE, agreement, evaluate_live, similar_units
+from live.motion.partner_live.live_partner import evaluate_live
 from live.motion.quality.metrics import beat_offsets
 
 DROPPED = 6

@@ -8,20 +8,28 @@ from live.base.arrays import Complex128, Float64
 from live.motion.partner.units import Units
 from live.motion.partner_live.follower_kernels import (
     advance_posterior,
+    danced_costs,
     posterior_means,
     regress,
     square_distances,
     write_features,
 )
 from live.motion.partner_live.follower_model import (
+    CHANGE_WEIGHT,
     FACING,
     KERNEL_WIDTH,
+    SHOWN_COLUMNS,
+    SHOWN_WEIGHTS,
     TARGET_COLUMNS,
     FollowerModel,
     leader_frame,
     learn_follower,
 )
 
+IMPROBABILITY: Final = 0.02
+"""Cost [m²] of dancing a moment whose probability is 1/e of the most probable one's, ..."""
+MAX_IMPROBABILITY: Final = 6.0
+"""... which grows up to this many times."""
 JUMP_PROBABILITY: Final = 0.4
 """Probability that a leader jumps from a recorded moment to one that is like it."""
 SEEN_WIDTH: Final = 0.4
@@ -47,6 +55,7 @@ class FollowerFilter:
         self._now, self._soon = np.zeros(TARGET_COLUMNS), np.zeros(TARGET_COLUMNS)
         self._feature = np.zeros(len(self.model.scale))
         self._near_square, self._square, self._scratch = np.zeros(count), np.zeros(count), np.zeros(count)
+        self._cost = np.zeros(count)
         self.expected: Float64 = np.zeros(TARGET_COLUMNS)
         """The follower as expected now, in the frame of the leader's hips; columns as in `follower_model`."""
         self.nearest = 0.0
@@ -100,6 +109,31 @@ class FollowerFilter:
     def change(self) -> Float64:
         """How the filter expects `expected` to change until the next moment, (TARGET_COLUMNS,)."""
         return np.asarray(self._soon - self._now)
+
+    def moment_costs(self, row: int) -> Float64:
+        """Return what it costs to go on from each moment [m²], (M,), if the moment `row` is danced now; -1: none is.
+
+        Costs are how far the follower there is from the expected one, how unlike the body is, and how improbable.
+        """
+        model, columns = self.model, list(SHOWN_COLUMNS)
+        own = model.body[:, row] if row >= 0 else np.zeros(0)
+        danced_costs(
+            self.expected[columns] * SHOWN_WEIGHTS, self.change[columns] * SHOWN_WEIGHTS * CHANGE_WEIGHT, model.shown,
+            np.ascontiguousarray(own), model.body, self._cost,
+        )  # fmt: skip
+        worth = np.log(np.maximum(self.posterior / self.posterior.max(), 1e-12))
+        self._cost += IMPROBABILITY * np.minimum(-worth, MAX_IMPROBABILITY)
+        return self._cost
+
+    def recorded_root(self, example: int, sample: float) -> tuple[complex, complex]:
+        """Return the recorded follower's hips on the floor and their facing at a sample of a recording."""
+        root, front = self.model.roots[example], self.model.facings[example]
+        place = min(max(sample, 0.0), len(root) - 1.0)
+        low = min(int(place), max(len(root) - 2, 0))
+        high, w = min(low + 1, len(root) - 1), place - low
+        facing = complex((1.0 - w) * front[low] + w * front[high])
+        here = complex((1.0 - w) * root[low] + w * root[high])
+        return here, facing / abs(facing) if abs(facing) > 1e-9 else complex(1.0)
 
     def expected_root(self) -> tuple[complex, complex]:
         """Return the follower's expected hip position on the floor and facing (unit complex number)."""

@@ -155,9 +155,9 @@ def posterior_means(posterior: Float64, target: Float64, follows: Int64, now: Fl
             soon[n] += p * other[n]
 
 
-@kernel("void(f8[::1],f8[::1],f8[:,::1],f8[::1],f8[:,::1],f8,f8[::1])")
+@kernel("void(f8[::1],f8[::1],f8[:,::1],f8[::1],f8[:,::1],f8[::1])")
 def danced_costs(
-    wanted: Float64, change: Float64, shown: Float64, own: Float64, body: Float64, continuity: float, cost: Float64
+    wanted: Float64, change: Float64, shown: Float64, own: Float64, body: Float64, cost: Float64
 ) -> None:
     """Write what it costs to dance each of M moments to `cost` (M,) [m²].
 
@@ -173,7 +173,7 @@ def danced_costs(
     for n in range(own.shape[0]):
         for m in range(cost.shape[0]):
             away = body[n, m] - own[n]
-            cost[m] += continuity * away * away
+            cost[m] += away * away
 
 
 @kernel("void(f8[:,::1],f8[:,::1])")

@@ -50,6 +50,18 @@ TARGET_COLUMNS: Final = JOINT_COLUMNS + 6
 """Columns of what is predicted: joints (22 · z, y, x) [m] in the frame of the leader's hips, facing (z, x), and whether
 each pair of palms holds: the leader's left with the follower's left and right, the leader's right with both."""
 END_COLUMNS: Final = tuple(3 * joint + axis for joint in END_JOINTS for axis in range(3))
+SHOWN_COLUMNS: Final = (0, 2, FACING.start, FACING.start + 1, *END_COLUMNS)
+"""Columns by which a moment to dance is chosen: hips, facing, hands and feet."""
+PLACE_WEIGHT: Final = 0.5
+FACING_WEIGHT: Final = 0.35
+ENDS_WEIGHT: Final = 0.35
+"""Factors of the hips' place, facing, hands and feet [m] in the leader's frame, ..."""
+CHANGE_WEIGHT: Final = 2.0
+"""... and of how they change in a moment, ..."""
+BODY_WEIGHT: Final = 0.1
+BODY_CHANGE_WEIGHT: Final = 0.2
+"""... and of hands and feet in the follower's own frame."""
+SHOWN_WEIGHTS: Final = np.array((PLACE_WEIGHT, PLACE_WEIGHT, FACING_WEIGHT, FACING_WEIGHT, *(12 * (ENDS_WEIGHT,))))
 
 
 def root_track(clip: Clip) -> tuple[Complex128, Complex128]:
@@ -112,6 +124,18 @@ class FollowerModel:
     jump_to: Int32
     jump_share: Float64
     """Moments to which each one jumps, and with which probabilities, (M, JUMPS)."""
+    shown: Float64
+    """The follower's SHOWN_COLUMNS in the leader's frame, and how they change in a moment, (2 · 16, M)."""
+    body: Float64
+    """Hands and feet in the frame of the follower's own hips, and how they change in a moment, (24, M)."""
+    remaining: Int64
+    """How many moments follow in the same recording without a gap, (M,)."""
+    rows_of: Int64
+    units_of: Int64
+    """First and last + 1 moment and unit of each recording, (E, 2) each."""
+    roots: tuple[Complex128, ...]
+    facings: tuple[Complex128, ...]
+    """The follower's hips and facing in each recording, see `root_track`."""
 
     @property
     def count(self) -> int:
@@ -141,7 +165,18 @@ def learn_follower(units: Units, rate: float) -> FollowerModel:
     share = _rounded(np.maximum(spread.mean(axis=0) / total, 1e-9))
     weights, mean = _regression(rows, share, near, moments.target)
     jump_to, jump_share = _jumps(moments)
-    return FollowerModel(moments, lags, stride, scale, rows, share, near, weights, mean, jump_to, jump_share)
+    shown, body = _shown(moments)
+    recordings = np.arange(len(units.examples))
+    limits = [
+        np.stack([np.searchsorted(of, recordings, side=side) for side in ("left", "right")], axis=1).astype(np.int64)
+        for of in (moments.example, units.example)
+    ]
+    tracks = [root_track(one.follower) for one in units.examples]
+    return FollowerModel(
+        moments, lags, stride, scale, rows, share, near, weights, mean, jump_to, jump_share, shown, body,
+        _remaining(moments.follows), *limits,
+        tuple(one for one, _ in tracks), tuple(one for _, one in tracks),
+    )  # fmt: skip
 
 
 def _rounded(values: Float64) -> Float64:
@@ -241,3 +276,31 @@ def _jumps(moments: Moments) -> tuple[Int32, Float64]:
         like = np.exp(square[best] / (-2.0 * JUMP_WIDTH**2))
         to[m], share[m] = best, _rounded(like / like.sum())
     return to, share
+
+
+def _shown(moments: Moments) -> tuple[Float64, Float64]:
+    """Return SHOWN_COLUMNS and the body of all moments, each with its change until the next one."""
+    target, count = moments.target, len(moments.sample)
+    shown = target[:, SHOWN_COLUMNS] * SHOWN_WEIGHTS
+    body = own_body(target)
+    after = np.minimum(np.arange(count) + np.minimum(moments.follows, 1), count - 1)
+    return (
+        np.ascontiguousarray(np.concatenate((shown, CHANGE_WEIGHT * (shown[after] - shown)), axis=1).T),
+        np.ascontiguousarray(_rounded(np.concatenate((BODY_WEIGHT * body, BODY_CHANGE_WEIGHT * (body[after] - body)), axis=1)).T),
+    )
+
+
+def own_body(target: Float64) -> Float64:
+    """Return hands and feet in the frame of the follower's own hips, (n, 12), from targets (n, TARGET_COLUMNS)."""
+    ends = target[:, END_COLUMNS].reshape(len(target), -1, 3)
+    facing = target[:, FACING.start] + 1j * target[:, FACING.start + 1]
+    facing = facing / np.maximum(np.abs(facing), 1e-9)
+    place = (ends[..., 0] - target[:, :1] + 1j * (ends[..., 2] - target[:, 2:3])) * facing.conj()[:, None]
+    return np.asarray(np.stack((place.real, ends[..., 1], place.imag), axis=-1).reshape(len(target), -1))
+
+
+def _remaining(follows: Int64) -> Int64:
+    found = np.zeros(len(follows), np.int64)
+    for m in range(len(follows) - 2, -1, -1):
+        found[m] = found[m + 1] + 1 if follows[m] else 0
+    return found
