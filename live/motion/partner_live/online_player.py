@@ -27,6 +27,9 @@ MAX_SPEED: Final = 1.5
 """Maximum speed of the correction [m/s], added to the recorded motion ..."""
 MAX_TURN_RATE: Final = 4.5
 """... and its maximum turning speed [rad/s]; twice as fast away from a leader who is too near, ..."""
+FREE_TURN_TIME: Final = 0.08
+STANDING_TURN_TIME: Final = 0.2
+STANDING_TURN_SCALE: Final = 0.4
 STANDING_SCALE: Final = 0.4
 """... and scaled by this while a foot stands."""
 
@@ -77,9 +80,10 @@ class FloorTransform:
         share = STANDING_SCALE if slow else 2.0 if too_near else 1.0
         here = self.turn * root + self.shift
         away = float(np.angle(wanted[1] / (self.turn * facing)))
-        speed, turning = (wanted[0] - here) / seconds, away / seconds
+        speed, turning = (wanted[0] - here) / seconds, away / (STANDING_TURN_TIME if slow else FREE_TURN_TIME)
         speed *= min(1.0, share * MAX_SPEED / max(abs(speed), 1e-9))
-        turning = min(max(turning, -share * MAX_TURN_RATE), share * MAX_TURN_RATE)
+        limit = MAX_TURN_RATE * (STANDING_TURN_SCALE if slow else share)
+        turning = min(max(turning, -limit), limit)
         self._speed += eased * (speed - self._speed)
         self._turning += eased * (turning - self._turning)
         self.drift(root, dt)
@@ -98,9 +102,9 @@ class FloorTransform:
         return complex(turn), self._last_shift + part * (self.shift - self._last_shift)
 
 
-SWITCH_MARGIN: Final = 0.06
+SWITCH_MARGIN: Final = 0.15
 """Another moment must cost less by this [m²] ..."""
-BOUNDARY_MARGIN: Final = 0.02
+BOUNDARY_MARGIN: Final = 0.05
 """... and by this near the limits of units."""
 BOUNDARY_SHARE: Final = 0.15
 """Share of a unit that is near its limit."""
