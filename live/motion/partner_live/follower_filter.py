@@ -32,7 +32,7 @@ MAX_IMPROBABILITY: Final = 6.0
 """... which grows up to this many times."""
 JUMP_PROBABILITY: Final = 0.4
 """Probability that a leader jumps from a recorded moment to one that is like it."""
-SEEN_WIDTH: Final = 0.4
+SEEN_WIDTH: Final = 0.5
 """Width of the likeness of what is seen and recorded, in shares of the features' mean square."""
 NEAREST_PERCENTILE: Final = 1.0
 """Percentile of the recorded distances to the leader that defines the minimum distance."""
@@ -58,6 +58,8 @@ class FollowerFilter:
         self._cost = np.zeros(count)
         self.expected: Float64 = np.zeros(TARGET_COLUMNS)
         """The follower as expected now, in the frame of the leader's hips; columns as in `follower_model`."""
+        self.certainty = 0.0
+        """How sure the filter is of the follower's facing, 0 to 1."""
         self.nearest = 0.0
         """How like the leader is to the most similar recorded moment, 0 to 1."""
         self.place, self.facing = complex(0.0), complex(1.0)
@@ -99,11 +101,15 @@ class FollowerFilter:
                 self.posterior, model.moments.follows, model.jump_to, model.jump_share, JUMP_PROBABILITY,
                 self._near_square, SEEN_WIDTH, self._scratch,
             )  # fmt: skip
-            posterior_means(self.posterior, model.moments.target, model.moments.follows, self._now, self._soon)
+            self.certainty = posterior_means(
+                self.posterior, model.moments.target, model.moments.follows, FACING.start, self._now, self._soon
+            )
         self.nearest = regress(self._square, KERNEL_WIDTH, model.weights, model.mean, self.expected)
         part = (at % model.stride) / model.stride
-        self.expected += (1.0 - part) * self._now + part * self._soon
+        filtered = (1.0 - part) * self._now + part * self._soon
+        self.expected += filtered
         self.expected *= 0.5
+        self.expected[FACING] = filtered[FACING]
 
     @property
     def change(self) -> Float64:
