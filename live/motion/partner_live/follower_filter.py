@@ -32,7 +32,7 @@ MAX_IMPROBABILITY: Final = 6.0
 """... which grows up to this many times."""
 JUMP_PROBABILITY: Final = 0.4
 """Probability that a leader jumps from a recorded moment to one that is like it."""
-SEEN_WIDTH: Final = 0.5
+SEEN_WIDTH: Final = 0.4
 """Width of the likeness of what is seen and recorded, in shares of the features' mean square."""
 NEAREST_PERCENTILE: Final = 1.0
 """Percentile of the recorded distances to the leader that defines the minimum distance."""
@@ -129,6 +129,7 @@ class FollowerFilter:
         )  # fmt: skip
         worth = np.log(np.maximum(self.posterior / self.posterior.max(), 1e-12))
         self._cost += IMPROBABILITY * np.minimum(-worth, MAX_IMPROBABILITY)
+        self._cost[model.moments.mirrored] = np.inf
         return self._cost
 
     def recorded_root(self, example: int, sample: float) -> tuple[complex, complex]:

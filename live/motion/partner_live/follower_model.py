@@ -7,23 +7,23 @@ Both are in the frame of the leader's hips, as in C. Saunders et al., *Ridge reg
 variables* (1998), and L. Rabiner, *A tutorial on hidden Markov models* (1989).
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
-from live.base.arrays import Complex128, Float64, Int32, Int64
+from live.base.arrays import Bool, Complex128, Float64, Int32, Int64
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.partner.point_clouds import END_JOINTS
 from live.motion.partner.units import Example, Units
 from live.motion.partner_live.follower_kernels import solve_positive, square_distances, write_features
-from live.motion.skeleton import JOINT_COUNT
+from live.motion.skeleton import JOINT_COUNT, MIRROR
 
 MOMENT_RATE: Final = 7.5
 """Moments per second."""
-MAX_MOMENTS: Final = 3000
+MAX_MOMENTS: Final = 3600
 """Moments that are learnt from; of more, stretches of STRETCH_MOMENTS are left out evenly."""
 STRETCH_MOMENTS: Final = 64
 LAGS: Final = (0.0, 0.3, 0.6, 1.0, 1.5, 2.0, 2.5, 3.0)
@@ -37,6 +37,8 @@ RIDGE: Final = 0.2
 """Width of the Gaussian kernel, in shares of the features' mean square, and variance of what cannot be told."""
 ROUNDING: Final = 1e-6
 """What is learnt is rounded to this, so that the last bits of a library do not matter."""
+MIRROR_GAIN: Final = 0.995
+"""Mirror images are learnt from, too, if they lower the error on recordings left out at least to this part."""
 JUMPS: Final = 48
 """Number of moments that a moment may jump to."""
 JUMP_WIDTH: Final = 0.3
@@ -98,6 +100,8 @@ class Moments:
     """What the leader did, (M, D); not yet scaled."""
     target: Float64
     """Where the follower was, (M, TARGET_COLUMNS)."""
+    mirrored: Bool
+    """Whether it is a mirror image, which is learnt from and never danced, (M,)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -153,27 +157,21 @@ def learn_follower(units: Units, rate: float) -> FollowerModel:
     stride = max(1, round(rate / MOMENT_RATE))
     lags = np.round(np.array(LAGS) * rate).astype(np.int64)
     moments = _thinned(_joined([_moments_of(units, n, rate, stride, lags) for n in range(len(units.examples))]))
-    feature, size = moments.feature, len(LAGS)
-    weight = np.repeat(np.exp(-LAG_DECAY * np.array(LAGS)), feature.shape[1] // size)
-    faced = np.tile(np.arange(feature.shape[1] // size) >= feature.shape[1] // size - 2, size)
-    weight = np.where(faced, 1.0, weight)
-    spread = ((feature - feature.mean(axis=0)) * weight) ** 2
-    total = max(float(spread.mean(axis=0).sum()), 1e-9)
-    scale = _rounded(weight / np.sqrt(total))
-    rows = np.ascontiguousarray(_rounded(feature * scale).T)
-    near = NEAR_LAGS * feature.shape[1] // size
-    share = _rounded(np.maximum(spread.mean(axis=0) / total, 1e-9))
-    weights, mean = _regression(rows, share, near, moments.target)
+    count = len(moments.sample)
+    if 2 * count <= MAX_MOMENTS and _mirror_helps(moments):
+        moments = _joined([moments, mirror_moments(moments)])
+    features = _scale_features(moments.feature)
+    weights, mean = _regression(features, moments.target)
     jump_to, jump_share = _jumps(moments)
     shown, body = _shown(moments)
     recordings = np.arange(len(units.examples))
     limits = [
         np.stack([np.searchsorted(of, recordings, side=side) for side in ("left", "right")], axis=1).astype(np.int64)
-        for of in (moments.example, units.example)
+        for of in (moments.example[:count], units.example)
     ]
     tracks = [root_track(one.follower) for one in units.examples]
     return FollowerModel(
-        moments, lags, stride, scale, rows, share, near, weights, mean, jump_to, jump_share, shown, body,
+        moments, lags, stride, features.scale, features.rows, features.share, features.near, weights, mean, jump_to, jump_share, shown, body,
         _remaining(moments.follows), *limits,
         tuple(one for one, _ in tracks), tuple(one for _, one in tracks),
     )  # fmt: skip
@@ -205,7 +203,24 @@ def _moments_of(units: Units, n: int, rate: float, stride: int, lags: Int64) -> 
         (sample - units.start[which]) / units.length[which],
         features,
         _targets(example, thin.floor[at], np.round(sample).astype(np.int64)),
+        np.zeros(len(at), np.bool_),
     )
+
+
+def mirror_moments(moments: Moments) -> Moments:
+    """Return the mirror image of both dancers, left and right exchanged."""
+    feature = moments.feature.reshape(len(moments.sample), len(LAGS), -1).copy()
+    points = feature[..., 3:-2].reshape(*feature.shape[:2], -1, 3)
+    feature[..., 3:-2] = points[..., [n ^ 1 for n in range(points.shape[2])], :].reshape(*feature.shape[:2], -1)
+    feature[..., 2::3] *= -1.0
+    feature[..., -1] *= -1.0
+    target = moments.target.copy()
+    joints = target[:, :JOINT_COLUMNS].reshape(len(target), -1, 3)[:, MIRROR] * (1.0, 1.0, -1.0)
+    target[:, :JOINT_COLUMNS] = joints.reshape(len(target), -1)
+    target[:, FACING.start + 1] *= -1.0
+    target[:, HOLDS] = target[:, HOLDS][:, ::-1]
+    whole = np.ones(len(target), np.bool_)
+    return replace(moments, feature=feature.reshape(len(target), -1), target=target, mirrored=whole)
 
 
 def _targets(example: Example, floor: Complex128, at: Int64) -> Float64:
@@ -239,20 +254,69 @@ def _thinned(moments: Moments) -> Moments:
         gone = np.flatnonzero(~kept) - ahead
         follows[gone[gone >= 0]] = np.minimum(follows[gone[gone >= 0]], ahead - 1)
     fields = {name: getattr(moments, name) for name in Moments.__dataclass_fields__} | {"follows": follows}
-    return Moments(*(value[kept] for value in fields.values()))
+    return _selected(Moments(**fields), kept)
 
 
-def _regression(rows: Float64, share: Float64, near: int, target: Float64) -> tuple[Float64, Float64]:
-    count = rows.shape[1]
-    kernel, unused = np.empty((count, count)), np.empty(count)
-    for m in range(count):
-        square_distances(np.ascontiguousarray(rows[:, m]), rows, share, near, unused, kernel[m])
-    kernel = np.exp(kernel / (-2.0 * KERNEL_WIDTH**2))
-    kernel[np.diag_indices(count)] += RIDGE
+@dataclass(frozen=True, slots=True, eq=False)
+class _Features:
+    """Scaled features, see `FollowerModel`."""
+
+    scale: Float64
+    rows: Float64
+    share: Float64
+    near: int
+
+
+def _scale_features(feature: Float64) -> _Features:
+    """Weigh features (M, D) by their lags, so that the mean square of all together is 1."""
+    size, columns = len(LAGS), feature.shape[1] // len(LAGS)
+    weight = np.repeat(np.exp(-LAG_DECAY * np.array(LAGS)), columns)
+    weight = np.where(np.tile(np.arange(columns) >= columns - 2, size), 1.0, weight)
+    spread = (((feature - feature.mean(axis=0)) * weight) ** 2).mean(axis=0)
+    total = max(float(spread.sum()), 1e-9)
+    scale = _rounded(weight / np.sqrt(total))
+    rows = np.ascontiguousarray(_rounded(feature * scale).T)
+    return _Features(scale, rows, _rounded(np.maximum(spread / total, 1e-6)), NEAR_LAGS * columns)
+
+
+def _similarity(features: _Features, rows: Float64) -> Float64:
+    """Return the kernel between scaled features (D, N) and all moments, (N, M)."""
+    kernel, unused = np.empty((rows.shape[1], features.rows.shape[1])), np.empty(features.rows.shape[1])
+    for row, feature in zip(kernel, np.ascontiguousarray(rows.T), strict=True):
+        square_distances(feature, features.rows, features.share, features.near, unused, row)
+    return np.asarray(np.exp(kernel / (-2.0 * KERNEL_WIDTH**2)))
+
+
+def _regression(features: _Features, target: Float64) -> tuple[Float64, Float64]:
+    kernel = _similarity(features, features.rows)
+    kernel[np.diag_indices(len(kernel))] += RIDGE
     mean = _rounded(target.mean(axis=0))
     weights = np.ascontiguousarray(target - mean)
     solve_positive(kernel, weights)
     return _rounded(weights), mean
+
+
+def _mirror_helps(moments: Moments) -> bool:
+    """Whether mirror images of some recordings help to predict the others: one half is left out in turn.
+
+    Of a single recording it is the first and the second half.
+    """
+    example = moments.example
+    half = example % 2 == 0 if len(np.unique(example)) > 1 else np.arange(len(example)) < len(example) // 2
+    errors = [0.0, 0.0]
+    for known in (half, ~half):
+        seen, unseen = _selected(moments, known), _selected(moments, ~known)
+        for n, learnt in enumerate((seen, _joined([seen, mirror_moments(seen)]))):
+            features = _scale_features(learnt.feature)
+            weights, mean = _regression(features, learnt.target)
+            rows = np.ascontiguousarray(_rounded(unseen.feature * features.scale).T)
+            away = _similarity(features, rows) @ weights + mean - unseen.target
+            errors[n] += float(np.linalg.norm(away[:, :JOINT_COLUMNS].reshape(len(away), -1, 3), axis=-1).sum())
+    return errors[1] < MIRROR_GAIN * errors[0]
+
+
+def _selected(moments: Moments, which: Bool) -> Moments:
+    return Moments(*(getattr(moments, name)[which] for name in Moments.__dataclass_fields__))
 
 
 def _jumps(moments: Moments) -> tuple[Int32, Float64]:

@@ -28,8 +28,8 @@ MAX_SPEED: Final = 1.5
 MAX_TURN_RATE: Final = 4.5
 """... and its maximum turning speed [rad/s]; twice as fast away from a leader who is too near, ..."""
 FREE_TURN_TIME: Final = 0.08
-STANDING_TURN_TIME: Final = 0.2
-STANDING_TURN_SCALE: Final = 0.4
+STANDING_TURN_TIME: Final = 0.1
+STANDING_TURN_SCALE: Final = 1.0
 STANDING_SCALE: Final = 0.4
 """... and scaled by this while a foot stands."""
 
