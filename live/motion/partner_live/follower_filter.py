@@ -20,8 +20,11 @@ from live.motion.partner_live.follower_model import (
     KERNEL_WIDTH,
     SHOWN_COLUMNS,
     SHOWN_WEIGHTS,
+    JUMP_PROBABILITY,
+    SEEN_WIDTH,
     TARGET_COLUMNS,
     FollowerModel,
+    beat_density,
     leader_frame,
     learn_follower,
 )
@@ -30,10 +33,10 @@ IMPROBABILITY: Final = 0.02
 """Cost [m²] of dancing a moment whose probability is 1/e of the most probable one's, ..."""
 MAX_IMPROBABILITY: Final = 6.0
 """... which grows up to this many times."""
-JUMP_PROBABILITY: Final = 0.4
-"""Probability that a leader jumps from a recorded moment to one that is like it."""
-SEEN_WIDTH: Final = 0.4
-"""Width of the likeness of what is seen and recorded, in shares of the features' mean square."""
+BEAT_MEMORY: Final = 0.97
+"""Share of the evidence for the beats that is left after a moment, ..."""
+MAX_BEAT_EVIDENCE: Final = 4.0
+"""... and its limit: a logarithm of odds."""
 NEAREST_PERCENTILE: Final = 1.0
 """Percentile of the recorded distances to the leader that defines the minimum distance."""
 
@@ -58,6 +61,7 @@ class FollowerFilter:
         self._cost = np.zeros(count)
         self.expected: Float64 = np.zeros(TARGET_COLUMNS)
         """The follower as expected now, in the frame of the leader's hips; columns as in `follower_model`."""
+        self._beat_evidence = 0.0
         self.certainty = 0.0
         """How sure the filter is of the follower's facing, 0 to 1."""
         self.nearest = 0.0
@@ -85,8 +89,11 @@ class FollowerFilter:
         """Whether the latest frame advanced the posterior."""
         return self._at % self.model.stride == 0
 
-    def process_frame(self, floor: Complex128, height: Float64) -> None:
-        """Process the leader's next frame, points (P,) [m]; the hips must be finite, other points may be missing."""
+    def process_frame(self, floor: Complex128, height: Float64, phase: float | None = None) -> None:
+        """Process the leader's next frame, points (P,) [m]; the hips must be finite, other points may be missing.
+
+        `phase`: share of a unit that has passed by the leader's beats, None if they are unknown.
+        """
         self._at += 1
         at, model = self._at, self.model
         slot = at % self._ring
@@ -97,10 +104,7 @@ class FollowerFilter:
         self._feature *= model.scale
         square_distances(self._feature, model.rows, model.share, model.near, self._near_square, self._square)
         if self.is_moment:
-            advance_posterior(
-                self.posterior, model.moments.follows, model.jump_to, model.jump_share, JUMP_PROBABILITY,
-                self._near_square, SEEN_WIDTH, self._scratch,
-            )  # fmt: skip
+            self._advance(phase)
             self.certainty = posterior_means(
                 self.posterior, model.moments.target, model.moments.follows, FACING.start, self._now, self._soon
             )
@@ -110,6 +114,24 @@ class FollowerFilter:
         self.expected += filtered
         self.expected *= 0.5
         self.expected[FACING] = filtered[FACING]
+
+    def _advance(self, phase: float | None) -> None:
+        """Advance the posterior by a moment, and believe the beats as far as they make what is seen likelier."""
+        model = self.model
+        counts = phase is not None and model.beat_sharpness > 0.0
+        density = beat_density(model.moments.phase - phase, model.beat_sharpness) if counts else np.zeros(0)
+        evidence = advance_posterior(
+            self.posterior, model.moments.follows, model.jump_to, model.jump_share, JUMP_PROBABILITY, self._near_square,
+            SEEN_WIDTH, density, self.beat_trust, self._scratch,
+        )  # fmt: skip
+        if counts:
+            said = BEAT_MEMORY * self._beat_evidence + float(np.log(max(evidence, 1e-6)))
+            self._beat_evidence = min(max(said, -MAX_BEAT_EVIDENCE), MAX_BEAT_EVIDENCE)
+
+    @property
+    def beat_trust(self) -> float:
+        """Probability that the leader dances on the given beats, 0 to 1; 0 where beats do not help to predict."""
+        return float(1.0 / (1.0 + np.exp(-self._beat_evidence))) if self.model.beat_sharpness > 0.0 else 0.0
 
     @property
     def change(self) -> Float64:

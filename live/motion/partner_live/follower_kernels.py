@@ -105,15 +105,26 @@ NEGLIGIBLE: Any = 1e-9
 """Moments less probable than this do not jump."""
 
 
-@kernel("f8(f8[::1],i8[::1],i4[:,::1],f8[:,::1],f8,f8[::1],f8,f8[::1])")
+@kernel("f8(f8[::1],i8[::1],i4[:,::1],f8[:,::1],f8,f8[::1],f8,f8[::1],f8,f8[::1])")
 def advance_posterior(
-    posterior: Float64, follows: Int64, jump_to: Int32, jump_share: Float64, jump: float, square: Float64,
-    width: float, scratch: Float64,
-) -> float:  # fmt: skip
-    """Advance the probabilities of M moments by one step, in place; return the likelihood of what was seen, 0 to 1.
+    posterior: Float64,
+    follows: Int64,
+    jump_to: Int32,
+    jump_share: Float64,
+    jump: float,
+    square: Float64,
+    width: float,
+    on_beat: Float64,
+    trust: float,
+    scratch: Float64,
+) -> float:
+    """Advance the probabilities of M moments by one step, in place; return how much likelier the beats make what is
+    seen, 1 if they say nothing.
 
     `follows` (M,): how many moments of its recording follow each, at most 2; `jump_to` and `jump_share` (M, K): where
-    each leads with the probability `jump`; `square` (M,) of `square_distances`; `scratch` (M,).
+    each leads with the probability `jump`; `square` (M,) of `square_distances`; `on_beat` (M,), or (0,) without beats:
+    the density of the leader's beats at each moment over that without any beats, believed with the probability `trust`;
+    `scratch` (M,).
     """
     count = posterior.shape[0]
     scratch[:] = ANYWHERE / count
@@ -130,14 +141,23 @@ def advance_posterior(
         for n in range(jump_to.shape[1]):
             scratch[jump_to[m, n]] += p * jump * jump_share[m, n]
     least = square.min()
-    total, all_moved = 0.0, 0.0
+    total, with_beats = 0.0, 0.0
     for m in range(count):
-        all_moved += scratch[m]
         posterior[m] = scratch[m] * math.exp(-(square[m] - least) / (2.0 * width * width))
         total += posterior[m]
+    if on_beat.shape[0] == count:
+        for m in range(count):
+            with_beats += posterior[m] * on_beat[m]
+            posterior[m] *= 1.0 - trust + trust * on_beat[m]
+        evidence = with_beats / total
+        total = 0.0
+        for m in range(count):
+            total += posterior[m]
+    else:
+        evidence = 1.0
     for m in range(count):
         posterior[m] /= total
-    return total / all_moved * math.exp(-least / (2.0 * width * width))
+    return evidence
 
 
 SURE_POWER: Any = 4

@@ -18,7 +18,12 @@ from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.partner.point_clouds import END_JOINTS
 from live.motion.partner.units import Example, Units
-from live.motion.partner_live.follower_kernels import solve_positive, square_distances, write_features
+from live.motion.partner_live.follower_kernels import (
+    advance_posterior,
+    solve_positive,
+    square_distances,
+    write_features,
+)
 from live.motion.skeleton import JOINT_COUNT, MIRROR
 
 MOMENT_RATE: Final = 7.5
@@ -37,8 +42,16 @@ RIDGE: Final = 0.2
 """Width of the Gaussian kernel, in shares of the features' mean square, and variance of what cannot be told."""
 ROUNDING: Final = 1e-6
 """What is learnt is rounded to this, so that the last bits of a library do not matter."""
-MIRROR_GAIN: Final = 0.995
+MIRROR_GAIN: Final = 1.0
 """Mirror images are learnt from, too, if they lower the error on recordings left out at least to this part."""
+JUMP_PROBABILITY: Final = 0.2
+"""Probability that a leader jumps from a recorded moment to one that is like it."""
+SEEN_WIDTH: Final = 0.4
+"""Width of the likeness of what is seen and recorded, in shares of the features' mean square."""
+BEAT_SHARPNESS: Final = (0.0, 0.7, 2.0, 5.0)
+"""Concentrations of recorded units about the beats that are tried (von Mises); 0 leaves the beats out."""
+BEAT_GAIN: Final = 0.99
+"""The beats count if they lower the error on recordings left out at least to this part."""
 JUMPS: Final = 48
 """Number of moments that a moment may jump to."""
 JUMP_WIDTH: Final = 0.3
@@ -134,6 +147,8 @@ class FollowerModel:
     """Hands and feet in the frame of the follower's own hips, and how they change in a moment, (24, M)."""
     remaining: Int64
     """How many moments follow in the same recording without a gap, (M,)."""
+    beat_sharpness: float
+    """How narrowly recorded units keep to the beats as far as that helps; 0: it does not."""
     rows_of: Int64
     units_of: Int64
     """First and last + 1 moment and unit of each recording, (E, 2) each."""
@@ -172,7 +187,7 @@ def learn_follower(units: Units, rate: float) -> FollowerModel:
     tracks = [root_track(one.follower) for one in units.examples]
     return FollowerModel(
         moments, lags, stride, features.scale, features.rows, features.share, features.near, weights, mean, jump_to, jump_share, shown, body,
-        _remaining(moments.follows), *limits,
+        _remaining(moments.follows), _beat_sharpness(moments), *limits,
         tuple(one for one, _ in tracks), tuple(one for _, one in tracks),
     )  # fmt: skip
 
@@ -313,6 +328,39 @@ def _mirror_helps(moments: Moments) -> bool:
             away = _similarity(features, rows) @ weights + mean - unseen.target
             errors[n] += float(np.linalg.norm(away[:, :JOINT_COLUMNS].reshape(len(away), -1, 3), axis=-1).sum())
     return errors[1] < MIRROR_GAIN * errors[0]
+
+
+def beat_density(phase: Float64, sharpness: float) -> Float64:
+    """Return the density of a unit's phase off the beats (n,), in shares of a unit, over that of any phase."""
+    return np.asarray(np.exp(sharpness * np.cos(2.0 * np.pi * phase)) / np.i0(sharpness))
+
+
+def _beat_sharpness(moments: Moments) -> float:
+    """Return the concentration of BEAT_SHARPNESS with which the filter predicts recordings left out best."""
+    example = moments.example
+    if len(np.unique(example)) < 2 or moments.feature.shape[1] == 5 * len(LAGS):
+        return 0.0
+    errors = np.zeros(len(BEAT_SHARPNESS))
+    for known in (example % 2 == 0, example % 2 == 1):
+        seen, unseen = _selected(moments, known & ~moments.mirrored), _selected(moments, ~known & ~moments.mirrored)
+        features = _scale_features(seen.feature)
+        rows = np.ascontiguousarray(_rounded(unseen.feature * features.scale))
+        near, square, scratch = np.empty((len(rows), len(seen.sample))), *np.empty((2, len(seen.sample)))
+        for row, into in zip(rows, near, strict=True):
+            square_distances(row, features.rows, features.share, features.near, into, square)
+        jump_to, jump_share = _jumps(seen)
+        for n, sharpness in enumerate(BEAT_SHARPNESS):
+            posterior = np.full(len(square), 1.0 / len(square))
+            for m in range(len(rows)):
+                beats = beat_density(seen.phase - unseen.phase[m], sharpness)
+                advance_posterior(
+                    posterior, seen.follows, jump_to, jump_share, JUMP_PROBABILITY, near[m], SEEN_WIDTH, beats, 1.0,
+                    scratch,
+                )  # fmt: skip
+                away = posterior @ seen.target[:, :JOINT_COLUMNS] - unseen.target[m, :JOINT_COLUMNS]
+                errors[n] += float(np.linalg.norm(away.reshape(-1, 3), axis=-1).sum())
+    best = int(np.argmin(errors))
+    return BEAT_SHARPNESS[best] if errors[best] < BEAT_GAIN * errors[0] else 0.0
 
 
 def _selected(moments: Moments, which: Bool) -> Moments:

@@ -14,7 +14,7 @@ from live.motion.partner.answer import Answer, enforce_feet
 from live.motion.partner.decoder import Reading
 from live.motion.partner.partner_synthesis import PartnerResult, SearchSettings, StageTimer, no_clock
 from live.motion.partner.point_clouds import Cloud, leader_cloud
-from live.motion.partner.units import Units
+from live.motion.partner.units import BEATS_OF_UNIT, Units
 from live.motion.partner_live.follower_filter import FollowerFilter
 from live.motion.partner_live.hand_holds import HoldRequest, LiveHandHolds
 from live.motion.partner_live.online_player import LivePartner
@@ -36,11 +36,12 @@ def evaluate_live(
         partner = LivePartner(FollowerFilter(units, rate=LIVE_RATE))
     body = x if partner.filter.point_count == x.floor.shape[1] else leader_cloud(leader)
     thin = body.resampled(LIVE_RATE)
+    phase = None if search.beats is None or len(search.beats) < 3 else _unit_phase(search.beats, thin.count)
     poses, danced, spent, hands = [], [], [], []
     with stages("live"):
         for n in range(thin.count):
             began = clock()
-            partner.process_frame(thin.floor[n], thin.height[n])
+            partner.process_frame(thin.floor[n], thin.height[n], None if phase is None else float(phase[n]))
             poses.append(partner.pose())
             spent.append(clock() - began)
             poses.append(partner.pose(0.5 / LIVE_RATE))
@@ -67,6 +68,16 @@ def evaluate_live(
         }
     }  # fmt: skip
     return PartnerResult(held, made, reading, reading, stages.seconds), figures
+
+
+def _unit_phase(beats: Float64, count: int) -> Float64:
+    """Return the share of a unit that has passed at each of `count` frames, if units begin on every second beat."""
+    edges = beats[::BEATS_OF_UNIT]
+    slow = np.diff(edges).mean() if len(edges) > 1 else 2.0 * np.diff(beats).mean()
+    time = np.arange(count) / LIVE_RATE
+    inside = np.interp(time, edges, np.arange(len(edges)))
+    outside = np.minimum(time - edges[0], 0.0) / slow + np.maximum(time - edges[-1], 0.0) / slow
+    return np.asarray((inside + outside) % 1.0)
 
 
 def hold_hands(follower: Clip, leader: Clip, hands: list[tuple[int, int]], rate: float) -> Clip:

@@ -116,6 +116,8 @@ RUN_OUT_MOMENTS: Final = 5
 """Moments that are followed by fewer than this are chosen only ..."""
 EARLY_END: Final = 1e3
 """... if there is no other: their cost is higher by this [m²]."""
+OFF_BEAT_COST: Final = 0.5
+"""Cost of a moment that is off the leader's beats, if these are trusted [m²/s]."""
 FADE_TIME: Final = 0.35
 """Fade time of the difference between two recordings [s]."""
 TAKE_HOLD: Final = 0.4
@@ -137,11 +139,19 @@ class LivePose:
     """(2,)"""
 
 
+def off_beat(phase: npt.NDArray[np.float64] | float) -> npt.NDArray[np.float64]:
+    """Return shares of a unit off its nearest begin, -0.5 to 0.5."""
+    return np.asarray((phase + 0.5) % 1.0 - 0.5)
+
+
 class LivePartner:
     """Follower of one leader. State is plain values; output depends only on the input frames."""
 
-    def __init__(self, reader: FollowerFilter) -> None:
+    def __init__(self, reader: FollowerFilter, *, window: float = 0.04, stretch: float = 0.15) -> None:
+        """Units begin within `window` [s] of the leader's beats and are stretched by at most `stretch` [s], as far as
+        the beats are trusted."""
         self.filter = reader
+        self.window, self._stretch = window, stretch
         self.unit = -1
         """Current unit, -1 before the first."""
         self.begin = 0
@@ -158,16 +168,17 @@ class LivePartner:
         self._offset, self._speed = np.zeros((1 + joints, 3)), np.zeros((1 + joints, 3))
         self._age = FADE_TIME
 
-    def process_frame(self, floor: npt.NDArray[np.complex128], height: Float64) -> None:
+    def process_frame(self, floor: npt.NDArray[np.complex128], height: Float64, phase: float | None = None) -> None:
         """Process the leader's next frame, see `FollowerFilter.process_frame`."""
-        self.filter.process_frame(floor, height)
+        self.filter.process_frame(floor, height, phase)
         dt = 1.0 / self.filter.rate
         self.decisions.clear()
         if self.has_pose:
             self._source += self._step
             self._age += dt
             self._update_unit()
-        moment = self._next_moment() if self.filter.is_moment else None
+            self._keep_beat(phase)
+        moment = self._next_moment(phase) if self.filter.is_moment else None
         if moment is not None:
             self._switch(moment)
         elif self.has_pose:
@@ -189,11 +200,25 @@ class LivePartner:
             self.unit = unit
             self.begin = self.filter.frame_index - round((self._source - float(units.start[unit])) / self._step)
 
-    def _next_moment(self) -> int | None:
+    def _keep_beat(self, phase: float | None) -> None:
+        """Dance faster or slower, so that the unit keeps to the leader's beats as far as these are trusted."""
+        units, unit = self.filter.units, self.unit
+        own = units.rate / self.filter.rate
+        self._step = own
+        if phase is not None:
+            share = (self._source - float(units.start[unit])) / float(units.length[unit])
+            late = float(off_beat(phase - share))
+            limit = self._stretch / float(units.seconds[unit])
+            self._step = own * (1.0 + self.filter.beat_trust * min(max(late, -limit), limit))
+
+    def _next_moment(self, phase: float | None) -> int | None:
         """Return the moment to go on from, None for that of the present recording."""
         reader, model = self.filter, self.filter.model
         row = self._row if self.has_pose else -1
         cost = reader.moment_costs(row)
+        if phase is not None and reader.beat_trust > 0.0:
+            away = np.abs(off_beat(model.moments.phase - phase)) * reader.units.seconds[model.moments.unit]
+            cost += OFF_BEAT_COST * reader.beat_trust * np.maximum(away - self.window, 0.0)
         best = int(np.argmin(np.where(model.remaining >= RUN_OUT_MOMENTS, cost, cost + EARLY_END)))
         if row < 0 or model.remaining[row] < 2:
             return best
