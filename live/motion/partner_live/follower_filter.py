@@ -33,6 +33,8 @@ IMPROBABILITY: Final = 0.02
 """Cost [m²] of dancing a moment whose probability is 1/e of the most probable one's, ..."""
 MAX_IMPROBABILITY: Final = 6.0
 """... which grows up to this many times."""
+OUTSIDE_COST: Final = 0.1
+"""Cost of a moment before the first unit of its recording or after the last [m²]: the recording only runs out there."""
 BEAT_MEMORY: Final = 0.97
 """Share of the evidence for the beats that is left after a moment, ..."""
 MAX_BEAT_EVIDENCE: Final = 4.0
@@ -151,6 +153,7 @@ class FollowerFilter:
         )  # fmt: skip
         worth = np.log(np.maximum(self.posterior / self.posterior.max(), 1e-12))
         self._cost += IMPROBABILITY * np.minimum(-worth, MAX_IMPROBABILITY)
+        self._cost[(model.moments.phase < 0.0) | (model.moments.phase >= 1.0)] += OUTSIDE_COST
         self._cost[model.moments.mirrored] = np.inf
         return self._cost
 
