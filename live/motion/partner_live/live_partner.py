@@ -10,7 +10,7 @@ from live.base.arrays import Bool, Float64
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics, local_rotations
-from live.motion.partner.answer import Answer, enforce_feet
+from live.motion.partner.answer import Answer
 from live.motion.partner.decoder import Reading
 from live.motion.partner.partner_synthesis import PartnerResult, SearchSettings, StageTimer, no_clock
 from live.motion.partner.point_clouds import Cloud, leader_cloud
@@ -18,6 +18,7 @@ from live.motion.partner.units import BEATS_OF_UNIT, Units
 from live.motion.partner_live.follower_filter import FollowerFilter
 from live.motion.partner_live.hand_holds import HoldRequest, LiveHandHolds
 from live.motion.partner_live.online_player import LivePartner
+from live.motion.partner_live.stage_partner import FollowerFootLock
 
 LIVE_RATE: Final = 30.0
 """Frame rate of the causal decoder [Hz]."""
@@ -56,7 +57,7 @@ def evaluate_live(
     reading = _reading(danced, units)
     made = Answer(clip, np.zeros(leader.sample_count), np.zeros(leader.sample_count, np.int64), (), reading.start[1:])
     with stages("feet and hands"):
-        held = enforce_feet(clip) if search.hold_feet else clip
+        held = lock_live_feet(clip) if search.hold_feet else clip
         if search.hold_hands and leader.sample_count == clip.sample_count:
             held = hold_hands(held, leader, hands, LIVE_RATE)
     figures = {
@@ -78,6 +79,24 @@ def _unit_phase(beats: Float64, count: int) -> Float64:
     inside = np.interp(time, edges, np.arange(len(edges)))
     outside = np.minimum(time - edges[0], 0.0) / slow + np.maximum(time - edges[-1], 0.0) / slow
     return np.asarray((inside + outside) % 1.0)
+
+
+def lock_live_feet(clip: Clip) -> Clip:
+    """Return the clip with feet locked tick by tick as on the stage; its contacts are those that are left."""
+    lock, row = FollowerFootLock(1), np.zeros(1, np.int32)
+    world_position, world_rotation = forward_kinematics(clip.root_position, clip.rotation)
+    root, rotation, contact = clip.root_position.copy(), clip.rotation.copy(), clip.contact.copy()
+    for sample in range(clip.sample_count):
+        position = np.array(world_position[sample : sample + 1], np.float32)
+        turned = np.array(world_rotation[sample : sample + 1], np.float32)
+        lock.tick(row, position, contact[sample : sample + 1], 1.0 / clip.sample_rate)
+        lock.apply(row, position, turned, 0.0)
+        root[sample], rotation[sample] = position[0, 0], local_rotations(turned)[0]
+        contact[sample] &= ~lock.stepping[0]
+    return replace(
+        clip, root_position=root, rotation=np.ascontiguousarray(quaternion.align_signs(rotation), np.float32),
+        contact=contact,
+    )  # fmt: skip
 
 
 def hold_hands(follower: Clip, leader: Clip, hands: list[tuple[int, int]], rate: float) -> Clip:

@@ -17,9 +17,9 @@ from live.motion import quaternion
 from live.motion.partner_live.follower_filter import FollowerFilter
 from live.motion.partner_live.follower_model import HOLDS
 
-FREE_TIME_CONSTANT: Final = 0.08
+FREE_TIME_CONSTANT: Final = 0.3
 """Time constant [s] of moving to the expected position while no foot stands."""
-STANDING_TIME_CONSTANT: Final = 0.2
+STANDING_TIME_CONSTANT: Final = 0.5
 """The same while a foot stands."""
 SPEED_TIME_CONSTANT: Final = 0.05
 """Time constant [s] of the speed of that correction."""
@@ -27,8 +27,8 @@ MAX_SPEED: Final = 1.5
 """Maximum speed of the correction [m/s], added to the recorded motion ..."""
 MAX_TURN_RATE: Final = 4.5
 """... and its maximum turning speed [rad/s]; twice as fast away from a leader who is too near, ..."""
-FREE_TURN_TIME: Final = 0.08
-STANDING_TURN_TIME: Final = 0.1
+FREE_TURN_TIME: Final = 0.2
+STANDING_TURN_TIME: Final = 0.2
 STANDING_TURN_SCALE: Final = 1.0
 STANDING_SCALE: Final = 0.4
 """... and scaled by this while a foot stands."""

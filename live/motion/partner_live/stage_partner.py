@@ -17,6 +17,7 @@ from live.motion.partner_live.follower_filter import FollowerFilter
 from live.motion.partner_live.online_player import LivePartner
 from live.motion.partner_live.stage_partner_kernels import local_to_world, world_to_local
 from live.motion.pose.foot_lock import LEG_JOINTS, FootLock
+from live.motion.pose.foot_lock_kernels import HELD, SHIFT_X, SHIFT_Z
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
@@ -32,6 +33,10 @@ FACING_SMOOTHING: Final = 0.2
 """Share of the error by which a path's facing approaches its direction per frame."""
 RECORDING_RATE: Final = 60.0
 """Approximate sample rate of recordings in beats [Hz]."""
+STEP_DISTANCE: Final = 0.3
+"""A standing foot so far from its place in the recording [m] steps there if the other one stands ..."""
+ARRIVAL_DISTANCE: Final = 0.05
+"""... until it is as near as this."""
 _PARENTS: Final = np.array(SKELETON.parents, np.int32)
 
 
@@ -191,17 +196,26 @@ class FollowerFootLock:
         self.lock = FootLock(count)
         self._leg_position: Float32 = np.zeros((count, len(LEG_JOINTS), 3), np.float32)
         self._contact: Bool = np.zeros((count, 2), np.bool_)
+        self.stepping: Bool = np.zeros((count, 2), np.bool_)
+        """Feet that stand in the recording but step, because they are too far from their place there, (A, 2)."""
         self._pipeline = PosePipeline(0)
 
     def tick(self, rows: Int32, position: Float32, contact: Bool, dt: float) -> None:
         """Advance by `dt` [s]: unlocked poses `position` (n, J, 3) and `contact` (n, 2) of the dancers `rows` (n,).
 
-        All other dancers' feet are released.
+        All other dancers' feet are released. A foot that is too far from its place steps there, one at a time.
         """
         self._contact[:] = False
         self._contact[rows] = contact
         self._leg_position[rows] = position[:, LEG_JOINTS]
+        wanted = self._contact.copy()
+        self._contact &= ~self.stepping
         self.lock.tick(self._leg_position, self._contact, dt)
+        far = np.hypot(self.lock.state[:, :, SHIFT_X], self.lock.state[:, :, SHIFT_Z])
+        held = self.lock.state[:, :, HELD] > 0.0
+        lost = wanted & ~held & (far > ARRIVAL_DISTANCE)
+        nearest = held[:, ::-1] & (far > STEP_DISTANCE) & (far >= far[:, ::-1])
+        self.stepping = lost | (wanted & nearest)
 
     def apply(self, rows: Int32, position: Float32, rotation: Float32, age: float) -> None:
         """Lock the feet of the dancers `rows` (n,) in poses (A, J, 3) and (A, J, 4), world, `age` [s] after a tick."""

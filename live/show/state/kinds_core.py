@@ -263,7 +263,7 @@ KINDS: Final = [
         contact:b1 answer_rotation:f4 has_answer:bool held:bool decided_label:str _reported:tuple[int,int]
         _facing:complex _points:c16~ _heights:f8~
     """, is_consistent=whole.read_leader),
-    Kind("standing", FollowerFootLock, "lock:foot-lock _leg_position:f4 _contact:b1 _pipeline:pose-pipeline"),
+    Kind("standing", FollowerFootLock, "lock:foot-lock _leg_position:f4 _contact:b1 stepping:b1 _pipeline:pose-pipeline"),
     Kind("inertia", Inertialization, "difference:f4 cut_time:f8~ age:f4 any_fading:bool"),
     Kind("landing", CutFootLift, "lift:f4"),
     Kind("foot-lock", FootLock, "state:f4"),
