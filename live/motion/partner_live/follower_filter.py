@@ -86,6 +86,13 @@ class FollowerFilter:
         """Number of points of the leader's cloud."""
         return int(self._x.shape[1])
 
+    def point(self, index: int) -> tuple[complex, float] | None:
+        """Return a point of the leader's cloud on the floor and its height [m], None where it is missing or not seen."""
+        slot = self._at % self._ring
+        if index >= self.point_count or not np.isfinite(self._x[slot, index]):
+            return None
+        return complex(self._x[slot, index]), float(self._x_height[slot, index])
+
     @property
     def is_moment(self) -> bool:
         """Whether the latest frame advanced the posterior."""

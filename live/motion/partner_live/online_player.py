@@ -120,10 +120,19 @@ OFF_BEAT_COST: Final = 0.5
 """Cost of a moment that is off the leader's beats, if these are trusted [m²/s]."""
 FADE_TIME: Final = 0.35
 """Fade time of the difference between two recordings [s]."""
-TAKE_HOLD: Final = 0.4
+TAKE_HOLD: Final = 0.3
 """A hold begins when it is more probable than this ..."""
-RELEASE_HOLD: Final = 0.25
+RELEASE_HOLD: Final = 0.18
 """... and ends when it is less probable."""
+SHOULDER_WIDTH: Final = 0.16
+SHOULDER_HEIGHT: Final = 1.38
+"""Distance of a shoulder from the middle of the hips, and its height [m]."""
+ARM_REACH: Final = 0.55
+"""Length of a nearly straight arm to the other one's wrist [m]."""
+SURE_HOLD: Final = 0.9
+"""Probability of a hold for which the follower comes near enough, ..."""
+MAX_REACH_STEP: Final = 0.2
+"""For a hand that is farther than this out of reach [m] the follower does not come nearer."""
 NOBODY: Final = -1
 
 
@@ -343,9 +352,26 @@ class LivePartner:
         here = self._floor_transform.turn * place + self._floor_transform.shift
         expected = self.filter.expected_root()
         free = self.filter.keep_distance(here)
-        wanted = self.filter.keep_distance(expected[0] + free - here), expected[1]
+        near = self._reach_hands(*expected)
+        wanted = self.filter.keep_distance(near + free - here), expected[1]
         stands = bool(self._contact(0.0).any())
         self._floor_transform.follow(place, facing, wanted, dt, standing=stands, too_near=free != here)
+
+    def _reach_hands(self, place: complex, facing: complex) -> complex:
+        """Return `place`, moved until the leader's hands that are held are within an arm's reach."""
+        held = self.filter.expected[HOLDS].reshape(2, 2)
+        for side, hand in enumerate(self.hands):
+            point = None if hand == NOBODY else self.filter.point(2 + hand)
+            if point is None:
+                continue
+            shoulder = place + facing * (1j if side == 0 else -1j) * SHOULDER_WIDTH
+            away, fall = point[0] - shoulder, SHOULDER_HEIGHT - point[1]
+            reach = max(ARM_REACH**2 - fall**2, 0.0) ** 0.5
+            far = abs(away)
+            if reach < far < reach + MAX_REACH_STEP:
+                sure = min(max((float(held[hand, side]) - TAKE_HOLD) / (SURE_HOLD - TAKE_HOLD), 0.0), 1.0)
+                place += away * (sure * (far - reach) / far)
+        return place
 
     def pose(self, ahead: float = 0.0) -> LivePose:
         """Return the pose `ahead` [s] after the latest frame, at most one frame; valid only if `has_pose`."""
