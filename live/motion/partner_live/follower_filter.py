@@ -17,11 +17,11 @@ from live.motion.partner_live.follower_kernels import (
 from live.motion.partner_live.follower_model import (
     CHANGE_WEIGHT,
     FACING,
+    JUMP_PROBABILITY,
     KERNEL_WIDTH,
+    SEEN_WIDTH,
     SHOWN_COLUMNS,
     SHOWN_WEIGHTS,
-    JUMP_PROBABILITY,
-    SEEN_WIDTH,
     TARGET_COLUMNS,
     FollowerModel,
     beat_density,
@@ -87,7 +87,7 @@ class FollowerFilter:
         return int(self._x.shape[1])
 
     def point(self, index: int) -> tuple[complex, float] | None:
-        """Return a point of the leader's cloud on the floor and its height [m], None where it is missing or not seen."""
+        """Return a point of the leader's cloud on the floor and its height [m], None where it is not seen."""
         slot = self._at % self._ring
         if index >= self.point_count or not np.isfinite(self._x[slot, index]):
             return None

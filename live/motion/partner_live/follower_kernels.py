@@ -29,9 +29,10 @@ def _facing(left: complex, right: complex) -> complex:
 def write_features(at: int, first: int, floor: Complex128, height: Float64, lags: Int64, out: Float64) -> None:
     """Write what a leader does at frame `at` to out (L · (3 P - 1),).
 
-    `floor` and `height` (R, P) are rings of points, row t % R, the two hip joints first; frames before `first` are taken
-    as `first`. For each of the `lags` (L,) [frames]: the middle of the hips and all other points, z, y, x in the frame
-    of the hips at `at` [m], and the direction in which the hips faced. Points that were not seen are not a number.
+    `floor` and `height` (R, P) are rings of points, row t % R, the two hip joints first; frames before `first` are
+    taken as `first`. For each of the `lags` (L,) [frames]: the middle of the hips and all other points, z, y, x in the
+    frame of the hips at `at` [m], and the direction in which the hips faced. Points that were not seen are not a
+    number.
     """
     ring, points = floor.shape
     row = at % ring
@@ -200,9 +201,7 @@ def posterior_means(
 
 
 @kernel("void(f8[::1],f8[::1],f8[:,::1],f8[::1],f8[:,::1],f8[::1])")
-def danced_costs(
-    wanted: Float64, change: Float64, shown: Float64, own: Float64, body: Float64, cost: Float64
-) -> None:
+def danced_costs(wanted: Float64, change: Float64, shown: Float64, own: Float64, body: Float64, cost: Float64) -> None:
     """Write what it costs to dance each of M moments to `cost` (M,) [m²].
 
     `wanted` (V,) is the follower as expected, `change` (V,) how that changes in a step; `shown` (2 V, M) has the same
@@ -218,6 +217,25 @@ def danced_costs(
         for m in range(cost.shape[0]):
             away = body[n, m] - own[n]
             cost[m] += away * away
+
+
+@inline_kernel
+def _substitute(matrix: Float64, right: Float64) -> None:
+    """Solve L · Lᵀ · x = right in place, for the lower triangle L of `matrix`."""
+    count = matrix.shape[0]
+    columns = right.shape[1]
+    for i in range(count):
+        for j in range(i):
+            for n in range(columns):
+                right[i, n] -= matrix[i, j] * right[j, n]
+        for n in range(columns):
+            right[i, n] /= matrix[i, i]
+    for i in range(count - 1, -1, -1):
+        for n in range(columns):
+            right[i, n] /= matrix[i, i]
+        for j in range(i):
+            for n in range(columns):
+                right[j, n] -= matrix[i, j] * right[i, n]
 
 
 @kernel("void(f8[:,::1],f8[:,::1])")
@@ -240,16 +258,4 @@ def solve_positive(matrix: Float64, right: Float64) -> None:
                 a += one[k] * other[k]
             left = one[j] - ((a + b) + (c + d))
             one[j] = math.sqrt(left) if i == j else left / other[j]
-    columns = right.shape[1]
-    for i in range(count):
-        for j in range(i):
-            for n in range(columns):
-                right[i, n] -= matrix[i, j] * right[j, n]
-        for n in range(columns):
-            right[i, n] /= matrix[i, i]
-    for i in range(count - 1, -1, -1):
-        for n in range(columns):
-            right[i, n] /= matrix[i, i]
-        for j in range(i):
-            for n in range(columns):
-                right[j, n] -= matrix[i, j] * right[i, n]
+    _substitute(matrix, right)

@@ -186,8 +186,8 @@ def learn_follower(units: Units, rate: float) -> FollowerModel:
     ]
     tracks = [root_track(one.follower) for one in units.examples]
     return FollowerModel(
-        moments, lags, stride, features.scale, features.rows, features.share, features.near, weights, mean, jump_to, jump_share, shown, body,
-        _remaining(moments.follows), _beat_sharpness(moments), *limits,
+        moments, lags, stride, features.scale, features.rows, features.share, features.near, weights, mean,
+        jump_to, jump_share, shown, body, _remaining(moments.follows), _beat_sharpness(moments), *limits,
         tuple(one for one, _ in tracks), tuple(one for _, one in tracks),
     )  # fmt: skip
 
@@ -398,7 +398,9 @@ def _shown(moments: Moments) -> tuple[Float64, Float64]:
     after = np.minimum(np.arange(count) + np.minimum(moments.follows, 1), count - 1)
     return (
         np.ascontiguousarray(np.concatenate((shown, CHANGE_WEIGHT * (shown[after] - shown)), axis=1).T),
-        np.ascontiguousarray(_rounded(np.concatenate((BODY_WEIGHT * body, BODY_CHANGE_WEIGHT * (body[after] - body)), axis=1)).T),
+        np.ascontiguousarray(
+            _rounded(np.concatenate((BODY_WEIGHT * body, BODY_CHANGE_WEIGHT * (body[after] - body)), axis=1)).T
+        ),
     )
 
 

@@ -107,12 +107,12 @@ def hold_hands(follower: Clip, leader: Clip, hands: list[tuple[int, int]], rate:
         for one in (leader, follower)
     ]
     rotation = follower.rotation.copy()
+    position, turned = (np.zeros((2, *one.shape[1:]), np.float32) for one in world[0])
     for sample in range(follower.sample_count):
-        position, turned = (np.stack([one[n][sample] for one in world]) for n in range(2))
+        position[:], turned[:] = (np.stack([one[n][sample] for one in world]) for n in range(2))
         wanted = hands[min(int(sample / follower.sample_rate * rate + 1e-6), len(hands) - 1)]
-        holds.tick(
-            [HoldRequest(0, 1, wanted, 1.0)], lambda rows: (position[rows], turned[rows]), 1.0 / follower.sample_rate
-        )  # noqa: B023
+        request = [HoldRequest(0, 1, wanted, 1.0)]
+        holds.tick(request, lambda rows: (position[rows], turned[rows]), 1.0 / follower.sample_rate)
         holds.apply(position, turned, share, 0.0)
         rotation[sample] = local_rotations(turned[1:2])[0]
     return replace(follower, rotation=np.ascontiguousarray(quaternion.align_signs(rotation), np.float32))

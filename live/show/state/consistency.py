@@ -33,7 +33,8 @@ from live.show.state.kind import MAX_MAGNITUDE
 
 Array = npt.NDArray[Any]
 _OF_READERS: Final = (
-    "_x", "_x_height", "posterior", "_now", "_soon", "_feature", "_near_square", "_square", "_scratch", "_cost", "expected",
+    "_x", "_x_height", "posterior", "_now", "_soon", "_feature", "_near_square", "_square", "_scratch", "_cost",
+    "expected",
 )  # fmt: skip
 
 

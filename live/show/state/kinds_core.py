@@ -53,8 +53,8 @@ from live.clock.tap_tempo import TapTempo
 from live.clock.timeline import Grid, Timeline
 from live.graph.search.sequence_spec import SequenceEntry
 from live.motion.cloth.garment_batch import GarmentBatch
-from live.motion.partner_live.hand_holds import LiveHandHolds
 from live.motion.partner_live.follower_filter import FollowerFilter
+from live.motion.partner_live.hand_holds import LiveHandHolds
 from live.motion.partner_live.online_player import FloorTransform, LivePartner
 from live.motion.partner_live.stage_partner import FollowerFootLock, LeaderReader
 from live.motion.pose.foot_lock import CutFootLift, FootLock
@@ -263,7 +263,9 @@ KINDS: Final = [
         contact:b1 answer_rotation:f4 has_answer:bool held:bool decided_label:str _reported:tuple[int,int]
         _facing:complex _points:c16~ _heights:f8~
     """, is_consistent=whole.read_leader),
-    Kind("standing", FollowerFootLock, "lock:foot-lock _leg_position:f4 _contact:b1 stepping:b1 _pipeline:pose-pipeline"),
+    Kind("standing", FollowerFootLock, """
+        lock:foot-lock _leg_position:f4 _contact:b1 stepping:b1 _pipeline:pose-pipeline
+    """),
     Kind("inertia", Inertialization, "difference:f4 cut_time:f8~ age:f4 any_fading:bool"),
     Kind("landing", CutFootLift, "lift:f4"),
     Kind("foot-lock", FootLock, "state:f4"),
