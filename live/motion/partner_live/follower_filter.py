@@ -35,6 +35,13 @@ MAX_IMPROBABILITY: Final = 6.0
 """... which grows up to this many times."""
 OUTSIDE_COST: Final = 0.1
 """Cost of a moment before the first unit of its recording or after the last [m²]: the recording only runs out there."""
+SURE_LIKENESS: Final = 0.3
+LOST_LIKENESS: Final = 0.12
+"""If no moment is as like the leader as this, the follower is unsure, and from here on lost ..."""
+UNSURE_SECONDS: Final = 0.6
+"""... with this time constant [s]."""
+BASIC_COST: Final = 0.3
+"""Cost of a moment away from the basic step for a follower who is lost, times its square distance [m²]."""
 BEAT_MEMORY: Final = 0.97
 """Share of the evidence for the beats that is left after a moment, ..."""
 MAX_BEAT_EVIDENCE: Final = 4.0
@@ -64,6 +71,8 @@ class FollowerFilter:
         self.expected: Float64 = np.zeros(TARGET_COLUMNS)
         """The follower as expected now, in the frame of the leader's hips; columns as in `follower_model`."""
         self._beat_evidence = 0.0
+        self.unsure = 0.0
+        """How much a safe basic step is danced instead, because the leader does what no example has, 0 to 1."""
         self.certainty = 0.0
         """How sure the filter is of the follower's facing, 0 to 1."""
         self.nearest = 0.0
@@ -123,6 +132,9 @@ class FollowerFilter:
         self.expected += filtered
         self.expected *= 0.5
         self.expected[FACING] = filtered[FACING]
+        lost = min(max((SURE_LIKENESS - self.nearest) / (SURE_LIKENESS - LOST_LIKENESS), 0.0), 1.0)
+        if self.point_count > 2:
+            self.unsure += (lost - self.unsure) * (1.0 - float(np.exp(-1.0 / (self.rate * UNSURE_SECONDS))))
 
     def _advance(self, phase: float | None) -> None:
         """Advance the posterior by a moment, and believe the beats as far as they make what is seen likelier."""
@@ -159,6 +171,7 @@ class FollowerFilter:
             np.ascontiguousarray(own), model.body, self._cost,
         )  # fmt: skip
         worth = np.log(np.maximum(self.posterior / self.posterior.max(), 1e-12))
+        self._cost += BASIC_COST * self.unsure * model.basic_square
         self._cost += IMPROBABILITY * np.minimum(-worth, MAX_IMPROBABILITY)
         self._cost[(model.moments.phase < 0.0) | (model.moments.phase >= 1.0)] += OUTSIDE_COST
         self._cost[model.moments.mirrored] = np.inf
@@ -179,7 +192,11 @@ class FollowerFilter:
         values = self.expected
         facing = complex(*values[FACING])
         facing = facing / abs(facing) if abs(facing) > 1e-9 else complex(1.0)
-        return self.place + self.facing * complex(values[0], values[2]), self.facing * facing
+        place, u = complex(values[0], values[2]), self.unsure
+        if u > 0.0:
+            place += u * (self.model.basic[0] - place)
+            facing *= complex(np.exp(1j * u * np.angle(self.model.basic[1] / facing)))
+        return self.place + self.facing * place, self.facing * facing
 
     def keep_distance(self, place: complex) -> complex:
         """Return `place`, moved away from the leader to the minimum distance if it is too near."""

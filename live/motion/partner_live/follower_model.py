@@ -52,6 +52,12 @@ BEAT_SHARPNESS: Final = (0.0, 0.7, 2.0, 5.0)
 """Concentrations of recorded units about the beats that are tried (von Mises); 0 leaves the beats out."""
 BEAT_GAIN: Final = 0.99
 """The beats count if they lower the error on recordings left out at least to this part."""
+BASIC_WIDTH: Final = 0.2
+"""Width of the density of places [m]."""
+BASIC_COSINE: Final = 0.7
+"""Cosine of the largest angle at which a follower faces the leader."""
+ARM_LENGTH: Final = 0.65
+"""Least distance of the hips in a basic step [m]."""
 JUMPS: Final = 48
 """Number of moments that a moment may jump to."""
 JUMP_WIDTH: Final = 0.3
@@ -149,6 +155,10 @@ class FollowerModel:
     """How many moments follow in the same recording without a gap, (M,)."""
     beat_sharpness: float
     """How narrowly recorded units keep to the beats as far as that helps; 0: it does not."""
+    basic: tuple[complex, complex]
+    """Where a follower stands most often who faces the leader, and her facing, in the leader's frame."""
+    basic_square: Float64
+    """How far each moment is from there, (M,)."""
     rows_of: Int64
     units_of: Int64
     """First and last + 1 moment and unit of each recording, (E, 2) each."""
@@ -179,6 +189,7 @@ def learn_follower(units: Units, rate: float) -> FollowerModel:
     weights, mean = _regression(features, moments.target)
     jump_to, jump_share = _jumps(moments)
     shown, body = _shown(moments)
+    basic, basic_square = _basic(moments)
     recordings = np.arange(len(units.examples))
     limits = [
         np.stack([np.searchsorted(of, recordings, side=side) for side in ("left", "right")], axis=1).astype(np.int64)
@@ -187,7 +198,8 @@ def learn_follower(units: Units, rate: float) -> FollowerModel:
     tracks = [root_track(one.follower) for one in units.examples]
     return FollowerModel(
         moments, lags, stride, features.scale, features.rows, features.share, features.near, weights, mean,
-        jump_to, jump_share, shown, body, _remaining(moments.follows), _beat_sharpness(moments), *limits,
+        jump_to, jump_share, shown, body, _remaining(moments.follows), _beat_sharpness(moments), basic,
+        basic_square, *limits,
         tuple(one for one, _ in tracks), tuple(one for _, one in tracks),
     )  # fmt: skip
 
@@ -388,6 +400,20 @@ def _jumps(moments: Moments) -> tuple[Int32, Float64]:
         like = np.exp(square[best] / (-2.0 * JUMP_WIDTH**2))
         to[m], share[m] = best, _rounded(like / like.sum())
     return to, share
+
+
+def _basic(moments: Moments) -> tuple[tuple[complex, complex], Float64]:
+    """Return the place of the safe basic step: the densest one of those at which the follower faces the leader."""
+    target = moments.target
+    place, facing = target[:, 0] + 1j * target[:, 2], target[:, FACING.start] + 1j * target[:, FACING.start + 1]
+    facing = facing / np.maximum(np.abs(facing), 1e-9)
+    near = np.exp(np.abs(place[:, None] - place) ** 2 / (-2.0 * BASIC_WIDTH**2)).sum(axis=1)
+    to_leader = -place / np.maximum(np.abs(place), 1e-9)
+    seen = (facing * to_leader.conj()).real > BASIC_COSINE
+    most = int(np.argmax(np.round(near * (seen if seen.any() else 1.0), 6)))
+    there = complex(place[most]) * max(1.0, ARM_LENGTH / max(abs(complex(place[most])), 1e-9))
+    towards = complex(-there / abs(there)) if abs(there) > 1e-9 else complex(1.0)
+    return (there, towards), _rounded(np.abs(place - there) ** 2 + np.abs(facing - towards) ** 2)
 
 
 def _shown(moments: Moments) -> tuple[Float64, Float64]:

@@ -155,3 +155,30 @@ def test_mirrored_leader_is_followed_by_mirror_image() -> None:
         reader.process_frame(cloud.floor[n], cloud.height[n])
         away.append(abs(reader.expected_root()[0] - complex(real[n, 2], real[n, 0])))
     assert np.median(away[30:]) < 0.2
+
+
+def test_unsure_follower_faces_the_leader_at_arms_length() -> None:
+    """A leader who suddenly whirls as no example does: the follower is lost within three seconds, faces him at the
+    place of the basic step as far as it can be reached, and is sure again when he dances as recorded."""
+    leader, units = led_pair(59, 1200)
+    cloud = leader_cloud(leader).resampled(RATE)
+    strange = Cloud(cloud.floor.copy(), cloud.height.copy(), RATE)
+    rows = np.arange(120, 300)
+    middle = strange.floor[120, :2].mean()
+    arms = 2.0 * np.exp(0.5j * np.array((0, np.pi, 1.0, 4.0, 2.0, 5.0)))
+    strange.floor[rows] = middle + arms * (0.1, 0.1, 1.0, 1.0, 1.0, 1.0)
+    strange.height[rows, 2:] = 2.5
+    unsure, faces, apart = [], [], []
+    for partner in follow(strange, units):
+        reader = partner.filter
+        unsure.append(reader.unsure)
+        place, facing = reader.expected_root()
+        away = reader.place - place
+        faces.append((facing * away.conjugate()).real / abs(away))
+        apart.append(abs(away))
+    assert max(unsure[60:118]) < 0.1
+    assert unsure[215] > 0.9
+    assert min(faces[215:295]) > 0.9
+    assert min(apart[215:295]) > 0.6
+    assert unsure[-1] < 0.1
+    assert np.abs(np.diff(unsure)).max() < 0.1  # eased
