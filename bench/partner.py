@@ -5,7 +5,7 @@ import tempfile
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -274,7 +274,7 @@ def _rows(tally: Tally) -> list[Row]:
             {name: 100.0 * float(np.mean(tally.near[name] or [np.nan])) for name in names},
         ),
     ):
-        better = "at most" if words.startswith("turned") else "at least"
+        better: Literal["at most", "at least"] = "at most" if words.startswith("turned") else "at least"
         rows.append(Row(f"salsa, live: {words}", figures.pop("live"), unit, bar, better, figures))
     real, offline, live = np.mean(tally.apart, axis=0).tolist()
     rows.append(Row("salsa, live: nearest that hips come (1st percentile)", live, "m",

@@ -103,9 +103,9 @@ class FollowerFilter:
         return complex(self._x[slot, index]), float(self._x_height[slot, index])
 
     @property
-    def is_moment(self) -> bool:
-        """Whether the latest frame advanced the posterior."""
-        return self._at % self.model.stride == 0
+    def frames_since_moment(self) -> int:
+        """Frames since the posterior was advanced, 0 in the frame in which it is."""
+        return self._at % self.model.stride
 
     def process_frame(self, floor: Complex128, height: Float64, phase: float | None = None) -> None:
         """Process the leader's next frame, points (P,) [m]; the hips must be finite, other points may be missing.
@@ -121,13 +121,13 @@ class FollowerFilter:
         write_features(at, max(0, at - self._ring + 1), self._x, self._x_height, model.lags, self._feature)
         self._feature *= model.scale
         square_distances(self._feature, model.rows, model.share, model.near, self._near_square, self._square)
-        if self.is_moment:
+        if self.frames_since_moment == 0:
             self._advance(phase)
             self.certainty = posterior_means(
                 self.posterior, model.moments.target, model.moments.follows, FACING.start, self._now, self._soon
             )
         self.nearest = regress(self._square, KERNEL_WIDTH, model.weights, model.mean, self.expected)
-        part = (at % model.stride) / model.stride
+        part = self.frames_since_moment / model.stride
         filtered = (1.0 - part) * self._now + part * self._soon
         self.expected += filtered
         self.expected *= 0.5

@@ -187,7 +187,8 @@ class LivePartner:
             self._age += dt
             self._update_unit()
             self._keep_beat(phase)
-        moment = self._next_moment(phase) if self.filter.is_moment else None
+        chooses = self.filter.frames_since_moment == min(1, self.filter.model.stride - 1) or not self.has_pose
+        moment = self._next_moment(phase) if chooses else None
         if moment is not None:
             self._switch(moment)
         elif self.has_pose:
@@ -243,7 +244,8 @@ class LivePartner:
         """The moment that is danced now."""
         first, stop = self.filter.model.rows_of[self._example].tolist()
         sample = self.filter.model.moments.sample[first:stop]
-        return first + max(int(np.searchsorted(sample, self._source + 0.5 * self._step, side="right")) - 1, 0)
+        row = int(np.searchsorted(sample, self._source + 0.5 * self._step, side="right")) - 1
+        return int(first) + max(row, 0)
 
     def _switch(self, moment: int) -> None:
         if not self.has_pose:
@@ -267,7 +269,8 @@ class LivePartner:
 
     def _set_moment(self, moment: int) -> None:
         moments = self.filter.model.moments
-        self._example, self._source = int(moments.example[moment]), float(moments.sample[moment])
+        since = self.filter.frames_since_moment * self.filter.units.rate / self.filter.rate
+        self._example, self._source = int(moments.example[moment]), float(moments.sample[moment]) + since
         self.unit = -1
         self._update_unit()
         units = self.filter.units

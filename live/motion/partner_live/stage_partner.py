@@ -182,11 +182,12 @@ class LeaderReader:
         partner = self.partner
         if (partner.unit, partner.begin) == self._reported:
             return
-        units = self.examples.units
-        seen = (partner.filter.frame_index - partner.begin) / max(self.examples.unit_beats * self.examples.per_beat, 1)
-        if seen >= REPORT_SHARE:
+        frames = max(self.examples.unit_beats * self.examples.per_beat, 1)
+        unit, begin = self._reported
+        if (partner.filter.frame_index - partner.begin) / frames >= REPORT_SHARE:
             self._reported = partner.unit, partner.begin
-            self.decided_label = units.label(partner.unit)
+            if unit != partner.unit or partner.begin - begin > REPORT_SHARE * frames:  # else it is only placed anew
+                self.decided_label = self.examples.units.label(partner.unit)
 
 
 class FollowerFootLock:
