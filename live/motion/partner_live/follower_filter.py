@@ -131,7 +131,6 @@ class FollowerFilter:
         filtered = (1.0 - part) * self._now + part * self._soon
         self.expected += filtered
         self.expected *= 0.5
-        self.expected[FACING] = filtered[FACING]
         lost = min(max((SURE_LIKENESS - self.nearest) / (SURE_LIKENESS - LOST_LIKENESS), 0.0), 1.0)
         if self.point_count > 2:
             self.unsure += (lost - self.unsure) * (1.0 - float(np.exp(-1.0 / (self.rate * UNSURE_SECONDS))))
