@@ -208,6 +208,10 @@ def enrich(
         typer.Option(help="Upper bodies: synthesised or textured; auto: synthesised unless the sketch animates them."),
     ] = "auto",
     weigh: Annotated[float, typer.Option(help="Cost of a join; 0: the fewest joins, as published.")] = 2.0,
+    published: Annotated[
+        bool,
+        typer.Option("--published", help="New upper bodies from the recordings alone, as published; else learnt."),
+    ] = False,
     fps: Annotated[
         float | None, typer.Option(help="True frame rate of the motion capture, if headers are wrong.")
     ] = None,
@@ -225,7 +229,7 @@ def enrich(
     check_range(fps, "--fps", 1, 10_000)
     wish = TextureSettings(
         drive=parse_joints(drive, "--drive"), bands=parse_bands(bands, "--bands"), match_band=match, paths=paths,
-        distinct_paths=True, join_weight=weigh,
+        distinct_paths=True, join_weight=weigh, learnt=not published,
     )  # fmt: skip
     enrich_library(library, with_ or [], step or [], wish, upper, fps=fps, remove=remove)
 
