@@ -113,13 +113,12 @@ def _say_what_is_told(console: Console, material: TextureCorpus, settings: Textu
         console.print(
             "there is only one choreography: its parts were left out, so other dances are told worse", style="yellow"
         )
-    for group in regression.groups:
-        where = f"{group.choice.drivers.name} within {group.choice.reach:g} s"
-        if group.told_share > 0.0:
-            words = f"{group.told_share:.0%} of the movement is told by {where}"
-        else:
-            words = "legs and hips do not tell it; it keeps the mean pose"
-        console.print(f"{group.name}: {words}", markup=False)
+    for name, share in regression.told_shares().items():
+        drivers = sorted({part.choice.drivers.name for part in regression.groups if part.name == name})
+        words = f"{share:.0%} of the movement is told by {' or '.join(drivers)}"
+        if share <= 0.0:
+            words = "legs and hips do not tell it, so it keeps the mean pose"
+        console.print(f"{name}: {words}", markup=False)
 
 
 def _numbered(out: Path, number: int) -> Path:

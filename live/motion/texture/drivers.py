@@ -38,11 +38,8 @@ class DriverSet:
     @property
     def name(self) -> str:
         """Name for reports."""
-        words = [joint_names(self.joints)] if self.joints else []
-        for word in ("hips", "knees", "ankles"):
-            names = joint_names(JOINT_GROUPS[word])
-            words = [one.replace(names, word) for one in words]
-        return ", ".join([*words, *(["pelvis"] if self.pelvis else [])])
+        words = {_HIPS_KNEES: "hips, knees", _LEGS: "hips, knees, ankles"}.get(self.joints) or joint_names(self.joints)
+        return f"{words}, pelvis" if self.pelvis and 0 not in self.joints else words
 
 
 _HIPS_KNEES: Final = tuple(sorted(JOINT_GROUPS["hips"] + JOINT_GROUPS["knees"]))

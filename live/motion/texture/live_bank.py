@@ -114,13 +114,13 @@ class TextureBank:
             raise ValueError("no recording holds four beats")
         begins, firsts, lasts = (np.concatenate(part).astype(np.int32) for part in (begin, first, last))
         rotations = np.concatenate(upper)
-        middle = mean_rotation(rotations)
+        middle = np.asarray(mean_rotation(rotations), np.float64)
         legs = prefix_features(np.concatenate(tracks), begins, firsts)
         spread = 2.0 * float(legs.var(axis=1).sum())
         dances = choreographies(len(used), find_copies([sample_clip(clip.clip) for clip in used]))
         take = np.repeat(np.arange(len(used)), [len(part) for part in begin])
-        scale = SPREAD_FACTOR * live_gains(rotations, middle, begins, legs, dances.number[take])
-        scale = np.minimum(scale, 1.0).astype(np.float32)
+        gains = live_gains(rotations, middle, begins, legs, dances.number[take])
+        scale = np.minimum(SPREAD_FACTOR * gains, 1.0).astype(np.float32)
         if scale.min() < 1.0:
             vectors = deviations(rotations, middle) * scale[:, None]
             scaled = quaternion.mul(middle, quaternion.from_rotation_vector(vectors))
@@ -134,7 +134,8 @@ class TextureBank:
 
 def deviations(rotations: Float, middle: Float64) -> Float64:
     """Return the rotation vectors (S, n, 3) of rotations (S, n, 4) from their means (n, 4)."""
-    return quaternion.to_rotation_vector(quaternion.mul(quaternion.inverse(middle), np.asarray(rotations, np.float64)))
+    away = quaternion.mul(quaternion.inverse(middle), np.asarray(rotations, np.float64))
+    return np.asarray(quaternion.to_rotation_vector(away), np.float64)
 
 
 def live_gains(rotations: Float, middle: Float64, begin: Int32, legs: Float64, dance: Int64) -> Float64:

@@ -52,7 +52,7 @@ def find_copies(takes: Sequence[SampledClip]) -> tuple[TakeCopy, ...]:
     """Return the pairs of takes whose legs agree at one lag far more than at any other."""
     if len(takes) < 2:
         return ()
-    middle = mean_rotation(np.concatenate([take.rotation[:, _LEG_JOINTS] for take in takes]))
+    middle = np.asarray(mean_rotation(np.concatenate([take.rotation[:, _LEG_JOINTS] for take in takes])), np.float64)
     legs = [_leg_bands(take, middle) for take in takes]
     found = []
     for second in range(1, len(takes)):

@@ -1,10 +1,11 @@
 """What legs tell about the upper body: kernel ridge regression chosen and damped by cross-validation (P023).
 
-Each group of joints gets the drivers, the window and the smoothness that predict it best at takes left out. Then each
-frequency band of the prediction is multiplied by the gain that fits takes left out best, from 0 (the mean pose) to 1.
-So no band moves that the drivers do not tell. The regression is kernel ridge regression (Saunders, Gammerman and
-Vovk, Ridge regression learning algorithm in dual variables, 1998) with a Gaussian kernel on a subset of the samples
-(Smola and Schölkopf, Sparse greedy matrix approximation, 2000). Far from everything recorded it returns the mean.
+The pose of each group of joints and its movement (bands 2 to 5) each get the drivers, their bands, the window and the
+smoothness that predict them best at takes left out. Then each frequency band of the prediction is multiplied by the
+gain that fits takes left out best, from 0 (the mean pose) to 1. So no band moves that the drivers do not tell. The
+regression is kernel ridge regression (Saunders, Gammerman and Vovk, Ridge regression learning algorithm in dual
+variables, 1998) with a Gaussian kernel on a subset of the samples (Smola and Schölkopf, Sparse greedy matrix
+approximation, 2000). Far from everything recorded it returns the mean.
 """
 
 from collections.abc import Sequence
@@ -30,6 +31,8 @@ GROUPS: Final = {
     "lower arms": tuple(n for n, name in enumerate(SKELETON.names) if name.endswith(("LowerArm", "Hand"))),
 }
 """Joints that are predicted together."""
+PARTS: Final = {"movement": slice(1, 5), "pose": slice(5, None)}
+"""Bands, from 0, that are predicted together: slower ones are poses. Band 1 is noise, and dropped (P018)."""
 BAND_COUNT: Final = 6
 """Bands that get a gain of their own; everything slower, with the mean, gets one more."""
 WIDTH: Final = 1.0
@@ -54,6 +57,8 @@ class Choice:
     drivers: DriverSet
     reach: float
     """Reach of the window to both sides [s]."""
+    moving: bool
+    """Whether only the movement of the drivers counts, not their pose."""
     mirrored: bool
     """Whether mirrored takes are learnt from, too."""
     ridge: float
@@ -72,14 +77,16 @@ class _Basis:
         """Return the squared distances (T, M) of windows from the centres, in mean variances of a driver."""
         scaled = (windows - self.middle) * self.scale
         squares = (scaled * scaled).sum(axis=1)[:, None] + (self.centres * self.centres).sum(axis=1)
-        return np.maximum(squares - 2.0 * scaled @ self.centres.T, 0.0)
+        return np.asarray(np.maximum(squares - 2.0 * scaled @ self.centres.T, 0.0))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GroupRegression:
-    """The regression of one group of joints, and what it is worth at takes left out."""
+    """The regression of one part of a group of joints, and what it is worth at takes left out."""
 
     name: str
+    part: str
+    """One of `PARTS`."""
     joints: tuple[int, ...]
     choice: Choice
     gains: Float64
@@ -91,24 +98,10 @@ class GroupRegression:
     error: float
     """Mean squared angle from the damped prediction at takes left out [rad²]."""
     variation: float
-    """Mean square of bands 2 to BAND_COUNT of what the prediction leaves [rad²]."""
+    """Mean square of the movement that the prediction leaves [rad²], 0 for poses."""
     _basis: _Basis
     _weights: Float64
     _middle: Float64
-
-    @property
-    def told_share(self) -> float:
-        """Share of the movement about the mean pose that is told, 0 (nothing) to 1."""
-        return max(0.0, 1.0 - self.error / self.mean_error) if self.mean_error > 1e-12 else 0.0
-
-    def spread(self, share: float) -> float:
-        """Return the factor by which what is left of a recording may be added.
-
-        Variation that is independent of the truth adds its mean square to the expected squared error. It may use
-        `share` (0 to 1) of what the prediction gains over the mean pose, so the result stays nearer than that.
-        """
-        budget = share * max(self.mean_error - self.error, 0.0)
-        return float(min(1.0, np.sqrt(budget / self.variation))) if self.variation > 1e-12 else 0.0
 
     def predict(self, windows: Float64) -> Float64:
         """Return the damped rotation vectors (T, 3 n) of the group's joints, from their mean rotations."""
@@ -126,19 +119,16 @@ class UpperBodyRegression:
     groups: tuple[GroupRegression, ...]
     dances: Choreographies
     residuals: Float64
-    """Bands 2 to BAND_COUNT of the rotation vectors of the joints of all takes from their prediction, (S, 3 n)."""
+    """Movement of the rotation vectors of the joints of all takes from their prediction, (S, 3 n)."""
     fold_count: int
 
     def predict(self, take: SampledClip) -> Float64:
         """Return the rotation vectors (T, 3 n) of `joints`, from `reference`, told by the lower body of `take`."""
         vectors = np.zeros((len(take.root), len(self.joints), 3))
-        windows: dict[tuple[DriverSet, float], Float64] = {}
         for group in self.groups:
-            key = (group.choice.drivers, group.choice.reach)
-            if key not in windows:
-                windows[key] = windows_of(driver_signals(take, key[0], self.reference), key[1])
             rows = [self.joints.index(joint) for joint in group.joints]
-            vectors[:, rows] = group.predict(windows[key]).reshape(len(vectors), len(rows), 3)
+            windows = driver_windows(take, group.choice, self.reference)
+            vectors[:, rows] += group.predict(windows).reshape(len(vectors), len(rows), 3)
         return vectors.reshape(len(vectors), -1)
 
     def rotations(self, vectors: Float64, variation: Float64) -> Float64:
@@ -147,12 +137,34 @@ class UpperBodyRegression:
         at = rotations_of(vectors.reshape(shape), self.reference[list(self.joints)])
         return rotations_of(variation.reshape(shape), at)
 
+    def told_shares(self) -> dict[str, float]:
+        """Return the share of each group's movement about the mean pose that is told, 0 (nothing) to 1."""
+        found = {}
+        for name, parts in self._parts().items():
+            whole = sum(part.mean_error for part in parts)
+            found[name] = 1.0 - sum(part.error for part in parts) / whole if whole > 1e-12 else 0.0
+        return found
+
     def spreads(self, share: float) -> Float64:
-        """Return the factor of variation of each of `joints`, (n,)."""
+        """Return the factor of each of `joints`, (n,), by which what the prediction leaves of a recording may be added.
+
+        Variation that is independent of the truth adds its mean square to the expected squared error. It may use
+        `share` (0 to 1) of what the prediction gains over the mean pose, so the result stays nearer than that.
+        """
         out = np.zeros(len(self.joints))
-        for group in self.groups:
-            out[[self.joints.index(joint) for joint in group.joints]] = group.spread(share)
+        for parts in self._parts().values():
+            budget = share * sum(part.mean_error - part.error for part in parts)
+            variation = sum(part.variation for part in parts)
+            if variation > 1e-12:
+                rows = [self.joints.index(joint) for joint in parts[0].joints]
+                out[rows] = min(1.0, float(np.sqrt(max(budget, 0.0) / variation)))
         return out
+
+    def _parts(self) -> dict[str, list[GroupRegression]]:
+        found: dict[str, list[GroupRegression]] = {}
+        for group in self.groups:
+            found.setdefault(group.name, []).append(group)
+        return found
 
     def report(self, share: float) -> dict[str, Any]:
         """Return what the drivers tell of each group and band, as JSON values."""
@@ -160,20 +172,38 @@ class UpperBodyRegression:
             "choreographies": self.dances.number.tolist(),
             "splits": self.fold_count,
             "left_out": "whole choreographies" if self.dances.count > 1 else "parts of the only choreography",
-            "groups": {
-                group.name: {
+            "told": {name: round(part, 3) for name, part in self.told_shares().items()},
+            "spread": dict(
+                zip((SKELETON.names[one] for one in self.joints), self.spreads(share).round(3).tolist(), strict=True)
+            ),
+            "parts": [
+                {
+                    "joints": group.name,
+                    "part": group.part,
                     "drivers": group.choice.drivers.name,
+                    "only_their_movement": group.choice.moving,
                     "window_s": group.choice.reach,
                     "mirrored_too": group.choice.mirrored,
                     "gains": [round(float(gain), 3) for gain in group.gains],
                     "told": [round(float(part), 3) for part in group.told],
                     "error_of_mean_pose_deg": round(float(np.degrees(np.sqrt(group.mean_error))), 2),
                     "error_deg": round(float(np.degrees(np.sqrt(group.error))), 2),
-                    "spread": round(group.spread(share), 3),
                 }
                 for group in self.groups
-            },
+            ],
         }
+
+
+def driver_windows(take: SampledClip, choice: "Choice", reference: Float64) -> Float64:
+    """Return the windows (T, W D) of a choice's drivers."""
+    signals = driver_signals(take, choice.drivers, reference)
+    return windows_of(moving_part(signals) if choice.moving else signals, choice.reach)
+
+
+def moving_part(signal: Float64) -> Float64:
+    """Return the bands of movement of a signal (T, C)."""
+    bands = PARTS["movement"]
+    return np.asarray(split_bands(signal, bands.stop)[bands].sum(axis=0))
 
 
 def rotations_of(vectors: Float64, reference: Float64) -> Float64:
@@ -198,21 +228,21 @@ def learn_upper_body(
     lengths = [len(take.root) for take in takes]
     dances = choreographies(len(takes), find_copies(takes))
     folds = make_folds(lengths, dances)
-    reference = mean_rotation(np.concatenate([take.rotation for take in takes]))
+    reference = np.asarray(mean_rotation(np.concatenate([take.rotation for take in takes])), np.float64)
     data = _Data(takes, joints, reference, folds, whole_takes=dances.count > 1)
     if folds:
         choices = _choose(data, (drive,) if drive else DRIVER_SETS)
     else:  # too short to leave anything out: nothing is known to be told
-        choices = {name: Choice(drive or DRIVER_SETS[0], 0.0, False, RIDGES[-1]) for name in data.groups}
+        choices = {one: Choice(drive or DRIVER_SETS[0], 0.0, False, False, RIDGES[-1]) for one in data.groups}
     groups, predicted = [], np.zeros((sum(lengths), 3 * len(joints)))
-    for name, columns in data.groups.items():
-        group, left_out = _learn_group(data, name, columns, choices[name])
+    for key, columns in data.groups.items():
+        group, left_out = _learn_group(data, key, choices[key])
         groups.append(group)
-        predicted[:, columns] = left_out
+        predicted[:, columns % predicted.shape[1]] += left_out
     truth = data.turns(False)
     at = rotations_of(predicted.reshape(len(predicted), -1, 3), reference[list(joints)])
-    away = quaternion.to_rotation_vector(quaternion.mul(quaternion.inverse(at), truth))
-    residuals = np.concatenate([_moving(part) for part in data.split(away.reshape(predicted.shape))])
+    away = np.asarray(quaternion.to_rotation_vector(quaternion.mul(quaternion.inverse(at), truth)), np.float64)
+    residuals = np.concatenate([moving_part(part) for part in data.split(away.reshape(predicted.shape))])
     return UpperBodyRegression(joints, reference, tuple(groups), dances, residuals, len(folds))
 
 
@@ -235,12 +265,13 @@ class _Data:
         step = max(1, -(-int(self.starts[-1]) // MAX_SAMPLES))
         self.rows: Int64 = np.arange(0, int(self.starts[-1]), max(step, 2))
         self.targets = [self._targets(mirrored) for mirrored in (False, True)]
-        self.groups: dict[str, Int64] = {}
-        for name, members in GROUPS.items():
-            some = [n for n, joint in enumerate(joints) if joint in members]
+        self.groups: dict[tuple[str, str], Int64] = {}
+        """Columns of the targets of each group and part."""
+        for (name, members), (number, part) in product(GROUPS.items(), enumerate(PARTS)):
+            some = [n + number * len(joints) for n, joint in enumerate(joints) if joint in members]
             if some:
-                self.groups[name] = np.array([3 * n + axis for n in some for axis in range(3)], np.int64)
-        self._signals: dict[tuple[DriverSet, bool], list[Float64]] = {}
+                self.groups[name, part] = np.array([3 * n + axis for n in some for axis in range(3)], np.int64)
+        self._signals: dict[tuple[DriverSet, bool, bool], list[Float64]] = {}
 
     def split(self, values: Float64) -> list[Float64]:
         """Return the values (S, ...) of each take."""
@@ -253,25 +284,31 @@ class _Data:
 
     def _targets(self, mirrored: bool) -> Float64:
         away = quaternion.mul(quaternion.inverse(self.reference[list(self.joints)]), self.turns(mirrored))
-        return np.asarray(quaternion.to_rotation_vector(away).reshape(len(away), -1))
+        vectors = np.asarray(quaternion.to_rotation_vector(away), np.float64).reshape(len(away), -1)
+        takes = [split_bands(part, BAND_COUNT) for part in self.split(vectors)]
+        return np.concatenate(
+            [np.concatenate([bands[part].sum(axis=0) for bands in takes]) for part in PARTS.values()], 1
+        )
 
-    def windows(self, drivers: DriverSet, reach: float, mirrored: bool) -> Float64:
+    def windows(self, drivers: DriverSet, reach: float, moving: bool, mirrored: bool) -> Float64:
         """Return the windows of all samples, (S, W D)."""
-        if (drivers, mirrored) not in self._signals:
+        key = (drivers, moving, mirrored)
+        if key not in self._signals:
             takes = self.mirrored if mirrored else self.takes
-            self._signals[drivers, mirrored] = [driver_signals(take, drivers, self.reference) for take in takes]
-        return np.concatenate([windows_of(one, reach) for one in self._signals[drivers, mirrored]])
+            signals = [driver_signals(take, drivers, self.reference) for take in takes]
+            self._signals[key] = [moving_part(one) for one in signals] if moving else signals
+        return np.concatenate([windows_of(one, reach) for one in self._signals[key]])
 
 
 class _Design:
-    """Windows of one choice of drivers, reach and mirroring, and their distances from the basis."""
+    """Windows of one choice of drivers, reach, bands and mirroring, and their distances from the basis."""
 
-    def __init__(self, data: _Data, drivers: DriverSet, reach: float, mirrored: bool) -> None:
+    def __init__(self, data: _Data, drivers: DriverSet, reach: float, moving: bool, mirrored: bool) -> None:
         self.data = data
-        parts = [data.windows(drivers, reach, False)[data.rows]]
+        parts = [data.windows(drivers, reach, moving, False)[data.rows]]
         targets = [data.targets[0][data.rows]]
         if mirrored:
-            parts.append(data.windows(drivers, reach, True)[data.rows])
+            parts.append(data.windows(drivers, reach, moving, True)[data.rows])
             targets.append(data.targets[1][data.rows])
         self.row = np.concatenate([data.rows] * len(parts))
         windows, self.targets = np.concatenate(parts), np.concatenate(targets)
@@ -302,16 +339,16 @@ def _solve_sums(products: Float64, sums: Float64, centres: Float64, penalty: flo
     return np.asarray(cho_solve(cho_factor(matrix, overwrite_a=True, check_finite=False), sums, check_finite=False))
 
 
-def _choose(data: _Data, driver_sets: Sequence[DriverSet]) -> dict[str, Choice]:
+def _choose(data: _Data, driver_sets: Sequence[DriverSet]) -> dict[tuple[str, str], Choice]:
     """Return the choice with the least squared error at samples left out, for each group, common ones first."""
     least = dict.fromkeys(data.groups, np.inf)
-    found: dict[str, Choice] = {}
-    for mirrored, drivers, reach in product((False, True), driver_sets, REACHES):
-        errors = _errors_left_out(data, _Design(data, drivers, reach, mirrored))
+    found: dict[tuple[str, str], Choice] = {}
+    for mirrored, moving, drivers, reach in product((False, True), (False, True), driver_sets, REACHES):
+        errors = _errors_left_out(data, _Design(data, drivers, reach, moving, mirrored))
         for name, columns in data.groups.items():
             for ridge, error in zip(RIDGES, errors[:, columns].sum(axis=1).tolist(), strict=True):
                 if error < (1.0 - LEAST_GAIN) * least[name]:
-                    least[name], found[name] = error, Choice(drivers, reach, mirrored, ridge)
+                    least[name], found[name] = error, Choice(drivers, reach, moving, mirrored, ridge)
     return found
 
 
@@ -335,16 +372,17 @@ def _errors_left_out(data: _Data, design: _Design) -> Float64:
     return errors
 
 
-def _learn_group(data: _Data, name: str, columns: Int64, choice: Choice) -> tuple[GroupRegression, Float64]:
+def _learn_group(data: _Data, key: tuple[str, str], choice: Choice) -> tuple[GroupRegression, Float64]:
     """Return the regression of a group, and its damped predictions of all samples, (S, C).
 
     These leave out the sample's own take where whole takes were left out. Elsewhere they would jump between the parts
     left out, so there they are the final regression's.
     """
-    design = _Design(data, choice.drivers, choice.reach, choice.mirrored)
+    columns, part = data.groups[key], PARTS[key[1]]
+    design = _Design(data, choice.drivers, choice.reach, choice.moving, choice.mirrored)
     kernel, centres = design.kernels()
     targets, truth = design.targets[:, columns], data.targets[0][:, columns]
-    windows = data.windows(choice.drivers, choice.reach, False)
+    windows = data.windows(choice.drivers, choice.reach, choice.moving, False)
     weights, middle = _solve(kernel, centres, targets, choice.ridge)
 
     def evaluate(rows: Bool | slice, some: Float64) -> Float64:
@@ -359,7 +397,7 @@ def _learn_group(data: _Data, name: str, columns: Int64, choice: Choice) -> tupl
             some, means[fold.tested] = _solve(kernel[learnt], centres, targets[learnt], choice.ridge)
             raw[fold.tested] = evaluate(fold.tested, some)
             plain[fold.tested] = truth[fold.learnt].mean(axis=0)
-    gains, told = _fit_gains(data, truth - means, raw)
+    gains, told = _fit_gains(data, truth - means, raw, part)
     left_out = means + _damp_takes(data, raw, gains)
     mean_error, error = _mean_square(truth - plain), _mean_square(truth - left_out)
     if error >= mean_error:  # nothing is told: the mean pose it is
@@ -367,15 +405,15 @@ def _learn_group(data: _Data, name: str, columns: Int64, choice: Choice) -> tupl
         middle, left_out = truth.mean(axis=0), plain
     if not data.whole_takes:
         left_out = middle + _damp_takes(data, evaluate(slice(None), weights), gains)
-    members = tuple(data.joints[int(n)] for n in columns[::3] // 3)
-    variation = _mean_square(np.concatenate([_moving(part) for part in data.split(truth - left_out)]))
+    members = tuple(data.joints[int(n) % len(data.joints)] for n in columns[::3] // 3)
+    variation = _mean_square(truth - left_out) if key[1] == "movement" else 0.0
     group = GroupRegression(
-        name, members, choice, gains, told, mean_error, error, variation, design.basis, weights, middle
+        *key, members, choice, gains, told, mean_error, error, variation, design.basis, weights, middle
     )
     return group, left_out
 
 
-def _fit_gains(data: _Data, truth: Float64, predicted: Float64) -> tuple[Float64, Float64]:
+def _fit_gains(data: _Data, truth: Float64, predicted: Float64, part: slice) -> tuple[Float64, Float64]:
     """Return the gain of each band that leaves the least squared error, 0 to 1, and the share of variance it tells."""
     products, squares, whole = (np.zeros(BAND_COUNT + 1) for _ in range(3))
     for real, made in zip(data.split(truth), data.split(predicted), strict=True):
@@ -383,19 +421,14 @@ def _fit_gains(data: _Data, truth: Float64, predicted: Float64) -> tuple[Float64
         products += (a * b).sum(axis=(1, 2))
         squares += (b * b).sum(axis=(1, 2))
         whole += (a * a).sum(axis=(1, 2))
-    gains = np.clip(products / np.maximum(squares, 1e-12), 0.0, 1.0)
-    gains[0] = 0.0  # band 1 is noise, and dropped as in the published method (P018)
+    gains = np.zeros(BAND_COUNT + 1)
+    gains[part] = np.clip(products[part] / np.maximum(squares[part], 1e-12), 0.0, 1.0)
     told = (2.0 * gains * products - gains**2 * squares) / np.maximum(whole, 1e-12)
     return gains, told
 
 
 def _damp_takes(data: _Data, predicted: Float64, gains: Float64) -> Float64:
     return np.concatenate([damp_bands(part, gains) for part in data.split(predicted)])
-
-
-def _moving(signal: Float64) -> Float64:
-    """Return bands 2 to BAND_COUNT of a signal (T, C): variation without the pose it is about."""
-    return np.asarray(split_bands(signal, BAND_COUNT)[1:BAND_COUNT].sum(axis=0))
 
 
 def _mean_square(vectors: Float64) -> float:
