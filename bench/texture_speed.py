@@ -21,6 +21,7 @@ from live.motion.texture.live_bank import TextureBank
 from live.motion.texture.texture_corpus import make_corpus
 from live.motion.texture.texture_settings import TextureSettings
 from live.motion.texture.texture_synthesis import find_paths, prepare_sketch, texture_sketch
+from live.motion.texture.upper_body_regression import learn_upper_body
 from live.show.dancers.live_texture import LiveTexture
 
 RATE: Final = 60.0
@@ -43,12 +44,15 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     ready = prepare_sketch(sketch, material, wish)
     finding = _best(lambda: find_paths(ready, wish), repeats)
     naive = _naive(sketch, material, wish)
+    takes = [sample_clip(clip) for clip in data]
+    learning = _best(lambda: learn_upper_body(takes, wish.synthesize), 1)
     return [
         Row("60 s textured and completed from 10 min, all of it", whole, "s", 1.0),
         Row("the same, data cut up before", again, "s", 1.0),
         Row("cutting up 10 min of data", cutting, "s"),
         Row("bands, fragments and matching", matching, "s", peers={"one pair of fragments after the other": naive}),
         Row("paths", finding, "s"),
+        Row("learning what legs tell, from 10 min", learning, "s", 60.0),
         Row("fragments of the sketch", ready.fragments.count, ""),
         Row("fragments of the data", ready.driving.fragments.count, ""),
         *_live(data, full),
