@@ -222,6 +222,9 @@ def enrich(
     They are stored next to the sketch (walk.textured next to walk.toml), are used as other takes of the same step, and
     begin and end at the same place as the sketch. They contain the motion capture data they need.
     """
+    from live.base.system.blas_threads import use_one_blas_thread
+
+    use_one_blas_thread()
     from live.app.offline.texture_run import enrich_library
     from live.app.option_values import check_range
     from live.motion.texture.texture_settings import TextureSettings, parse_bands, parse_joints

@@ -81,6 +81,9 @@ def texture(
     program says what is told. With --published they come from the path alone. Feet stay where they are in the sketch.
     JOINTS are words (upper, lower, hips, knees, ankles, pelvis, trunk, head, arms ...) or joint names.
     """
+    from live.base.system.blas_threads import use_one_blas_thread
+
+    use_one_blas_thread()
     from live.app.offline.texture_run import TextureOptions, run_texture
     from live.app.option_values import check_range
     from live.motion.texture.texture_settings import (
