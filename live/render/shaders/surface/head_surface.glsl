@@ -104,7 +104,7 @@ vec4 hair_colour(vec3 at, int dancer) {
     if (curly) {
         float curl = fine * 0.6 + grain_of(at.xy * 520.0 + 9.0) * 0.4;
         if (at.y < near * (0.010 * curl - 0.001)) discard;
-        return vec4(hair.rgb * (0.45 + 1.0 * curl), 0.10 + 0.25 * curl * curl);
+        return vec4(hair.rgb * (0.66 + 0.50 * curl), 0.10 + 0.15 * curl * curl);
     }
     float broad = grain_of(vec2(at.x * 330.0, at.y * 12.0 + 5.0));
     if (at.y < near * (0.0026 * fine + 0.0012 * broad - 0.0006)) discard;   // it begins strand by strand
