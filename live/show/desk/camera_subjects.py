@@ -20,7 +20,7 @@ SAME_STEP: Final = 0.7
 """A dancer is alone with a step if at least this share of the others dance one other step."""
 ABOVE_HEAD: Final = 0.20
 """From the joint of the head to the hair [m]."""
-TOPS: Final = (1.2, 1.95)
+TOPS: Final = (1.2, 1.85)
 """Nobody is framed as if they were smaller or taller [m]."""
 FEWEST: Final = 3
 """Among fewer dancers nobody stands out by a step."""
