@@ -325,9 +325,7 @@ class CameraDirector:
         if kind.aimed_deg is not None:
             elevation = math.radians(kind.aimed_deg)
         chosen = self._chosen_for(kind) & self._subjects.present()
-        return self._framing.fit(
-            kind, self._subjects.places(), chosen, bearing, elevation, self._subjects.top(chosen)
-        )
+        return self._framing.fit(kind, self._subjects.places(), chosen, bearing, elevation, self._subjects.top(chosen))
 
     def _take(self, kind: ShotKind, frame: Frame, beats: float) -> None:
         """Begin a shot, with a cut or with a move of so many beats."""
