@@ -56,7 +56,7 @@ SIDES: Final = [SKELETON.names.index(name) for name in ("leftUpperArm", "rightUp
 def headings(view: StageView) -> Float64:
     """Where chests face [rad], (A,): across the line from shoulder to shoulder."""
     across = view.joint_position[:, SIDES[0]] - view.joint_position[:, SIDES[1]]
-    return np.arctan2(-across[:, 2], across[:, 0]).astype(np.float64)
+    return np.asarray(np.arctan2(-across[:, 2], across[:, 0]), np.float64)
 
 
 def point_camera(view: StageView, present: Bool, framing: Framing, distance: str, moment: int) -> None:

@@ -57,7 +57,7 @@ class Moments:
 
     def head_height(self, nodes: Int32) -> Float64:
         """Return the height of the head's joint at the highest moment of each of `nodes` (n,) [m], (n,)."""
-        return self.feature[nodes, :, _HEAD_HEIGHT].max(axis=1).astype(np.float64) / _HEAD_WEIGHT
+        return np.asarray(self.feature[nodes, :, _HEAD_HEIGHT].max(axis=1) / _HEAD_WEIGHT, np.float64)
 
     def joined(self, other: "Moments") -> "Moments":
         """Return the moments of these nodes followed by those of `other`."""
