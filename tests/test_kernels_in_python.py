@@ -22,6 +22,8 @@ TESTS = (
     "tests/motion/pose/test_turning_kernels.py",
     "tests/motion/formats/test_bvh_numbers.py",
     "tests/graph/test_motion_graph.py",
+    "tests/render/body/test_implicit_surface.py",
+    "tests/render/body/test_simplify.py",
     "tests/render/passes/test_world_parts.py",
     "tests/render/test_render_kernels.py",
     "tests/agents/test_steering_kernels.py",
@@ -36,6 +38,8 @@ TESTS = (
     "tests/agents/separation/test_threats.py::test_obstacles_have_longer_prediction_range_than_dancers",
 )
 LEFT_OUT = (  # too slow in plain Python, or Python's floor refuses infinity
+    "test_bodies_have_the_field_and_the_width_of_numpy",
+    "test_toes_and_limbs_have_the_cross_sections_of_scipy",
     "test_ease_is_monotonic_symmetric_and_flat_at_ends",
     "test_amplitude_matches_t058_formula",
     "test_dancers_are_independent_of_others_and_threads",

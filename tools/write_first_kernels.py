@@ -27,7 +27,8 @@ FPS: Final = 2.0
 def used_kernels(seconds: float = SECONDS) -> list[str]:
     """Return the names of the kernels that this process has used after `seconds` of the default show.
 
-    Those that follow music are added: whether they run depends on the sound device.
+    Those that follow music are added: whether they run depends on the sound device. Those that build bodies, too: a
+    machine without compiled kernels has no bodies either.
     """
     options = LaunchOptions(size=(320, 180), fps=FPS)
     loaded, console = options.load(), Console(stderr=True)
@@ -35,11 +36,11 @@ def used_kernels(seconds: float = SECONDS) -> list[str]:
         path = Path(folder) / "film.mp4"
         film_show(options, loaded, choose_audio(options, loaded), path=path, seconds=seconds, console=console)
     used = {kernel_name(each) for each in kernels if each.ready}
-    return sorted(used | {kernel_name(each) for each in all_kernels() if _follows_music(each)})
+    return sorted(used | {kernel_name(each) for each in all_kernels() if _always_needed(each)})
 
 
-def _follows_music(kernel: Kernel) -> bool:
-    return str(kernel.py_func.__module__).startswith("live.clock.")
+def _always_needed(kernel: Kernel) -> bool:
+    return str(kernel.py_func.__module__).startswith(("live.clock.", "live.render.body."))
 
 
 if __name__ == "__main__":

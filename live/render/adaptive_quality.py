@@ -39,7 +39,7 @@ class Quality:
     scale: float = 1.0
     """The scene is drawn at this share of the picture's width and height, and stretched."""
     far_from: float = 12.0
-    """Dancers nearer to the camera than this [m] never get the far body."""
+    """Dancers nearer to the camera than this [m], seen through the usual lens, never get the far body."""
     points: int = 3000
     """Maximum number of points of a dancer drawn as particles."""
     ribbon_pieces: int = 96
@@ -72,16 +72,19 @@ def choose_quality(ctx: moderngl.Context, dancer_count: int) -> Quality:
     return replace(quality, samples=min(quality.samples, int(ctx.max_samples)))
 
 
-_CLOSE_BODIES_WITHIN: Final = 10.0
+_CLOSE_BODIES_WITHIN: Final = 12.0
 """Beyond this [m], for a picture of 720 rows, triangles of the close body are smaller than pixels. Nobody sees
 them, but software shades a block of pixels for each."""
+_FILM_FLOOR_MAP: Final = 512
+"""Shadows are soft: a finer map shows the same, and its blur costs as the cube of its size."""
 
 
 def film_quality(ctx: moderngl.Context, height: int) -> Quality:
     """Return the best tier, for a picture of this height [pixels], with software rendering in what nobody sees less."""
     if not is_software(ctx):
         return HARDWARE
-    return replace(HARDWARE, near_count=24, far_from=_CLOSE_BODIES_WITHIN * height / 720.0)
+    far_from = _CLOSE_BODIES_WITHIN * height / 720.0
+    return replace(HARDWARE, near_count=0, far_from=far_from, floor_map=_FILM_FLOOR_MAP)
 
 
 HALF_LIFE_S: Final = 1.0

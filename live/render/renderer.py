@@ -20,6 +20,7 @@ from live.base.picture_parameters import (
 )
 from live.base.set_geometry import SetItem
 from live.base.stage_snapshot import Camera, Scene, StageView, Title
+from live.base.system.process_control import return_free_memory
 from live.render.adaptive_quality import HARDWARE, Quality, QualityStep, choose_quality, quality_steps
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.pass_context import Moment, PassSetup
@@ -115,6 +116,7 @@ class Renderer:
             for view.picture in rows:
                 self.draw(view, framebuffer)
         release_all(framebuffer, scratch)
+        return_free_memory()  # compilers leave much behind
 
     @property
     def _texts(self) -> tuple[CaptionPass, GuidePass, OverlayPass, FrameTimeGraphPass]:

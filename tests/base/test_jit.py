@@ -92,7 +92,9 @@ def test_a_kernel_is_compiled_at_its_first_call_and_loaded_afterwards(tmp_path: 
 
 
 @compiled_only
-@pytest.mark.parametrize("damage", ["cut", "flipped", "empty", "foreign"])
+@pytest.mark.parametrize(
+    "damage", ["cut", "flipped", *(pytest.param(one, marks=pytest.mark.long) for one in ("empty", "foreign"))]
+)
 def test_a_damaged_kernel_is_compiled_again(tmp_path: Path, damage: str) -> None:
     value = run_damper(tmp_path)[2]
     (path,) = (path for path in tmp_path.rglob("*.damper") if path.parent.name != "locks")
@@ -136,6 +138,7 @@ def test_code_for_a_level_of_processors_gives_the_same_and_is_kept_apart(tmp_pat
     assert len([path for path in tmp_path.rglob("*.damper") if path.parent.name != "locks"]) == 1 + len(levels)
 
 
+@pytest.mark.long
 @compiled_only
 def test_shipped_kernels_are_taken_until_native_ones_are_complete(tmp_path: Path) -> None:
     """A package like the companion wheel's; then all kernels of this machine's own."""

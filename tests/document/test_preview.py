@@ -66,7 +66,9 @@ def danced(loaded: LoadedShow, measure: float) -> tuple[np.ndarray, np.ndarray]:
     return show.dancers.drawn_hips.copy(), show.dancers.node.copy()
 
 
-@pytest.mark.parametrize("measure", [0.5, 3.25, 9.0])
+@pytest.mark.parametrize(
+    "measure", [pytest.param(0.5, marks=pytest.mark.long), 3.25, pytest.param(9.0, marks=pytest.mark.long)]
+)
 def test_it_shows_what_the_show_dances(loaded: LoadedShow, measure: float) -> None:
     there = PreviewEngine(loaded).at(measure)
     place, node = danced(loaded, measure)
@@ -75,6 +77,7 @@ def test_it_shows_what_the_show_dances(loaded: LoadedShow, measure: float) -> No
     assert abs(there.measure - measure) < 0.05
 
 
+@pytest.mark.long
 def test_measures_can_be_asked_for_in_any_order(loaded: LoadedShow) -> None:
     one, other = PreviewEngine(loaded), PreviewEngine(loaded)
     for measure in (9.5, 1.5, 6.25, 0.0):
@@ -170,6 +173,7 @@ steps = ["side step"]
 """
 
 
+@pytest.mark.long
 def test_division_is_a_tree_over_measures_also_after_an_edit(tmp_path: Path) -> None:
     path = tmp_path / "show.toml"
     path.write_text(TEXT + DIVIDED.format(2))
@@ -192,6 +196,7 @@ def test_division_is_a_tree_over_measures_also_after_an_edit(tmp_path: Path) -> 
     assert tree(engine) == [("1-2", 3, 6, [("2", 4, 4)])]
 
 
+@pytest.mark.long
 def test_other_music_of_the_same_tempo_leaves_the_preview_as_it_is(loaded: LoadedShow) -> None:
     engine = PreviewEngine(loaded)
     engine.run_to(4.0)

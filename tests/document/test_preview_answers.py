@@ -39,7 +39,7 @@ def asked(answers: PreviewAnswers, **question: Any) -> tuple[dict[str, Any], lis
     return texts, frames
 
 
-@pytest.mark.parametrize("positions", ["measures", "samples"])
+@pytest.mark.parametrize("positions", ["measures", pytest.param("samples", marks=pytest.mark.long)])
 def test_a_range_is_what_the_engine_says(loaded: LoadedShow, positions: str) -> None:
     engine = PreviewEngine(loaded)
     texts, frames = asked(open_answers(loaded), id=7, from_=7, to=9, positions=positions)
@@ -127,6 +127,7 @@ def test_edits_are_tried_and_the_document_stays(loaded: LoadedShow) -> None:
     assert not (loaded.path.parent / ".history").exists()
 
 
+@pytest.mark.long
 def test_an_accepted_edit_of_another_process_is_taken_in_and_earlier_measures_stay(loaded: LoadedShow) -> None:
     answers = open_answers(loaded)
     edit = {"do": "set", "at": ["segment", 2, "formation"], "value": "line"}
@@ -182,6 +183,7 @@ def test_a_segment_of_a_section_is_found_after_repeated_ones(tmp_path: Path) -> 
     assert [(one["from"], one["to"]) for one in found] == [(14, 16), (4, 4)]
 
 
+@pytest.mark.long
 def test_measures_behind_a_section_that_waits_are_those_of_somebody_who_leads(tmp_path: Path) -> None:
     sections = """
 [[section]]

@@ -73,9 +73,14 @@ assert "pedal" in [bridge.name for bridge in installed_bridges().bridges]
     ("title", "limit", "options"),
     [
         ("A parameter", 3, {"checks": PARAMETER}),
-        ("A command", 3, {"checks": COMMAND}),
-        ("An element", 4, {"checks": ELEMENT, "jit": False}),
-        pytest.param("A look", 3, {"checks": LOOK, "plugins": ("tests.render.conftest",)}, marks=pytest.mark.gl),
+        pytest.param("A command", 3, {"checks": COMMAND}, marks=pytest.mark.long),
+        pytest.param("An element", 4, {"checks": ELEMENT, "jit": False}, marks=pytest.mark.long),
+        pytest.param(
+            "A look",
+            3,
+            {"checks": LOOK, "plugins": ("tests.render.conftest",)},
+            marks=[pytest.mark.gl, pytest.mark.long],
+        ),
         ("An input", 5, {"checks": INPUT}),
     ],
 )

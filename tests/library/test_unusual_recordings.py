@@ -147,6 +147,7 @@ def test_body_of_three_metres_is_danced_at_our_size_and_told(tmp_path: Path, uni
     assert "would be 3.06 m tall; 1.2 to 2.2 m is plausible, that is unit_m" in words
 
 
+@pytest.mark.long
 def test_step_that_ends_in_the_air_is_told_and_not_begun(tmp_path: Path) -> None:
     """The dancer rises half a second before the last line; who would come after stands on the floor."""
     values, beat = stepping(14.0), 60.0 / 112.0
@@ -209,7 +210,9 @@ def test_sketched_steps_and_flights_need_no_common_foot() -> None:
     assert can_stand(recorded, 0.25, *pairs).tolist() == [False, False, True, False]
 
 
-@pytest.mark.parametrize("turns", [0.25, 0.5, 1.0])
+@pytest.mark.parametrize(
+    "turns", [pytest.param(0.25, marks=pytest.mark.long), 0.5, pytest.param(1.0, marks=pytest.mark.long)]
+)
 def test_library_of_nothing_but_turns_is_danced(tmp_path: Path, turns: float) -> None:
     text = body_bvh(stepping(16.0, turns=turns))
     measure = 4 * 60.0 / 112.0

@@ -70,6 +70,7 @@ def score_show():
     return load_show(find_patch("score"))
 
 
+@pytest.mark.long
 def test_failing_journal_is_minimized_and_written(tmp_path, score_show, monkeypatch):
     show = score_show.start(seed=3)
     said = [_entry(tick, 1.0) for tick in range(20, 700, 20)]

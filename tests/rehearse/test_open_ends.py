@@ -175,6 +175,7 @@ def test_dry_run_begins_where_elements_have_led_the_dancers():
     assert [words for words in dry_run_warnings(made_show(gather + away + go.format(13))) if "to go" in words]
 
 
+@pytest.mark.long
 def test_shipped_suggestions_lint_clean():
     """Those for a show with a reserve and partners: pasted, they add no note."""
     path = PATCHES / "release" / "show.toml"

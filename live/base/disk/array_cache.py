@@ -79,12 +79,14 @@ class ArrayCache:
                 unfinished.unlink()
 
     def _evict(self, folder: Path) -> None:
-        entries = [(entry.stat(), entry) for entry in folder.glob(f"{self.kind}-*.npz")]
+        with os.scandir(folder) as there:
+            names = [entry for entry in there if entry.name.startswith(f"{self.kind}-") and entry.name.endswith(".npz")]
+        states = sorted(((entry.stat(), entry.path) for entry in names), key=lambda one: -one[0].st_mtime_ns)
         total = 0
-        for number, (state, old) in enumerate(sorted(entries, key=lambda one: one[0].st_mtime_ns, reverse=True)):
+        for number, (state, old) in enumerate(states):
             total += state.st_size
             if number >= self.max_entries or (number > 0 and total > self.max_bytes):
-                old.unlink(missing_ok=True)
+                Path(old).unlink(missing_ok=True)
 
 
 def write_arrays(file: IO[bytes], arrays: Arrays) -> None:

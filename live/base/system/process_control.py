@@ -1,6 +1,7 @@
 """Processes: their sessions, ends, priorities, memory and processor time; whatever a system refuses has no effect."""
 
 import contextlib
+import ctypes
 import os
 import platform
 import signal
@@ -63,6 +64,13 @@ def processor_name() -> str:
             if line.startswith("model name"):
                 return line.partition(":")[2].strip()
     return platform.processor() or platform.machine()
+
+
+def return_free_memory() -> None:
+    """Return to the system what this process has freed, which glibc keeps in pieces for later; 20 ms for 500 MB."""
+    if LINUX:
+        with contextlib.suppress(OSError, AttributeError):  # other C libraries of Linux keep nothing
+            ctypes.CDLL(None).malloc_trim(0)
 
 
 def memory_of(process: int) -> int:

@@ -89,7 +89,4 @@ def _cover(shape: Shape, centre: Float64, axes: Float64, widths: list[Float64], 
 def _crossing(shape: Shape, centre: Float64, way: Float64) -> Float64:
     """Return how far from each of the centres (N, 3) the skin is along `way` [m], (N,)."""
     reach = np.linspace(0.0, _REACH, _STEPS)
-    points = centre[:, None, :] + reach[None, :, None] * way
-    outside = shape.distance(points.reshape(-1, 3)).reshape(len(centre), _STEPS) > 0.0
-    first = np.where(outside.any(axis=1), outside.argmax(axis=1), _STEPS - 1)
-    return np.asarray(np.maximum(reach[first], 0.005))
+    return np.maximum(reach[shape.first_outside(centre, way, reach)], 0.005)

@@ -66,6 +66,8 @@ _LEAST_OPENNESS: Final = 0.4
 """Limbs move: armpits and what lies between the legs are seen in other poses."""
 _OCCLUSION_REACH: Final = (0.06, 0.10, 0.16)
 _CACHE: Final = ArrayCache("body", max_entries=512)
+_NOTHING: Final = 1e-9
+"""Coordinates below this [m] are 0, so that the middle is the middle on every machine."""
 _SHADOW_OFFSET: Final = 0.006
 """Offset of the coarse body's skin [m], so that its square limbs cast shadows as wide as round ones."""
 
@@ -188,7 +190,8 @@ def code_digest() -> bytes:
     """Return the digest of the code that builds bodies."""
     here = Path(__file__).resolve().parent
     package = here.parents[1]
-    return digest_of_code([here, package / "base" / "body", package / "motion" / "skeleton.py"])
+    motion = package / "motion"
+    return digest_of_code([here, package / "base" / "body", motion / "skeleton.py", motion / "curve.py"])
 
 
 def _unpack(arrays: Arrays) -> BodyMesh:
@@ -239,6 +242,7 @@ def _build(level: int, name: str) -> BodyMesh:
     place = points
     if level == COARSE:
         points = points + normals * _SHADOW_OFFSET
+    points = np.where(np.abs(points) < _NOTHING, 0.0, points)
     joint, weight = strongest_weights(weights)
     return BodyMesh(
         np.ascontiguousarray(points, np.float32),

@@ -5,13 +5,15 @@ half is described (left = +x) and points are mirrored into it.
 """
 
 from dataclasses import dataclass
+from functools import cache
 from typing import Final
 
 import numpy as np
 
-from live.base.arrays import Float64
+from live.base.arrays import Float64, Int64
+from live.motion.curve import hermite, monotone_slopes
+from live.render.body.implicit_surface_kernels import COLUMNS, FIRST, SAMPLES, distances, first_outside
 
-_SAMPLES: Final = 65
 _TINY: Final = 1e-9
 
 
@@ -51,111 +53,93 @@ def upright(x: float, z: float, rows: tuple[tuple[float, float, float, float, fl
     return Loft((x, top, z), (x, bottom, z), (1.0, 0.0, 0.0), scaled, blend)  # type: ignore[arg-type]
 
 
-def _ellipsoid_distance(part: Ellipsoid, points: Float64) -> Float64:
-    local = points - np.array(part.centre)
-    if part.roll_deg:
-        c, s = np.cos(np.deg2rad(part.roll_deg)), np.sin(np.deg2rad(part.roll_deg))
-        local = np.stack([c * local[:, 0] + s * local[:, 1], c * local[:, 1] - s * local[:, 0], local[:, 2]], axis=1)
-    if part.pitch_deg:
-        c, s = np.cos(np.deg2rad(part.pitch_deg)), np.sin(np.deg2rad(part.pitch_deg))
-        local = np.stack([local[:, 0], c * local[:, 1] - s * local[:, 2], s * local[:, 1] + c * local[:, 2]], axis=1)
-    return _scaled_distance(local / np.array(part.radii), np.array(part.radii)[None, :])
+def _cross_sections(rows: Float64) -> Float64:
+    """Return the cross-sections of a loft at SAMPLES places (SAMPLES, 4), between its rows (N, 5) on a monotone cubic
+    (Fritsch and Butland 1984): scipy's PchipInterpolator, which takes 0.4 s to import."""
+    place, values = rows[:, 0], rows[:, 1:]
+    step = np.diff(place)
+    rate = np.diff(values, axis=0) / step[:, None]
+    slopes = monotone_slopes(place, values)
+    if len(rows) == 2:
+        slopes[:] = rate
+    else:
+        slopes[0] = _end_slope(step[0], step[1], rate[0], rate[1])
+        slopes[-1] = _end_slope(step[-1], step[-2], rate[-1], rate[-2])
+    return np.asarray(hermite(place, values, slopes, np.linspace(0.0, 1.0, SAMPLES)))
 
 
-def _scaled_distance(unit: Float64, radii: Float64) -> Float64:
-    """Return the approximate distance to an ellipsoid with the surface |unit| = 1 (first order)."""
-    k0 = np.sqrt((unit * unit).sum(axis=1))
-    k1 = np.sqrt(((unit / radii) ** 2).sum(axis=1))
-    return np.asarray(k0 * (k0 - 1.0) / np.maximum(k1, _TINY))
+def _end_slope(near_step: float, far_step: float, near: Float64, far: Float64) -> Float64:
+    """Return the slopes at an end: of the parabola through the three points next to it, unless that overshoots."""
+    slope = ((2.0 * near_step + far_step) * near - near_step * far) / (near_step + far_step)
+    steep = (near * far < 0.0) & (np.abs(slope) > 3.0 * np.abs(near))
+    return np.where(slope * near <= 0.0, 0.0, np.where(steep, 3.0 * near, slope))
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _LoftTable:
-    """A loft prepared for evaluation: frame, length, and rows sampled densely from a monotone cubic spline."""
+@cache
+def _ellipsoid_row(part: Ellipsoid) -> Float64:
+    """Return the row of an ellipsoid in the table of parts."""
+    roll, pitch = np.deg2rad(part.roll_deg), np.deg2rad(part.pitch_deg)
+    rolled = np.array([[np.cos(roll), np.sin(roll), 0.0], [-np.sin(roll), np.cos(roll), 0.0], [0.0, 0.0, 1.0]])
+    pitched = np.array([[1.0, 0.0, 0.0], [0.0, np.cos(pitch), -np.sin(pitch)], [0.0, np.sin(pitch), np.cos(pitch)]])
+    centre, radii = np.array(part.centre), np.array(part.radii)
+    reach = np.full(3, radii.max()) if part.pitch_deg or part.roll_deg else radii
+    axes = pitched @ rolled
+    return np.array(
+        [part.blend, part.hollow, *(centre - reach), *(centre + reach), *centre, *axes.flat, *1.0 / radii, 0, 0]
+    )
 
-    start: Float64
-    axes: Float64  # rows: along, across, front
-    length: float
-    samples: Float64  # (_SAMPLES, 4): across, front, back, shift
-    blend: float
-    hollow: bool
 
-
-def _prepare(loft: Loft) -> _LoftTable:
-    from scipy.interpolate import PchipInterpolator  # not at the top: a body of the cache does without (0.4 s)
-
-    start, end = np.array(loft.start), np.array(loft.end)
+@cache
+def _loft_row(part: Loft) -> tuple[Float64, Float64]:
+    """Return the row of a loft in the table of parts, but for FIRST, and its cross-sections (SAMPLES, 4)."""
+    start, end = np.array(part.start), np.array(part.end)
     length = float(np.linalg.norm(end - start))
     along = (end - start) / length
-    across = np.array(loft.across) - along * float(np.dot(loft.across, along))
+    across = np.array(part.across) - along * float(np.dot(part.across, along))
     across /= np.linalg.norm(across)
     front = np.cross(across, along)
     if abs(front[2]) > abs(front[1]):
         front *= np.sign(front[2])  # limbs: the front is where the body faces
     else:
         front *= np.sign(front[1])  # feet: the front is the instep
-    rows = np.array(loft.rows)
-    samples = PchipInterpolator(rows[:, 0], rows[:, 1:])(np.linspace(0.0, 1.0, _SAMPLES))
-    return _LoftTable(start, np.stack([along, across, front]), length, samples, loft.blend, loft.hollow)
-
-
-def _loft_distance(table: _LoftTable, points: Float64) -> Float64:
-    local = (points - table.start) @ table.axes.T
-    place = np.clip(local[:, 0] / table.length, 0.0, 1.0) * (_SAMPLES - 1)
-    low = np.minimum(place.astype(np.int64), _SAMPLES - 2)
-    part = (place - low)[:, None]
-    row = table.samples[low] * (1.0 - part) + table.samples[low + 1] * part
-    beyond = local[:, 0] - np.clip(local[:, 0], 0.0, table.length)
-    front = local[:, 2] - row[:, 3]
-    thick = np.where(front > 0.0, row[:, 1], row[:, 2])
-    radii = np.stack([np.minimum(row[:, 0], thick), row[:, 0], thick], axis=1)
-    return _scaled_distance(np.stack([beyond, local[:, 1], front], axis=1) / radii, radii)
-
-
-def _blend(a: Float64, b: Float64, width: float) -> Float64:
-    """Return the smooth minimum: the union of two shapes with a fillet `width` [m] wide."""
-    if width <= 0.0:
-        return np.minimum(a, b)
-    overlap = np.maximum(width - np.abs(a - b), 0.0) / width
-    return np.minimum(a, b) - overlap * overlap * width * 0.25
-
-
-def _box(part: Ellipsoid | _LoftTable) -> Float64:
-    """Return a box around a part, shape (2, 3): lowest and highest x, y, z [m]."""
-    if isinstance(part, Ellipsoid):
-        turned = part.pitch_deg or part.roll_deg
-        reach = np.full(3, max(part.radii)) if turned else np.array(part.radii)
-        return np.array([part.centre - reach, part.centre + reach])
-    end = part.start + part.axes[0] * part.length
-    reach = part.samples[:, :3].max() + np.abs(part.samples[:, 3]).max()
-    return np.array([np.minimum(part.start, end) - reach, np.maximum(part.start, end) + reach])
+    sections = _cross_sections(np.array(part.rows))
+    reach = sections[:, :3].max() + np.abs(sections[:, 3]).max()
+    low, high = np.minimum(start, end) - reach, np.maximum(start, end) + reach
+    axes = (*along, *across, *front)
+    return np.array(
+        [part.blend, part.hollow, *low, *high, *start, *axes, (SAMPLES - 1) / length, 0.0, 0.0, length, 0.0]
+    ), sections
 
 
 class Shape:
     """Distance field of a list of parts, evaluated for many points at once."""
 
     def __init__(self, parts: tuple[Loft | Ellipsoid, ...]) -> None:
-        self._parts = [(part if isinstance(part, Ellipsoid) else _prepare(part)) for part in parts]
-        self._boxes = [_box(part) for part in self._parts]
         if not parts:
             raise ValueError("a shape needs at least one part")
+        rows, sections = np.empty((len(parts), COLUMNS)), [np.empty((0, 4))]
+        for row, part in zip(rows, parts, strict=True):
+            if isinstance(part, Ellipsoid):
+                row[:] = _ellipsoid_row(part)
+            else:
+                row[:], section = _loft_row(part)
+                row[FIRST] = SAMPLES * (len(sections) - 1)
+                sections.append(section)
+        self._parts, self._sections = rows, np.concatenate(sections)
 
     def distance(self, points: Float64) -> Float64:
         """Return the approximate distance from the skin [m], negative inside; points (N, 3) in the rest pose."""
-        mirrored = points.copy()
-        mirrored[:, 0] = np.abs(mirrored[:, 0])
-        total = np.full(len(points), np.inf)
-        for part, (low, high) in zip(self._parts, self._boxes, strict=True):
-            beyond = np.linalg.norm(np.maximum(np.maximum(low - mirrored, mirrored - high), 0.0), axis=1)
-            # a part whose box is farther than what is there changes nothing
-            near = np.flatnonzero(beyond < (part.blend + 1e-3 if part.hollow else total + part.blend))
-            here = mirrored[near]
-            own = _ellipsoid_distance(part, here) if isinstance(part, Ellipsoid) else _loft_distance(part, here)
-            if part.hollow:
-                total[near] = -_blend(-total[near], own, part.blend)
-            else:
-                total[near] = _blend(total[near], own, part.blend)
-        return np.asarray(np.maximum(total, -points[:, 1]))  # soles are flat
+        out = np.empty(len(points))
+        distances(np.ascontiguousarray(points, np.float64), self._parts, self._sections, out)
+        return out
+
+    def first_outside(self, origins: Float64, way: Float64, reach: Float64) -> Int64:
+        """Return which of the places `reach` (K,) [m] along a ray is the first outside, the last one if none is, (N,);
+        the rays begin at origins (N, 3) and go along the unit vector `way` (3,)."""
+        out = np.empty(len(origins), np.int64)
+        origins, way = np.ascontiguousarray(origins), np.ascontiguousarray(way)
+        first_outside(origins, way, reach, self._parts, self._sections, out)
+        return out
 
     def normal(self, points: Float64, step: float = 2e-3) -> Float64:
         """Return unit outward normals (N, 3) from central differences over `step` [m]."""

@@ -5,25 +5,17 @@ Simplification removes vertices and moves none, so their data stays valid. Edges
 symmetric mesh stays symmetric; a closed mesh stays closed.
 """
 
-import heapq
-import math
-from typing import Final
-
 import numpy as np
 
 from live.base.arrays import Bool, Float64, Int64
-
-_DATA_COST: Final = 2e-4
-"""Cost of a full change of weights along a metre [m^4]."""
-_FLIP: Final = 0.25
-"""A triangle must not rotate by more than the angle with this cosine."""
+from live.render.body.mesh_simplify_kernels import collapse_cheapest, nearest_mirrored
 
 
 def mirror_partners(points: Float64) -> Int64:
     """Return for each point the index of the point nearest to its mirror image in the plane x = 0."""
-    image = points * np.array([-1.0, 1.0, 1.0])
-    squared = (points**2).sum(axis=1)[:, None] + (image**2).sum(axis=1)[None, :] - 2.0 * points @ image.T
-    return np.asarray(squared.argmin(axis=0), np.int64)
+    partner = np.empty(len(points), np.int64)
+    nearest_mirrored(np.ascontiguousarray(points, np.float64), np.argsort(points[:, 1], kind="stable"), partner)
+    return partner
 
 
 def _quadrics(points: Float64, triangles: Int64) -> Float64:
@@ -40,100 +32,6 @@ def _quadrics(points: Float64, triangles: Int64) -> Float64:
     return total
 
 
-class _Mesh:
-    """Triangle mesh that supports edge collapse."""
-
-    def __init__(self, points: Float64, triangles: Int64, vertex_data: Float64) -> None:
-        self.points = points
-        self.faces: dict[int, tuple[int, int, int]] = dict(enumerate(map(tuple, triangles.tolist())))
-        self.faces_of: list[set[int]] = [set() for _ in range(len(points))]
-        for face, corners in self.faces.items():
-            for corner in corners:
-                self.faces_of[corner].add(face)
-        self.quadric = _quadrics(points, triangles)
-        self.homogeneous = np.concatenate([points, np.ones((len(points), 1))], axis=1)
-        self._vertex_data = vertex_data
-
-    def neighbours(self, vertex: int) -> set[int]:
-        found = {corner for face in self.faces_of[vertex] for corner in self.faces[face]}
-        found.discard(vertex)
-        return found
-
-    def cost(self, gone: int, kept: int) -> float:
-        """Return the cost of collapsing `gone` onto `kept`: quadric error, and difference of vertex data."""
-        at = self.homogeneous[kept]
-        shape = float(at @ (self.quadric[gone] + self.quadric[kept]) @ at)
-        apart = float(np.abs(self._vertex_data[gone] - self._vertex_data[kept]).sum())
-        return shape + _DATA_COST * math.dist(self.points[gone], self.points[kept]) * (0.2 + apart)
-
-    def allowed(self, gone: int, kept: int) -> bool:
-        """Whether the mesh stays closed and no triangle flips."""
-        around_gone, around_kept = self.neighbours(gone), self.neighbours(kept)
-        if len(around_gone & around_kept) != 2 or len(around_gone | around_kept) <= 4:
-            return False  # the mesh would become non-manifold, or a tetrahedron degenerate
-        for face in self.faces_of[gone]:
-            corners = self.faces[face]
-            if kept in corners:
-                continue
-            moved = [kept if corner == gone else corner for corner in corners]
-            before, after = _normal(self.points[list(corners)]), _normal(self.points[moved])
-            if before @ after < _FLIP * np.sqrt((before @ before) * (after @ after)) or after @ after < 1e-16:
-                return False
-        return True
-
-    def collapse(self, gone: int, kept: int) -> None:
-        for face in list(self.faces_of[gone]):
-            corners = self.faces[face]
-            if kept in corners:
-                del self.faces[face]
-                for corner in corners:
-                    self.faces_of[corner].discard(face)
-            else:
-                self.faces[face] = tuple(kept if c == gone else c for c in corners)  # type: ignore[assignment]
-                self.faces_of[kept].add(face)
-        self.faces_of[gone].clear()
-        self.quadric[kept] += self.quadric[gone]
-
-
-def _normal(corners: Float64) -> Float64:
-    ux, uy, uz = (corners[1] - corners[0]).tolist()
-    vx, vy, vz = (corners[2] - corners[0]).tolist()
-    return np.array([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx])
-
-
-class _CollapseQueue:
-    """Priority queue of possible collapses, cheapest first; entries of changed vertices are stale."""
-
-    def __init__(self, mesh: _Mesh, partner: list[int], fixed: Bool) -> None:
-        self._mesh, self._partner, self._fixed = mesh, partner, fixed.tolist()
-        self._heap: list[tuple[float, int, int, int, int]] = []
-        self._version = [0] * len(mesh.points)
-
-    def push(self, vertex: int) -> None:
-        """Add every collapse along the edges of a vertex."""
-        for other in self._mesh.neighbours(vertex):
-            for gone, kept in ((vertex, other), (other, vertex)):
-                if self._fixed[gone]:
-                    continue
-                if self._partner[gone] != gone or self._partner[kept] == kept:  # vertices at x = 0 stay there
-                    versions = self._version[gone], self._version[kept]
-                    heapq.heappush(self._heap, (self._mesh.cost(gone, kept), gone, kept, *versions))
-
-    def pop(self) -> tuple[int, int] | None:
-        """Remove and return the cheapest collapse that is not stale, or None."""
-        while self._heap:
-            _, gone, kept, at_gone, at_kept = heapq.heappop(self._heap)
-            if self._version[gone] == at_gone and self._version[kept] == at_kept:
-                return gone, kept
-        return None
-
-    def invalidate(self, gone: int, kept: int) -> None:
-        """Mark entries of `gone` and of all vertices around `kept` as stale."""
-        self._version[gone] = -1
-        for one in self._mesh.neighbours(kept) | {kept}:
-            self._version[one] += 1
-
-
 def simplify(
     points: Float64, triangles: Int64, vertex_data: Float64, target_count: int, fixed: Bool | None = None
 ) -> tuple[Int64, Int64]:
@@ -143,24 +41,28 @@ def simplify(
     vertices stay.
     The mesh [m] must be closed and symmetric about x = 0.
     """
-    mesh = _Mesh(points, triangles, vertex_data)
-    partner = mirror_partners(points).tolist()
-    queue = _CollapseQueue(mesh, partner, np.zeros(len(points), np.bool_) if fixed is None else fixed)
-    for vertex in np.flatnonzero(points[:, 0] >= -1e-9).tolist():
-        queue.push(vertex)
-    while len(mesh.faces) > target_count and (pair := queue.pop()) is not None:
-        gone, kept = pair
-        pairs = [pair] if partner[gone] == gone else [pair, (partner[gone], partner[kept])]
-        if gone in pairs[-1][1:] or kept == partner[gone] or not all(mesh.allowed(*one) for one in pairs):
-            continue
-        for one in pairs:
-            mesh.collapse(*one)
-            queue.invalidate(*one)
-        for vertex in mesh.neighbours(kept) | {kept}:
-            queue.push(vertex)
-    left = np.array(list(mesh.faces.values()), np.int64)
+    points, left = np.ascontiguousarray(points, np.float64), np.array(triangles, np.int64, order="C")
+    first, following = _corner_lists(left, len(points))
+    stay = np.zeros(len(points), np.bool_) if fixed is None else np.ascontiguousarray(fixed, np.bool_)
+    collapse_cheapest(
+        points, _quadrics(points, left), np.ascontiguousarray(vertex_data, np.float64), mirror_partners(points), stay,
+        target_count, left, first, following,
+    )  # fmt: skip
+    left = left[left[:, 0] >= 0]
     used = np.unique(left)
     return used, np.searchsorted(used, left)
+
+
+def _corner_lists(triangles: Int64, count: int) -> tuple[Int64, Int64]:
+    """Return the linked lists of each vertex's corners: `first` (V,) and `following` (3T,)."""
+    vertex = triangles.ravel()
+    order = np.argsort(vertex, kind="stable")
+    first, following = np.full(count, -1, np.int64), np.full(len(vertex), -1, np.int64)
+    same = vertex[order[1:]] == vertex[order[:-1]]
+    following[order[:-1][same]] = order[1:][same]
+    begins = np.concatenate([[True], ~same])
+    first[vertex[order[begins]]] = order[begins]
+    return first, following
 
 
 def subdivide(values: Float64, faces: Int64, chosen: Bool | None = None) -> tuple[Float64, Int64]:
@@ -178,8 +80,8 @@ def subdivide(values: Float64, faces: Int64, chosen: Bool | None = None) -> tupl
     column = np.arange(faces.shape[1])
     following = np.take_along_axis(faces, (column + 1) % corners[:, None], axis=1)
     start, stop = faces[there], following[there]
-    pairs = np.stack([np.minimum(start, stop), np.maximum(start, stop)], axis=1)
-    edges, edge_number = np.unique(pairs, axis=0, return_inverse=True)
+    keys, edge_number = np.unique(np.minimum(start, stop) * count + np.maximum(start, stop), return_inverse=True)
+    edges = np.stack([keys // count, keys % count], axis=1)
     edge_of = np.zeros_like(faces)
     edge_of[there] = edge_number.reshape(-1)
     uses = np.bincount(edge_of[there], minlength=len(edges))

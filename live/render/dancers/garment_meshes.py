@@ -23,25 +23,26 @@ _KINDS: Final = {"cloth": (CLOTH, 0), "hair": (HAIR, 1), "ribbon": (CLOTH, 2)}
 """Material of the dancer's colours and number in the shader of their surface, by the kind of a pattern."""
 _NEARER: Final = {"cloth": 0.018, "hair": 0.010, "ribbon": 0.0}
 """How much nearer the depth of a garment is than its place [m], by kind."""
+_DETAIL: Final = {"fine": (1 / 3, 1 / 3), "folded": (1.0, 0.5), "usual": (1.0, 1.0), "coarse": (2.0, 2.0)}
+"""Rows and columns between two vertices; folds run down, so columns matter more."""
 GARMENT_LISTS: Final = ("shadow", "mirror", "near", "far", "styled near", "styled far", "ink near", "ink far")
 """Draw lists, as those of bodies."""
 
 
-def grid_mesh(pattern: Pattern, step: int, parts: int) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
-    """Return the vertices (row, column) (V, 2) float32 and triangles (T, 3) int32 of a pattern: each cell in `parts` by
-    `parts`, or every `step`-th row and column only."""
+def grid_mesh(pattern: Pattern, down: float, along: float) -> tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]:
+    """Return the vertices (row, column) (V, 2) float32 and triangles (T, 3) int32 of a pattern, with a vertex every so
+    many rows `down` and columns `along`: whole numbers, or parts of one."""
 
-    def places(count: int, closed: bool) -> np.ndarray[Any, Any]:
-        last = count if closed else count - 1
-        if parts > 1:
-            return np.arange(last * parts + 1) / parts
-        inner = np.arange(0, last, step)
-        return np.append(inner, last)
+    def places(last: int, every: float) -> np.ndarray[Any, Any]:
+        if every < 1.0:
+            return np.arange(round(last / every) + 1) / round(1.0 / every)
+        return np.append(np.arange(0, last, round(every)), last)
 
-    down, along = places(pattern.rows, False), places(pattern.columns, pattern.closed)
-    rows, columns = np.meshgrid(down, along, indexing="ij")
+    rows_at = places(pattern.rows - 1, down)
+    columns_at = places(pattern.columns - (not pattern.closed), along)
+    rows, columns = np.meshgrid(rows_at, columns_at, indexing="ij")
     vertices = np.stack([rows.ravel(), columns.ravel()], axis=1).astype(np.float32)
-    at = np.arange(len(vertices)).reshape(len(down), len(along))
+    at = np.arange(len(vertices)).reshape(len(rows_at), len(columns_at))
     a, b, c, d = at[:-1, :-1].ravel(), at[1:, :-1].ravel(), at[1:, 1:].ravel(), at[:-1, 1:].ravel()
     return vertices, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)]).astype(np.int32)
 
@@ -117,15 +118,16 @@ class GarmentMeshes:
 
     def _grid(self, name: str, detail: str) -> tuple[moderngl.Buffer, moderngl.Buffer]:
         if (name, detail) not in self._grids:
-            step, parts = {"fine": (1, 3), "usual": (1, 1), "coarse": (2, 1)}[detail]
-            vertices, triangles = grid_mesh(PATTERNS[name], step, parts)
+            vertices, triangles = grid_mesh(PATTERNS[name], *_DETAIL[detail])
             self._grids[name, detail] = self._ctx.buffer(vertices.tobytes()), self._ctx.buffer(triangles.tobytes())
         return self._grids[name, detail]
 
     def draw(self, program: moderngl.Program, which: str) -> None:
         """Draw the garments of a list with a program that includes `garment.glsl`; both sides are drawn."""
-        if "far" in which or which in ("shadow", "mirror"):
+        if which in ("shadow", "mirror"):
             detail = "usual" if self.fine else "coarse"
+        elif "far" in which:
+            detail = "folded" if self.fine else "coarse"
         else:
             detail = "fine" if self.fine else "usual"
         drawn = [(key[1], *found) for key, found in self._lists.items() if key[0] == which and found[1]]

@@ -39,6 +39,7 @@ _REQUIRED_BITS: Final = {
 """Visibility bits required by each list; the others need VISIBLE and CLOSE, NEAR or FAR. Effects that leave their
 dancer are always drawn."""
 INSTANCE_BYTES: Final = 8
+_USUAL_LENS_DEG: Final = Camera().field_of_view_deg
 _SKIN_LISTS: Final = {
     "coarse": ("all", "mirrored"), "near": ("near", "bodies near", "ink near"), "far": ("far", "bodies far", "ink far"),
     "close": ("close", "bodies close", "ink close"), "xray": ("xray",),
@@ -71,6 +72,8 @@ class ViewVolume:
     """Position of the camera along that direction [m]."""
     planes: Float32
     """Planes of the frustum, facing inwards: n . p + d >= 0 with unit vectors n, shape (5, 4)."""
+    magnification: float
+    """How large it shows a dancer, compared with the usual lens."""
 
     @staticmethod
     def of(camera: Camera, size: tuple[int, int]) -> "ViewVolume":
@@ -81,7 +84,8 @@ class ViewVolume:
         planes = rows[3] + np.array([rows[0], -rows[0], rows[1], -rows[1], rows[2]])
         planes /= np.linalg.norm(planes[:, :3], axis=1, keepdims=True)
         start = float(forward @ np.array(camera.eye, np.float32))
-        return ViewVolume(forward, start, np.ascontiguousarray(planes, np.float32))
+        usual, now = (np.tan(0.5 * np.deg2rad(lens)) for lens in (_USUAL_LENS_DEG, camera.field_of_view_deg))
+        return ViewVolume(forward, start, np.ascontiguousarray(planes, np.float32), float(usual / now))
 
 
 class InstanceLists:
@@ -147,7 +151,7 @@ class InstanceLists:
         seen = self._seen = self._visibility[: len(view.present)]
         joints = self._joints = view.joint_position
         cull_dancers(joints, view.present, view_volume.planes, light, HIP_REACH + max(reach, BODY_REACH), seen)
-        near_to = view_volume.eye_distance + quality.far_from
+        near_to = view_volume.eye_distance + quality.far_from * view_volume.magnification
         close_to = view_volume.eye_distance + quality.close_within
         choose_detail(
             joints, view_volume.forward, near_to, quality.near_count, close_to, quality.close_count, seen, self._scratch

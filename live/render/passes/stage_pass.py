@@ -18,6 +18,9 @@ _FLOOR_VARIANTS: Final = (
 """What programs of the floor have: the border of another stage, gobos and patterns, water, spots and beams. The first
 that has all that is seen is taken."""
 
+_LONG_STILL: Final = 24
+"""After so many frames without a change it is no longer expected that light or camera go on moving."""
+
 
 class StagePass:
     """Fills all pixels of the target that no dancer covers; above the floor with a cheaper program."""
@@ -90,11 +93,12 @@ class BackdropPass:
     Each world has a program of its own; while worlds fade into each other the shares of all are added.
 
     While light or camera move, each frame needs a new backdrop. With software rendering (`coarse`) it is then drawn at
-    half the size and enlarged, until they stop.
+    half the size and enlarged, until they stop; if they move again and again, until they have stopped for a while.
     """
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int], *, coarse: bool) -> None:
         self._ctx, self._divisor = ctx, 2 if coarse else 1
+        self._still = self._patience = _LONG_STILL
         self._programs = {
             name: compile_program(ctx, "full_vertex.glsl", f"{name}_fragment.glsl", (("WALL_BEHIND", WALL_DISTANCE),))
             for name in WORLD_NAMES
@@ -114,11 +118,14 @@ class BackdropPass:
         self._is_cached = False
 
     def draw(self, worlds: Mapping[str, float], *, moving: bool) -> None:
-        """Fill `texture` if it is not cached, with the share of each world; `moving`: light or camera have changed
-        since the last frame."""
-        if self._is_cached:
+        """Fill `texture` unless it holds what is due, with the share of each world; `moving`: light or camera have
+        changed since the last frame."""
+        if moving:
+            self._patience = 1 if self._still >= _LONG_STILL else _LONG_STILL
+        self._still = 0 if moving else self._still + 1
+        coarse = self._divisor > 1 and self._still < self._patience
+        if self._is_cached and (coarse or self.texture is self._full_size):
             return
-        coarse = moving and self._divisor > 1
         self.texture = self._small if coarse else self._full_size
         (self._small_target if coarse else self._full_size_target).use()
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
@@ -130,7 +137,7 @@ class BackdropPass:
             self._ctx.enable(moderngl.BLEND)  # the first one fills, the others are added
             self._ctx.blend_func = moderngl.ONE, moderngl.ONE
         self._ctx.disable(moderngl.BLEND)
-        self._is_cached = not coarse
+        self._is_cached = True
 
     def invalidate(self) -> None:
         """Invalidate the cache, after light or camera have changed."""

@@ -8,9 +8,13 @@ import numpy as np
 from live.render.camera import FAR, NEAR
 from live.render.pass_context import Moment, PassSetup, Surfaces
 from live.render.shader import FullscreenShader, release_all
+from live.render.worlds.world_textures import NOISE_SIZE
 
 _MARGIN: Final = 0.012
 """How far lines reach beyond the dancers [heights of the picture]."""
+_PERIODS: Final = 460.0, 620.0
+"""Pixels after which the noise repeats, at the usual height: that of the sheet, and that of the hand."""
+_REFERENCE_HEIGHT: Final = 720.0
 _STROKES_PER_BEAT: Final = 2.0
 """How often lines are drawn anew: those of a drawing on film are never quite the same."""
 
@@ -26,6 +30,7 @@ class PaperPass:
         self._programs = [
             FullscreenShader(making.ctx, "sheet_fragment.glsl", (*constants, ("BODIES", bodies))) for bodies in (0, 1)
         ]
+        self.resize(making.size)
 
     def active(self, moment: Moment) -> bool:
         """Whether paper is seen."""
@@ -45,6 +50,8 @@ class PaperPass:
         if not width or not height:
             part = 0, 0, 0, 0
         for program, regions in zip(self._programs, (_around(part, source.size), (part,)), strict=True):
+            program.set("levels", self._levels)
+            program.set("fading", int(moment.uniforms.worlds["paper"] < 1.0))
             program.set("stroke", (0.618034 * drawn % 1.0, 0.754878 * drawn % 1.0))
             for where in regions:
                 if where[2] > 0 and where[3] > 0:
@@ -55,7 +62,9 @@ class PaperPass:
         target.scissor = whole
 
     def resize(self, size: tuple[int, int]) -> None:
-        """New size of the picture [pixels]: nothing depends on it."""
+        """New size of the picture [pixels]."""
+        texels = np.array(_PERIODS) * size[1] / _REFERENCE_HEIGHT / NOISE_SIZE  # pixels of the picture for each
+        self._levels = tuple(np.maximum(-np.log2(texels), 0.0).tolist())
 
     def release(self) -> None:
         """Free the program."""

@@ -214,7 +214,8 @@ def test_a_stroke_of_512_points_becomes_a_path_by_one_packet(night: EditedShow) 
     assert read_patch(night.path) == night.show.patch
 
 
-@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.long)])
+@pytest.mark.long
+@pytest.mark.parametrize("seed", [0, 1])
 def test_random_edits_of_three_people_leave_engine_and_file_alike_and_replay(night: EditedShow, seed: int) -> None:
     rng = random.Random(seed)
     store = DocumentStore(night.path)

@@ -206,6 +206,7 @@ async def answer_of(page: aiohttp.ClientWebSocketResponse) -> list[str | bytes]:
         frames.append(message.data)
 
 
+@pytest.mark.long
 def test_pages_ask_over_the_web(web: WebService, loaded: LoadedShow) -> None:
     question = {"id": 1, "measure": 5.5, "joints": True}
     wanted = list(open_answers(loaded).answer(question))

@@ -115,7 +115,11 @@ EDITS = {
 }
 
 
-@pytest.mark.parametrize("name", EDITS)
+SHORT = ("both", "gate named", "obstacle moved", "wall", "item gone")
+"""Edits of the short run of tests: one of each kind."""
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.long] * (name not in SHORT)) for name in EDITS])
 def test_each_edit_acts_undoes_replays_and_resumes_like_a_fresh_show(night: EditedShow, name: str) -> None:
     night.run(4.5)
     before = (stage(night), gates(night), surroundings(night), set_items(night.show.patch))
@@ -295,7 +299,9 @@ values = { name = "tree" }
     assert night.path.read_text() == expected
 
 
-@pytest.mark.parametrize("name", ["both", "gate gone", "obstacle gone"])
+@pytest.mark.parametrize(
+    "name", ["both", *(pytest.param(f"{one} gone", marks=pytest.mark.long) for one in ("gate", "obstacle"))]
+)
 def test_another_engine_goes_on_after_the_edit(night: EditedShow, name: str) -> None:
     """From a snapshot in the journal, as when the first engine has died."""
     night.run(2.5)

@@ -1,6 +1,7 @@
 """Tests of what is known of a process and a file's owner, by the way of Linux and by the one that works everywhere."""
 
 import os
+import platform
 import sys
 
 import pytest
@@ -33,3 +34,16 @@ def test_a_file_of_another_user_is_not_private(tmp_path, monkeypatch):
     assert is_private(path.stat())
     monkeypatch.setattr(os, "getuid", lambda: path.stat().st_uid + 1)
     assert not is_private(path.stat())
+
+
+@pytest.mark.skipif(
+    sys.platform != "linux" or platform.libc_ver()[0] != "glibc", reason="glibc alone keeps what is freed"
+)
+def test_freed_pieces_go_back_to_the_system():
+    pieces = [bytes(2000) for _ in range(50_000)]
+    last = pieces[-1]  # lies above all others, so glibc keeps these when they are freed
+    del pieces
+    before = process_control.memory_of(os.getpid())
+    process_control.return_free_memory()
+    assert before - process_control.memory_of(os.getpid()) > 50_000_000
+    assert len(last) == 2000

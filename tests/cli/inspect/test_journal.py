@@ -125,6 +125,7 @@ def test_csv_export_has_row_for_each_event_and_measure(show_journal, tmp_path):
     assert run_live("journal", "export", str(show_journal), str(tmp_path / "a.xls")).returncode == 2
 
 
+@pytest.mark.long
 def test_replay_of_measure_range_verifies_and_renders_film(show_journal, tmp_path):
     told = run_live("replay", str(show_journal), "--verify", "--from", "3", "--to", "4", "--json")
     assert told.returncode == 0, told.stderr

@@ -54,6 +54,7 @@ def test_components_are_those_of_all_edges(clips, threshold):
     assert len(set(zip(*map(np.ndarray.tolist, labels), strict=True))) == len(set(labels[0].tolist()))
 
 
+@pytest.mark.long
 @settings(max_examples=25, deadline=None)
 @given(many_clips(), st.sampled_from([0.05, 0.15]), st.integers(1, 3))
 def test_insertion_into_a_sparse_graph_equals_full_build(clips, threshold, new):

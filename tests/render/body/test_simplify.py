@@ -55,6 +55,55 @@ def test_more_vertices_stay_where_attributes_vary() -> None:
     assert above[1] > above[0] + 0.05
 
 
+def test_the_first_edges_to_collapse_are_the_cheapest() -> None:
+    """Against costs in numpy (Garland and Heckbert 1997): planes by area, and the change of data along an edge."""
+    points, triangles = _sphere(2)
+    points *= (0.31, 0.12, 0.2)
+    data = np.stack([np.sin(9.0 * points[:, 1]), points[:, 2]], axis=1)
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    normal = np.cross(b - a, c - a)
+    area = np.linalg.norm(normal, axis=1)
+    plane = np.column_stack([normal / area[:, None], -(normal * a).sum(axis=1) / area])
+    form = np.einsum("t,ti,tj->tij", area, plane, plane)
+    quadric = np.array([form[(triangles == vertex).any(axis=1)].sum(axis=0) for vertex in range(len(points))])
+    gone, kept = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).T
+    at = np.column_stack([points[kept], np.ones(len(kept))])
+    cost = np.einsum("ei,eij,ej->e", at, quadric[gone] + quadric[kept], at)
+    change = np.abs(data[gone] - data[kept]).sum(axis=1)
+    cost += 2e-4 * np.linalg.norm(points[gone] - points[kept], axis=1) * (0.2 + change)
+    cost[(np.abs(points[gone, 0]) < 1e-9) & (np.abs(points[kept, 0]) > 1e-9)] = np.inf  # those in the middle stay there
+    cheapest = gone[cost <= cost.min() * (1.0 + 1e-6)]
+    used, _ = simplify(points, triangles, data, len(triangles) - 1)
+    left_out = np.setdiff1d(np.arange(len(points)), used)
+    assert 0 < len(left_out) <= 2
+    assert np.isin(left_out, cheapest).all()
+
+
+def test_numbers_that_differ_by_rounding_give_the_same_mesh() -> None:
+    """So bodies are the same on all machines, whatever the last bits of their mathematical libraries are."""
+    points, triangles = _sphere(3)
+    points *= 0.2
+    data = np.sin(30.0 * points[:, 1:2])
+    rounded = points * (1.0 + 1e-15 * np.random.default_rng(1).uniform(-1.0, 1.0, points.shape))
+    (used, fewer), (also_used, also_fewer) = (simplify(each, triangles, data, 200) for each in (points, rounded))
+    assert np.array_equal(used, also_used)
+    assert np.array_equal(fewer, also_fewer)
+
+
+def test_fixed_vertices_stay() -> None:
+    points, triangles = _sphere(3)
+    fixed = points[:, 1] > 0.5
+    used, _ = simplify(points, triangles, np.zeros((len(points), 1)), 300, fixed)
+    assert np.isin(np.flatnonzero(fixed), used).all()
+
+
+def test_partners_are_the_nearest_to_the_mirror_images() -> None:
+    points = np.random.default_rng(2).normal(size=(60, 3))
+    image = points * [-1.0, 1.0, 1.0]
+    nearest = np.linalg.norm(points[None] - image[:, None], axis=2).argmin(axis=1)
+    assert np.array_equal(mirror_partners(points), nearest)
+
+
 def test_simplification_stops_at_tetrahedron() -> None:
     """A tetrahedron cannot lose a vertex and stay closed."""
     points = np.array([[0.0, 1.0, 0.0], [0.0, -0.5, 1.0], [1.0, -0.5, -0.5], [-1.0, -0.5, -0.5]])

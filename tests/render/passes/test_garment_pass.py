@@ -128,11 +128,11 @@ def test_number_of_garments_may_change_from_picture_to_picture(draw):
     assert np.array_equal(draw(view_of("skirt")), first)
 
 
-@pytest.mark.parametrize(("step", "parts"), [(1, 1), (2, 1), (1, 3)])
+@pytest.mark.parametrize(("every_row", "every_column"), [(1.0, 1.0), (2.0, 2.0), (1 / 3, 1 / 3), (1.0, 0.5)])
 @pytest.mark.parametrize("name", ["skirt", "long hair"])
-def test_grid_has_a_cell_for_each_cell_of_the_cloth(name, step, parts):
+def test_grid_has_a_cell_for_each_cell_of_the_cloth(name, every_row, every_column):
     pattern = PATTERNS[name]
-    vertices, triangles = grid_mesh(pattern, step, parts)
+    vertices, triangles = grid_mesh(pattern, every_row, every_column)
     along = pattern.columns if pattern.closed else pattern.columns - 1
     assert vertices[:, 0].max() == pattern.rows - 1
     assert vertices[:, 1].max() == along

@@ -235,7 +235,7 @@ def test_unknown_groups_and_controls_are_refused_and_counted():
     assert show.apply(events.SetParameter(address="/dance/motion/head", value=(1.0,), group="*", **STAMP))
 
 
-@pytest.mark.parametrize("side", [-1.0, 1.0])
+@pytest.mark.parametrize("side", [-1.0, pytest.param(1.0, marks=pytest.mark.long)])
 def test_mirror_extremes_select_one_side_only(side):
     """T042: all steps of the first show have mirror images; from the second decided measure on one side is used."""
     show = load_show(DEFAULT_PATCH).start()

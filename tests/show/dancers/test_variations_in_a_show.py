@@ -72,6 +72,7 @@ def test_dancers_of_one_step_differ_from_each_other():
     assert np.linalg.norm(hands[:, same] - hands[:, same][:, :1], axis=-1).max() > 0.05
 
 
+@pytest.mark.long
 def test_show_is_the_same_with_variations_made_anew(varied, monkeypatch, tmp_path):
     """The law of determinism: patch, steps and seed give the same bits, from the cache and without it."""
     cache = step_folder.VARIATIONS.__class__

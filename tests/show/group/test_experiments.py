@@ -132,6 +132,7 @@ def test_repeated_show_is_bit_identical(experiment_run):
     assert show.state_hash() == lines[8][4]
 
 
+@pytest.mark.long
 def test_samba_alternates_feet_in_random_walks_and_faces_audience():
     show = load_show(find_patch("samba")).start()
     view, library, chosen, across = show.view(), show.graph.library, [], []
@@ -187,6 +188,7 @@ def test_ballet_graph_connects_all_danceable_pairs():
     }  # fmt: skip
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     ("seed", "measures"), [(1, 40), *(pytest.param(seed, 100, marks=pytest.mark.soak) for seed in (1, 2, 3))]
 )

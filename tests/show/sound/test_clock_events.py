@@ -123,7 +123,9 @@ def analysis_factory(show):
 SLOW = "music = {one_at_s = 2.763, bpm = 64}\n"
 
 
-@pytest.mark.parametrize("begin", [0.0, 0.21, 0.7])
+@pytest.mark.parametrize(
+    "begin", [pytest.param(0.0, marks=pytest.mark.long), pytest.param(0.21, marks=pytest.mark.long), 0.7]
+)
 def test_score_of_slow_song_starts_at_known_downbeat(tmp_path, begin):
     show, clock, inbox = made_show(SLOW, top=True), ManualClock(), EventQueue()
     music = OfflineMusic(synthesize_song(64.0, 2.763, 16.0), begin=begin, one_at=2.763, analysis=analysis_factory(show))
@@ -173,6 +175,7 @@ def test_music_player_announces_downbeat_once_before_beats():
     assert not any(isinstance(event, events.BeatHeard) for event in found[: ones[0]])
 
 
+@pytest.mark.long
 def test_late_downbeat_is_announced_at_same_position_for_any_step():
     music = synthesize_song(64.0, 32.0, 33.0, rate=16000)
     told = []

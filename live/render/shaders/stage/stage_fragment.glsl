@@ -65,13 +65,6 @@ float patterns(vec2 place, float height) {
 
 #endif
 
-#if WATER
-vec4 backdrop_at(vec2 bend) {
-    if (textureSize(backdrop, 0).x != int(picture.x)) return texture(backdrop, at + bend);
-    return texelFetch(backdrop, clamp(ivec2(gl_FragCoord.xy + bend * picture.xy), ivec2(0), ivec2(picture.xy) - 1), 0);
-}
-#endif
-
 void main() {
     vec2 bend = vec2(0.0);
 #if FLOOR
@@ -86,25 +79,19 @@ void main() {
     bend.y = min(bend.y, max(-ray.y / max(ray_up.y, 1e-3) - 0.004, 0.0));   // never above the horizon
 #endif
 #endif
-    // while light or camera move it may be smaller than the picture
-#if FLOOR && WATER
-    vec4 kept = backdrop_at(bend);
-#else
-    vec4 kept = textureSize(backdrop, 0).x == int(picture.x) ? texelFetch(backdrop, ivec2(gl_FragCoord.xy), 0)
-                                                             : texture(backdrop, at);
-#endif
+    vec4 kept = textureLod(backdrop, at + bend, 0.0);   // one texel; while light or camera move it may be smaller
     vec3 colour = square3(kept.rgb);
 #if FLOOR
 #if EDGE
     colour = mix(colour, resized(colour, place), kept.a);
 #endif
-    vec4 here = texture(floor_map, place / (2.0 * stage.zw) + 0.5);
+    vec4 here = textureLod(floor_map, place / (2.0 * stage.zw) + 0.5, 0.0);
     colour *= 1.0 - kept.a * here.a;
 #if PATTERNS
     float other = clamp(0.16 + 0.4 * fill_above.g, 0.0, 0.7);   // light that comes from elsewhere
     colour *= mix(1.0, other + (1.0 - other) * gobo_at(vec3(place.x, 0.0, place.y)), kept.a);
 #endif
-    colour += (here.rgb + square3(texture(mirror, at + bend).rgb)) * kept.a;
+    colour += (here.rgb + square3(textureLod(mirror, at + bend, 0.0).rgb)) * kept.a;
 #if PATTERNS
     float lit = patterns(place, ring.z) * kept.a * (1.0 - 0.7 * here.a);
     colour += floor_pattern_colour() * (lit * (0.05 + 0.55 * light_floor()));
