@@ -58,7 +58,7 @@ void main() {
         sum *= beam_answer();
     }
     for (int k = spots_begin(); k < spots_end(); ++k) {
-        vec3 lamp = spot_lamp(k), to = vec3(spot_place[k].x, 0.9, spot_place[k].y) - lamp;
+        vec3 lamp = spot_lamp(k), to = vec3(spot_place[k].x, 0.7, spot_place[k].y) - lamp;
         float far = length(to);
         float spread = spot_place[k].z / far * 0.8;
         sum += spot_light[k].rgb * 0.30 * cone(lamp, to / far, 0.06, spread, start, direction, reach, known);
