@@ -109,6 +109,7 @@ class BackdropPass:
     def _make(self, size: tuple[int, int]) -> None:
         self.texture = self._ctx.texture(size, 4, dtype="f2")
         self.texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self.texture.repeat_x = self.texture.repeat_y = False  # waves look beyond its edges
         self._full_size, self._full_size_target = self.texture, self._ctx.framebuffer([self.texture])
         small = (max(size[0] // self._divisor, 1), max(size[1] // self._divisor, 1))
         self._small = self._ctx.texture(small, 4, dtype="f2")
