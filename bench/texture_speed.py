@@ -4,11 +4,11 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Final
 
 import numpy as np
 
+from live.base.motion_parameters import MOTION_SIZE, TEXTURE
 from live.cli.bench import Row
 from live.motion import quaternion
 from live.motion.clip import Clip
@@ -23,6 +23,7 @@ from live.motion.texture.texture_settings import TextureSettings
 from live.motion.texture.texture_synthesis import find_paths, prepare_sketch, texture_sketch
 from live.motion.texture.upper_body_regression import learn_upper_body
 from live.show.dancers.live_texture import LiveTexture
+from live.show.dancers.variation import Variation
 
 RATE: Final = 60.0
 SKETCH_S: Final = 60.0
@@ -82,8 +83,10 @@ def _live_costs(bank: TextureBank, count: int) -> tuple[float, float]:
     skeleton = Skeleton(tuple(map(str, range(9))), own.parents, own.offsets)
     position, rotation = (a.astype(np.float32) for a in forward_kinematics(walk.root_position, legs, skeleton))
     body, turned = (a.astype(np.float32) for a in forward_kinematics(walk.root_position, walk.rotation))
-    variation = SimpleNamespace(texture=np.ones(count), textures=True, measure=0, head=np.zeros(count))
-    texturing = LiveTexture(bank, variation, count, seed=1, beats=4)  # type: ignore[arg-type]
+    values = np.zeros((1, MOTION_SIZE))
+    values[0, TEXTURE.first] = 1.0
+    variation = Variation(values, np.zeros(count, np.int32), seed=1, beats_per_measure=4, window=1.0)
+    texturing = LiveTexture(bank, variation, count, seed=1, beats=4)
     offset = chance.integers(0, 200, count)
     rows = [(number + offset) % 1000 for number in range(64 * 10)]
     poses = [(np.ascontiguousarray(position[at]), np.ascontiguousarray(rotation[at])) for at in rows]
