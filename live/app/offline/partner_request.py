@@ -123,6 +123,7 @@ class PartnerOptions:
     transcript: Path | None
     seed: int
     smooth: float | None = None
+    style: str | None = None
 
 
 def follower_report(

@@ -206,18 +206,23 @@ def _led(
     first: int, last: int, amount: float, holds: tuple[Hold, ...], palm: Float64, head: Float64, rate: float
 ) -> tuple[TurnKind, bool]:
     """Return how a turn is led, and whether under a raised hand."""
-    shares = [(min(one.end, last) - max(one.begin, first - RELEASED_S * rate), one) for one in holds]
-    shares = [one for one in shares if one[0] > 0.0]
-    if not shares:
+    led = [one for one in holds if min(one.end, last) > max(one.begin, first - RELEASED_S * rate)]
+    if not led:
         return "free", False
     under = np.zeros(last + 1 - first, np.bool_)
-    for _, hold in shares:
+    for hold in led:
         inside = slice(max(int(hold.begin) - first, 0), max(int(hold.end) + 1 - first, 0))
         rows = slice(first, last + 1)
         under[inside] |= (palm[rows, hold.follower_hand] >= head[rows])[inside]
     raised = bool(under.mean() >= RAISED_SHARE)
-    # of two held hands the one that is higher in the turn leads it
-    lead = max(shares, key=lambda one: (float(palm[first : last + 1, one[1].follower_hand].mean()), one[0]))[1]
+    # the hand that is held for longer leads the turn, of two alike the higher one
+    lead = max(
+        led,
+        key=lambda one: (
+            round(10.0 * (min(one.end, last) - max(one.begin, first)) / (last + 1 - first)),
+            float(palm[first : last + 1, one.follower_hand].mean()),
+        ),
+    )
     to_left = amount > 0.0
     return ("inside" if to_left == (lead.follower_hand == 1) else "outside"), raised
 
