@@ -5,6 +5,8 @@ from typing import Annotated
 
 import typer
 
+from live.cli.play import STUDIO_PORT, open_browser_later, studio_link
+
 app = typer.Typer(
     no_args_is_help=True,
     help="Recorded couples: compare the answers to their leaders, label their patterns, write down what they dance.",
@@ -83,3 +85,32 @@ def notation(
     for option, file in (("--out", out), ("--report", report)):
         check_writable(file, option)
     run_notation(pairs, take, first=first, out=out, report=report)
+
+
+@app.command()
+def label(
+    pairs: Pairs,
+    labels: Annotated[
+        Path | None, typer.Option(help="Where the labels are. Default: PAIRS.labels.toml.", metavar="LABELS.toml")
+    ] = None,
+    web: Annotated[str, typer.Option(help="Where the page is served.", metavar="[HOST:]PORT")] = str(STUDIO_PORT),
+    browser: Annotated[bool, typer.Option(help="Open the page in the browser.")] = True,
+) -> None:
+    """Label the patterns of recorded couples, by keys, while they dance on a page of the studio.
+
+    A pattern is eight beats. Each change is written at once to a file beside the pairs; `live couple compare` reads it.
+    Ctrl-C ends it.
+    """
+    import sys
+
+    from live.app.option_values import check_writable, parse_endpoint
+    from live.app.services.http_services import stored_key
+    from live.app.services.label_page import open_desk, serve_labels
+
+    check_writable(labels, "--labels")
+    desk = open_desk(pairs, labels)
+    key, where = stored_key(), parse_endpoint(web, "--web")
+    print(f"labels: {studio_link(where, key)}", file=sys.stderr)
+    if browser:
+        open_browser_later(where, key)
+    serve_labels(desk, where, key)
