@@ -125,6 +125,7 @@ def _movements(clip: Clip, beats: Float64) -> list[Movement]:
     lowest = np.stack([joints[:, ends, 1].min(axis=1) for ends in _FOOT_ENDS], axis=1)
     in_air = (lowest > np.percentile(lowest, 5, axis=0) + AIR_M).all(axis=1)
     found = []
+    told = float(heading[round(beats[0])])  # the heading as the eighths so far tell it, so that they add up
     for begin, end in zip(beats[:-1].tolist(), beats[1:].tolist(), strict=True):
         early = BEFORE_COUNT * (end - begin)
         lands = [bool(((one >= begin - early) & (one < end - early)).any()) for one in landed]
@@ -132,7 +133,8 @@ def _movements(clip: Clip, beats: Float64) -> list[Movement]:
         moved = complex(weight[j] - weight[i]) * np.exp(-1j * heading[i : j + 1].mean())
         level = float(height[i : j + 1].min()) - usual, float(height[i : j + 1].max()) - usual
         words = "low" if level[0] < -LOW_M else "high" if level[1] > HIGH_M else "middle"
-        turn = round(float(heading[j] - heading[i]) / EIGHTH)
+        turn = round((float(heading[j]) - told) / EIGHTH)
+        told += turn * EIGHTH
         found.append(Movement(_support(lands, bool(in_air[i : j + 1].mean() > 0.5)), _direction(moved), words, turn))
     return found
 

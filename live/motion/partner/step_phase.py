@@ -21,14 +21,15 @@ from live.motion.partner.point_clouds import Cloud
 
 WINDOW_S: Final = 0.6
 """Time over which the change of direction is measured [s]."""
+SWAY_S: Final = 0.25
+"""Standard deviation of the smoothing of a path before [s]: hips sway with each step, and a turn that is found by their
+sway would have the phase of the step by its definition."""
 SHARP_RAD: Final = np.radians(50.0)
 """Least change of direction within it of a sharp turn [rad]."""
 MIN_SPEED: Final = 0.25
 """A path that is slower has no direction [m/s]."""
 APART_S: Final = 0.8
 """Turns are so far apart at least [s]."""
-MIN_TURNS: Final = 3
-"""Of fewer turns no spread can be told."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -47,8 +48,9 @@ def sharp_turns(path: Cloud) -> PathTurns:
     from scipy.signal import find_peaks
 
     rate, middle = path.rate, path.floor.mean(axis=1)
-    width = 0.08 * rate
-    smooth = gaussian_filter1d(middle.real, width) + 1j * gaussian_filter1d(middle.imag, width)
+    width = SWAY_S * rate
+    smooth = gaussian_filter1d(middle.real, width, mode="nearest")
+    smooth = smooth + 1j * gaussian_filter1d(middle.imag, width, mode="nearest")
     velocity = np.gradient(smooth) * rate
     half = max(round(0.5 * WINDOW_S * rate), 1)
     if len(velocity) <= 2 * half:
@@ -121,6 +123,17 @@ class PhaseAtTurns:
             return 1.0
         z = self.count * abs(self.resultant) ** 2
         return float(min(max(np.exp(-z) * (1.0 + (2.0 * z - z * z) / (4.0 * self.count)), 0.0), 1.0))
+
+
+def phase_values(one: PhaseAtTurns) -> dict[str, float | int | None]:
+    """Return the figures for a report; without turns there is no mean and no spread."""
+    known = one.count > 0
+    return {
+        "turns": one.count,
+        "mean_cycles": one.mean if known else None,
+        "spread_cycles": one.spread if known and np.isfinite(one.spread) else None,
+        "chance": one.chance if known else None,
+    }
 
 
 def phase_at_turns(clip: Clip, path: Cloud) -> PhaseAtTurns:
