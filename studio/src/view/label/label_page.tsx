@@ -2,7 +2,7 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Fault } from "../../model/document";
 import {
-  cleanName, firstOf, labelled, labelOf, LABEL_KEYS, moved, progressOf, renamed, slotAt, slotsOf, type LabelFacts, type Pattern,
+  cleanName, firstOf, labelled, labelOf, LABEL_KEYS, moved, progressOf, renamed, slotAt, slotsOf, type LabelFacts, type Pattern, type Slot, type Take,
 } from "../../model/labels";
 import { Link } from "../../net/link";
 import { CoupleView, type CoupleMotion } from "./couple_view";
@@ -38,10 +38,13 @@ export function LabelPage({ secret, facts }: { secret: string; facts: LabelFacts
   const sent = useRef<State | null>(null);
   const coming = useRef<{ take: string; samples: number; dancers: number; width: number; depth: number } | null>(null);
 
-  const take = facts.takes.find((one) => one.name === taken.value) ?? facts.takes[0];
-  const first = state.value.firsts[taken.value] ?? 0;
-  const slots = take ? slotsOf(take, first, facts.pattern_beats) : [];
-  const here = slotAt(slots, time.value);
+  // Keys and frames come between two renderings: what acts reads the signals when it acts.
+  const takeNow = (): Take | undefined => facts.takes.find((one) => one.name === taken.value) ?? facts.takes[0];
+  const firstNow = (): number => state.value.firsts[taken.value] ?? 0;
+  const slotsNow = (): Slot[] => {
+    const take = takeNow();
+    return take ? slotsOf(take, firstNow(), facts.pattern_beats) : [];
+  };
 
   const save = (): void => {
     if (sent.current) {
@@ -71,20 +74,27 @@ export function LabelPage({ secret, facts }: { secret: string; facts: LabelFacts
     link.current?.send({ take: name });
   };
   const setLabel = (label: string | null): void => {
-    const slot = slots[here];
-    if (!take || !slot) return;
-    change({ ...state.value, patterns: labelled(state.value.patterns, take.name, slot, label) });
+    const slots = slotsNow();
+    const slot = slots[slotAt(slots, time.value)];
+    if (slot) change({ ...state.value, patterns: labelled(state.value.patterns, taken.value, slot, label) });
   };
   const shift = (by: number): void => {
+    const take = takeNow();
     if (!take) return;
-    const other = (first + by + facts.pattern_beats) % facts.pattern_beats;
-    const patterns = moved(state.value.patterns, take, slots, slotsOf(take, other, facts.pattern_beats));
+    const other = (firstNow() + by + facts.pattern_beats) % facts.pattern_beats;
+    const patterns = moved(state.value.patterns, take, slotsNow(), slotsOf(take, other, facts.pattern_beats));
     change({ ...state.value, patterns, firsts: { ...state.value.firsts, [take.name]: other } });
   };
   const toSlot = (by: number): void => {
+    const slots = slotsNow();
+    const here = slotAt(slots, time.value);
     const next = here < 0 ? (by > 0 ? slots.findIndex((one) => one.from > time.value) : -1) : here + by;
     const slot = slots[Math.min(Math.max(next, 0), slots.length - 1)];
     if (slot) time.value = slot.from;
+  };
+  const toTake = (by: number): void => {
+    const next = facts.takes[facts.takes.findIndex((one) => one.name === taken.value) + by];
+    if (next) open(next.name);
   };
   const add = (event: Event): void => {
     event.preventDefault();
@@ -146,7 +156,9 @@ export function LabelPage({ secret, facts }: { secret: string; facts: LabelFacts
     const step = (now: number): void => {
       const passed = (now - before) / 1000;
       before = now;
+      const take = takeNow();
       if (playing.value && take && motion.value) {
+        const slots = slotsNow();
         const known = slots[slotAt(slots, time.value)];
         let next = time.value + Math.min(passed, 0.2) * (slow.value ? SLOW : 1);
         if (looped.value && known && next >= known.to) next = known.from;
@@ -160,7 +172,7 @@ export function LabelPage({ secret, facts }: { secret: string; facts: LabelFacts
     };
     asked = requestAnimationFrame(step);
     return () => cancelAnimationFrame(asked);
-  });
+  }, []);
 
   useEffect(() => {
     const listen = (event: KeyboardEvent): void => {
@@ -181,17 +193,17 @@ export function LabelPage({ secret, facts }: { secret: string; facts: LabelFacts
     };
     const KEYS: Record<string, () => void> = {
       " ": () => { playing.value = !playing.value; }, ArrowLeft: () => toSlot(-1), ArrowRight: () => toSlot(1),
-      ArrowUp: () => step(-1), ArrowDown: () => step(1), Delete: () => setLabel(null), Backspace: () => setLabel(null),
+      ArrowUp: () => toTake(-1), ArrowDown: () => toTake(1), Delete: () => setLabel(null), Backspace: () => setLabel(null),
       l: () => { looped.value = !looped.value; }, s: () => { slow.value = !slow.value; }, "[": () => shift(-1), "]": () => shift(1),
-    };
-    const step = (by: number): void => {
-      const next = facts.takes[facts.takes.findIndex((one) => one.name === taken.value) + by];
-      if (next) open(next.name);
     };
     addEventListener("keydown", listen);
     return () => removeEventListener("keydown", listen);
-  });
+  }, []);
 
+  const take = takeNow();
+  const first = firstNow();
+  const slots = slotsNow();
+  const here = slotAt(slots, time.value);
   const progress = progressOf(facts, state.value.patterns, state.value.firsts);
   const beat = take ? take.beats.findLastIndex((at) => at <= time.value) : -1;
   const current = slots[here] && take ? labelOf(state.value.patterns, take.name, slots[here]) : null;
