@@ -44,7 +44,7 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     chances = {name: one.chance for name, one in found.items()}
     return [
         Row(
-            "walk: spread of the step's phase at sharp turns, led by another walk's hips", found["hips"].spread,
+            "walk: spread of the step's phase at sharp turns, led by the walk's hips", found["hips"].spread,
             "cycles", 1.5 * recorded.spread, peers=spreads,
         ),
         Row(

@@ -2,6 +2,7 @@
 
 import json
 import time
+from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -79,7 +80,7 @@ def run_compare(options: CompareOptions, console: Console) -> None:
     for one in made:
         print(take_text(one))
     if len(made) > 1:
-        print(total_text([one.comparison for one in made]))
+        print(total_text(made))
     if not any(one.comparison.labelled for one in made):
         print(
             f"No labels of a person ({labels_path(options.pairs).name}): the patterns are recognised stances and "
@@ -164,11 +165,19 @@ def take_text(one: AnsweredTake) -> str:
         ))  # fmt: skip
     wide = [max(len(row[n]) for row in rows) for n in range(7)]
     lines = ["  ".join(word.ljust(size) for word, size in zip(row, wide, strict=True)).rstrip() for row in rows]
-    return "\n".join([f"{one.name}: {total_text([told])}", *lines, ""])
+    return "\n".join([f"{one.name}: {total_text([one])}", *lines, ""])
 
 
-def total_text(many: list[CoupleComparison]) -> str:
+def usual_count(takes: list[AnsweredTake]) -> Count:
+    """Return how many transitions of the real followers are their most frequent one: who always danced that one, would
+    agree as often."""
+    real = Counter(each.words for one in takes for each in one.real.transitions)
+    return Count(max(real.values(), default=0), sum(real.values()))
+
+
+def total_text(takes: list[AnsweredTake]) -> str:
     """Return the figures of one take, or the means of several, in a few lines."""
+    many = [one.comparison for one in takes]
     means = {name: float(np.mean([getattr(one, name) for one in many])) for name in _MEANS}
     counts = {name: sum((getattr(one, name) for one in many), Count(0, 0)) for name in _COUNTS}
     label = "patterns (labels of a person)" if any(one.labelled for one in many) else "patterns (recognised)"
@@ -179,8 +188,8 @@ def total_text(many: list[CoupleComparison]) -> str:
         f"{100.0 * means['turned_share']:.0f} % of the time",
         f"  the same stance {_share(counts['stance'])} of the samples, open or closed {_share(counts['embrace'])}",
         f"  turns (F1) {_share(counts['turns'])}, of these the same kind {_share(counts['turn_kinds'])}",
-        f"  transitions {_share(counts['transitions'])}, {label} {_share(counts['pattern_count'])}, wholly "
-        f"{_share(counts['whole_count'])}",
+        f"  transitions {_share(counts['transitions'])}, the most frequent one alone {_share(usual_count(takes))}",
+        f"  {label} {_share(counts['pattern_count'])}, wholly {_share(counts['whole_count'])}",
     ]
     labelled = [one.units for one in many if one.units is not None]
     if labelled:
@@ -204,6 +213,7 @@ def _told(one: AnsweredTake, options: CompareOptions) -> dict[str, Any]:
         "online": options.online,
         **{name: getattr(told, name) for name in _MEANS},
         **{name: count(getattr(told, name)) for name in _COUNTS},
+        "most_frequent_transition_alone": count(usual_count([one])),
         "labelled": told.labelled,
         "units_with_the_same_label": None if told.units is None else count(told.units),
         "patterns": [
