@@ -1,5 +1,5 @@
-"""The studio without a show: a page on which one is begun, which then is that show's studio, and the page of `live couple
-label`, on which a person labels patterns by keys and finds them in the file."""
+"""The studio without a show: a page on which one is begun, which then is that show's studio; and the page of
+`live couple label`, on which a person labels patterns by keys and finds them in the file."""
 
 import os
 import re
