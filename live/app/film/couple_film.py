@@ -115,7 +115,7 @@ def _renderer(stack: contextlib.ExitStack, scene: Scene, size: tuple[int, int]) 
     try:
         target = OffscreenTarget(ctx, size)
         stack.callback(target.release)
-        renderer = Renderer(ctx, scene, size=size, warm_up=False)
+        renderer = Renderer(ctx, scene, size=size, blocking_video=True, warm_up=False)
     except ValueError as error:
         raise PersonError(str(error)) from None
     stack.callback(renderer.release)

@@ -8,7 +8,8 @@ compared by the same measure. What a couple shows between two dances is not in i
 
 Recognition is by distances and angles on the floor, so it holds for any partner dance with a leader and a follower:
 
-- closed: hips are near and both dancers face each other, with hysteresis;
+- closed: hips are near, both dancers face each other, and a palm of the leader is at the follower's back or side, with
+  hysteresis;
 - crosshand: the leader's right palm holds the follower's right one;
 - a turn: the leader's bearing, as the follower sees it, goes around by most of a circle, and she has turned half of
   one at least. A couple that revolves in embrace, a follower who walks past her leader and faces him again, and a
@@ -50,10 +51,14 @@ class Stance(IntEnum):
 
 TurnKind = Literal["inside", "outside", "free"]
 
-CLOSED_DISTANCE: Final = 0.65
+CLOSED_DISTANCE: Final = 0.75
 """Hips nearer than this may be in embrace [m];"""
-OPEN_DISTANCE: Final = 0.85
+OPEN_DISTANCE: Final = 0.9
 """an embrace ends when they are farther apart than this [m]."""
+EMBRACE_REACH: Final = 0.27
+"""In embrace a palm of the leader is so near to the axis of the follower's trunk [m]: half her width and a hand;"""
+RELEASE_REACH: Final = 0.4
+"""it ends when both are farther away than this [m]."""
 FACING_RAD: Final = np.radians(80.0)
 """In embrace each dancer has the other within this angle of straight ahead."""
 STANCE_S: Final = 0.3
@@ -76,6 +81,7 @@ RELEASED_S: Final = 0.5
 RAISED_SHARE: Final = 0.3
 """A turn is under a raised hand if a held palm is as high as the follower's eyes in so much of it."""
 _HEAD: Final = SKELETON.index("head")
+_TRUNK: Final = (SKELETON.index("spine"), SKELETON.index("upperChest"))
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,7 +146,8 @@ def recognise_states(leader: Clip, follower: Clip, *, holds: tuple[Hold, ...] | 
     ahead = heading_of(follower.rotation[:count, 0])
     leader_sees = wrap(to_follower - heading_of(leader.rotation[:count, 0]))
     follower_sees = wrap(ahead - (to_follower + np.pi))
-    together = _embraced(distance, leader_sees, follower_sees, rate)
+    reach = _distance_to_trunk(palms(leader)[:count], own).min(axis=1)
+    together = _embraced(distance, reach, np.maximum(np.abs(leader_sees), np.abs(follower_sees)), rate)
     cross = np.zeros(count, np.bool_)
     for hold in held:
         if (hold.leader_hand, hold.follower_hand) == (1, 1):
@@ -151,10 +158,20 @@ def recognise_states(leader: Clip, follower: Clip, *, holds: tuple[Hold, ...] | 
     return CoupleStates(rate, np.asarray(stance, np.int8), held, turns, np.asarray(distance), follower_sees)
 
 
-def _embraced(distance: Float64, leader_sees: Float64, follower_sees: Float64, rate: float) -> Bool:
-    """Return where the couple is in embrace, (T,)."""
-    facing = np.maximum(np.abs(leader_sees), np.abs(follower_sees)) <= FACING_RAD
-    begins, ends = facing & (distance <= CLOSED_DISTANCE), ~facing | (distance > OPEN_DISTANCE)
+def _distance_to_trunk(points: Float64, joints: Float64) -> Float64:
+    """Return the distances of points (T, n, 3) from the axis of the trunk of joints (T, J, 3) [m], (T, n)."""
+    low, high = joints[:, _TRUNK[0], None], joints[:, _TRUNK[1], None]
+    axis = high - low
+    share = np.clip(((points - low) * axis).sum(axis=-1) / (axis**2).sum(axis=-1), 0.0, 1.0)
+    return np.asarray(np.linalg.norm(points - (low + share[..., None] * axis), axis=-1))
+
+
+def _embraced(distance: Float64, reach: Float64, away: Float64, rate: float) -> Bool:
+    """Return where the couple is in embrace, (T,), from the distance of the hips [m], of the leader's nearer palm from
+    the follower's trunk [m], and the larger angle between a dancer's heading and the other dancer [rad], (T,) each."""
+    facing = away <= FACING_RAD
+    begins = facing & (distance <= CLOSED_DISTANCE) & (reach <= EMBRACE_REACH)
+    ends = ~facing | (distance > OPEN_DISTANCE) | (reach > RELEASE_REACH)
     change = np.where(begins, 1, np.where(ends, -1, 0))
     latest = np.maximum.accumulate(np.where(change != 0, np.arange(len(change)), -1))
     raw = (latest >= 0) & (change[np.maximum(latest, 0)] > 0)

@@ -1,5 +1,7 @@
 """Synthetic couples: two standing bodies that are placed and turned as told."""
 
+from dataclasses import replace
+
 import numpy as np
 import numpy.typing as npt
 
@@ -27,6 +29,15 @@ def ramp(count: int, begin: float, end: float, amount: float) -> Float64:
     return np.asarray(amount * share * share * (3.0 - 2.0 * share))
 
 
+def reaching(clip: Clip) -> Clip:
+    """The same dancer with the right arm straight ahead, its palm at the back of one who stands 0.5 m before."""
+    rotation = clip.rotation.copy()
+    rotation[:, SKELETON.index("rightUpperArm")] = (np.cos(np.pi / 4), 0.0, np.sin(np.pi / 4), 0.0)
+    return replace(clip, rotation=rotation)
+
+
 def facing_couple(count: int, distance: npt.ArrayLike, turn: npt.ArrayLike = 0.0) -> tuple[Clip, Clip]:
-    """A leader at the origin who faces the hall, and a follower before him who faces him and turns by `turn` [rad]."""
-    return dancer(0.0, 0.0, 0.0, count, "leader"), dancer(0.0, distance, np.pi + np.asarray(turn), count, "follower")
+    """A leader at the origin who faces the hall and reaches ahead, and a follower before him who faces him and turns by
+    `turn` [rad]."""
+    leader = reaching(dancer(0.0, 0.0, 0.0, count, "leader"))
+    return leader, dancer(0.0, distance, np.pi + np.asarray(turn), count, "follower")

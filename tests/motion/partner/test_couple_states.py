@@ -9,7 +9,7 @@ from live.motion.clip import Clip
 from live.motion.partner.couple_states import CoupleStates, Stance, recognise_states, transitions
 from live.motion.partner.units import Hold
 from live.motion.skeleton import SKELETON
-from tests.motion.partner.made_couples import RATE, dancer, facing_couple, ramp
+from tests.motion.partner.made_couples import RATE, dancer, facing_couple, ramp, reaching
 
 COUNT = 600
 TURN = (3.0, 4.5)
@@ -23,7 +23,7 @@ def held(leader: int, follower: int, begin: float = 0.0, end: float = 10.0) -> t
     return (Hold(leader, follower, begin * RATE, end * RATE - 1.0),)
 
 
-def test_a_couple_is_closed_while_it_is_near_and_faces_each_other() -> None:
+def test_a_couple_is_closed_while_it_is_in_embrace() -> None:
     distance = 1.2 - ramp(COUNT, 2.0, 3.0, 0.7) + ramp(COUNT, 6.0, 7.0, 0.7)
     found = states_of(facing_couple(COUNT, distance))
     closed = found.stance == Stance.CLOSED
@@ -32,6 +32,8 @@ def test_a_couple_is_closed_while_it_is_near_and_faces_each_other() -> None:
     assert not closed[round(7.0 * RATE) :].any()
     away = facing_couple(COUNT, 0.5, np.pi)
     assert (states_of(away).stance == Stance.OPEN).all()  # near, back to front
+    apart = dancer(0.0, 0.0, 0.0, COUNT), dancer(0.0, 0.5, np.pi, COUNT)
+    assert (states_of(apart).stance == Stance.OPEN).all()  # near, face to face, and no hand at her back
 
 
 def test_crosshand_is_right_hand_in_right_hand() -> None:
@@ -91,7 +93,7 @@ def test_a_turn_is_raised_if_the_held_palm_is_as_high_as_the_head() -> None:
 
 def test_a_couple_that_revolves_in_embrace_does_not_turn() -> None:
     angle = ramp(COUNT, 1.0, 8.0, 4.0 * np.pi)
-    leader = dancer(0.0, 0.0, angle, COUNT)
+    leader = reaching(dancer(0.0, 0.0, angle, COUNT))
     follower = dancer(0.5 * np.sin(angle), 0.5 * np.cos(angle), angle + np.pi, COUNT)
     found = states_of((leader, follower), held(0, 1))
     assert found.turns == ()
@@ -113,7 +115,7 @@ def test_where_and_which_way_a_couple_dances_does_not_matter() -> None:
     distance = 1.2 - ramp(COUNT, 6.0, 7.0, 0.7)
     one = states_of(facing_couple(COUNT, distance, turn), held(1, 1))
     yaw, x, z = 2.1, 3.0, -2.0
-    leader = dancer(x, z, yaw, COUNT)
+    leader = reaching(dancer(x, z, yaw, COUNT))
     follower = dancer(x + distance * np.sin(yaw), z + distance * np.cos(yaw), yaw + np.pi + turn, COUNT)
     other = states_of((leader, follower), held(1, 1))
     assert (one.stance == other.stance).mean() > 0.99

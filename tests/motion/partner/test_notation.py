@@ -9,7 +9,7 @@ from live.motion.clip import Clip
 from live.motion.partner.couple_states import recognise_states
 from live.motion.partner.notation import DIRECTIONS, CountNotation, notate, notation_text
 from live.motion.partner.units import Hold
-from tests.motion.partner.made_couples import RATE, dancer, ramp
+from tests.motion.partner.made_couples import RATE, dancer, ramp, reaching
 from tests.motion.partner.made_walks import CYCLE_S, walk
 
 SECONDS = 6.0
@@ -64,7 +64,7 @@ def test_levels_are_of_the_hips_against_their_usual_height() -> None:
 
 
 def test_counts_hands_and_lines_of_the_text() -> None:
-    couple = dancer(0.0, 0.0, 0.0, COUNT), dancer(0.0, 0.5, np.pi, COUNT)
+    couple = reaching(dancer(0.0, 0.0, 0.0, COUNT)), dancer(0.0, 0.5, np.pi, COUNT)
     found = notated(*couple, (Hold(0, 1, 0.0, 2.0 * RATE), Hold(1, 1, 2.0 * RATE, 10.0 * RATE)), first=2)
     assert [one.count for one in found[:4]] == [7, 8, 1, 2]
     assert [one.hands for one in found][:2] == ["left-right", "left-right"]

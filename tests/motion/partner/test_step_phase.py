@@ -54,7 +54,7 @@ def test_turns_of_an_answer_come_on_the_recorded_foot_whenever_the_path_turns() 
     examples = []
     for clip in recordings:
         landed = np.flatnonzero((np.diff(clip.contact.astype(np.int8), axis=0) > 0).any(axis=1)) + 1.0
-        examples.append(Example(clip.name, path_cloud(clip), ends_cloud(clip), clip, landed, np.zeros(0)))
+        examples.append(Example(clip.name, path_cloud(clip), ends_cloud(clip), clip, np.asarray(landed), np.zeros(0)))
     units = cut_units(examples)
     recorded = pooled([phase_at_turns(clip, path_cloud(clip)) for clip in recordings])
     assert recorded.spread < 0.02
