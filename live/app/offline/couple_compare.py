@@ -158,7 +158,7 @@ def take_text(one: AnsweredTake) -> str:
     told = one.comparison
     rows = [("", "from", "to [s]", "joints [m]", "facing [°]", "real", "answer")]
     for pattern in told.patterns:
-        mark = "=" if pattern.whole else "~" if pattern.same else " "
+        mark = "=" if pattern.whole else "~" if pattern.same else " " if pattern.known else "?"
         rows.append((
             mark, f"{pattern.begin:.2f}", f"{pattern.end:.2f}", f"{pattern.joint_m:.2f}", f"{pattern.facing_deg:.0f}",
             pattern.real, pattern.answer,
@@ -218,11 +218,12 @@ def _told(one: AnsweredTake, options: CompareOptions) -> dict[str, Any]:
         "units_with_the_same_label": None if told.units is None else count(told.units),
         "patterns": [
             {
-                "from_s": one_pattern.begin, "to_s": one_pattern.end, "real": one_pattern.real,
-                "answer": one_pattern.answer, "same": one_pattern.same, "whole": one_pattern.whole,
-                "joint_m": one_pattern.joint_m, "facing_deg": one_pattern.facing_deg,
+                "from_s": each.begin, "to_s": each.end, "real": each.real,
+                "answer": each.answer, "same": each.same, "whole": each.whole,
+                "joint_m": each.joint_m, "facing_deg": each.facing_deg,
+                "known": each.known,
             }
-            for one_pattern in told.patterns
+            for each in told.patterns
         ],
     }  # fmt: skip
 

@@ -42,7 +42,7 @@ def compare(
 
     The table has the joints, the facing, stances and turns, and each pattern of eight beats. Patterns have the labels
     that a person gave them (`live couple label`); without any they are recognised. `=` marks a pattern that is wholly
-    the same, `~` one that is so for most of the time.
+    the same, `~` one that is so for most of the time, `?` one that is answered with units without a label.
     """
     from rich.console import Console
 

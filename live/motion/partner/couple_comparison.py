@@ -8,6 +8,7 @@ compared, which is not the same: see `couple_states`.
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -19,6 +20,8 @@ from live.motion.partner.decoder import Reading
 from live.motion.partner.evaluation import follower_errors, joint_positions
 from live.motion.partner.units import Units
 
+NO_LABEL: Final = "no label"
+"""Words for a pattern that the answer dances with units without a label."""
 LabelAt = Callable[[str, float], str | None]
 """Returns the label of a recording by its name at a time [s]; None: there is none."""
 
@@ -65,6 +68,8 @@ class PatternComparison:
     """Mean distance of the joints within it [m]."""
     facing_deg: float
     """Mean difference of the hips' headings within it [degrees]."""
+    known: bool = True
+    """Whether the answer's part of it can be told: most of it is danced with units that have a label."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,13 +100,15 @@ class CoupleComparison:
 
     @property
     def pattern_count(self) -> Count:
-        """How many patterns are the same."""
-        return Count(sum(one.same for one in self.patterns), len(self.patterns))
+        """How many patterns are the same, of those that are known."""
+        known = [one for one in self.patterns if one.known]
+        return Count(sum(one.same for one in known), len(known))
 
     @property
     def whole_count(self) -> Count:
-        """How many patterns are wholly the same."""
-        return Count(sum(one.whole for one in self.patterns), len(self.patterns))
+        """How many patterns are wholly the same, of those that are known."""
+        known = [one for one in self.patterns if one.known]
+        return Count(sum(one.whole for one in known), len(known))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -136,10 +143,11 @@ def compare_couples(
     turns, kinds = _turn_agreement(real.states.turns, answer.states.turns)
     pairs = list(zip(real.transitions, answer.transitions, strict=False))
 
-    def compared(begin: float, end: float, words: tuple[str, str], same: bool, whole: bool) -> PatternComparison:
+    def compared(begin: float, end: float, words: tuple[str, str | None], same: bool, whole: bool) -> PatternComparison:
         part = slice(round(begin * rate), max(round(end * rate), round(begin * rate) + 1))
-        means = [float(values[part].mean()) if len(values[part]) else 0.0 for values in (away, facing)]
-        return PatternComparison(begin, end, *words, same, whole, *means)
+        joint_m, degrees = (float(values[part].mean()) if len(values[part]) else 0.0 for values in (away, facing))
+        known = words[1] is not None
+        return PatternComparison(begin, end, words[0], words[1] or NO_LABEL, same, whole, joint_m, degrees, known)
 
     if labels:
         patterns = [compared(*row) for row in _labelled_patterns(labels, danced)]
@@ -173,12 +181,12 @@ def _turn_agreement(real: Sequence[Turn], answer: Sequence[Turn]) -> tuple[Count
     return Count(2 * met, len(real) + len(answer)), Count(same, met)
 
 
-Row = tuple[float, float, tuple[str, str], bool, bool]
+Row = tuple[float, float, tuple[str, str | None], bool, bool]
 
 
 def _recognised_patterns(pairs: list[tuple[Transition, Transition]], rate: float) -> list[Row]:
     """Return begin, end [s], words and agreement of each two transitions, which make a pattern."""
-    found = []
+    found: list[Row] = []
     for first, second in zip(pairs[::2], pairs[1::2], strict=False):
         same = [one.same(other) for one, other in (first, second)]
         words = tuple(
@@ -192,7 +200,7 @@ def _recognised_patterns(pairs: list[tuple[Transition, Transition]], rate: float
 
 def _labelled_patterns(labels: Sequence[LabelSpan], danced: Sequence[LabelSpan]) -> list[Row]:
     """Return the same for labelled patterns; the answer's label is that of most of the time."""
-    found = []
+    found: list[Row] = []
     for one in labels:
         seconds: dict[str | None, float] = {}
         for unit in danced:
@@ -202,8 +210,7 @@ def _labelled_patterns(labels: Sequence[LabelSpan], danced: Sequence[LabelSpan])
         best = max(seconds, key=lambda name: seconds[name], default=None)
         middles = [unit for unit in danced if one.begin <= 0.5 * (unit.begin + unit.end) < one.end]
         whole = bool(middles) and all(unit.label == one.label for unit in middles)
-        words = str(one.label), "no label" if best is None else best
-        found.append((one.begin, one.end, words, best == one.label, whole))
+        found.append((one.begin, one.end, (str(one.label), best), best == one.label, whole))
     return found
 
 

@@ -72,7 +72,8 @@ def test_labels_are_compared_as_the_paper_compares_patterns() -> None:
     ]  # fmt: skip
     assert told.units == Count(3 + 3 + 3, 11)  # the one without a label does not count
     whole = compare_couples(leader, one, one, real, spans(*"bbbb", seconds=1.0))
-    assert whole.pattern_count == Count(0, 3)
+    assert whole.pattern_count == Count(0, 1)  # of the others it cannot be told
+    assert [each.known for each in whole.patterns] == [True, False, False]
     assert [each.answer for each in whole.patterns][1:] == ["no label", "no label"]
     same = compare_couples(leader, one, one, real, real)
     assert same.whole_count == Count(3, 3)
