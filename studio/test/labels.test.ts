@@ -1,6 +1,6 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { cleanName, firstOf, labelled, labelOf, LABEL_KEYS, moved, progressOf, renamed, slotAt, slotsOf, type Pattern, type Take } from "../src/model/labels";
+import { cleanName, firstOf, labelled, labelOf, LABEL_KEYS, moved, progressOf, renamed, slotAt, slotsOf, suggestionOf, type Pattern, type Take } from "../src/model/labels";
 
 const TAKE: Take = { name: "a", seconds: 10, beats: Array.from({ length: 21 }, (_, index) => 0.2 + 0.48 * index), style: null };
 
@@ -44,6 +44,14 @@ test("names that a file refuses are none; a renamed label is so everywhere", () 
   assert.deepEqual(["", "-x", "a\"b", "x".repeat(41), "a\nb"].map(cleanName), ["", "", "", "", ""]);
   const made = renamed(["x", "y"], [{ take: "a", from_s: 0, to_s: 1, label: "x" }], "x", "y");
   assert.deepEqual(made, { labels: ["y"], patterns: [{ take: "a", from_s: 0, to_s: 1, label: "y" }] });
+});
+
+test("a suggestion is what most of a slot has, if that is more than half", () => {
+  const slot = { from: 2, to: 6 };
+  const spans = [{ from: 0, to: 3, label: "x" }, { from: 3, to: 4.2, label: "y" }, { from: 4.2, to: 5.5, label: "y" }];
+  assert.equal(suggestionOf(spans, slot), "y");
+  assert.equal(suggestionOf(spans.slice(0, 2), slot), null);
+  assert.equal(suggestionOf([], slot), null);
 });
 
 test("progress counts slots; no key is used twice", () => {

@@ -124,6 +124,8 @@ def test_patterns_are_labelled_by_keys(tmp_path: Path) -> None:
                 ("a_follower", "basic"), ("a_follower", "inside turn"), ("a_follower", "cross-body lead"),
                 ("b_follower", "dip"),
             ]  # fmt: skip
+            page.keyboard.press("?")  # b is the double of a, which has labels
+            page.get_by_role("button", name="inside turn?").wait_for()
             page.keyboard.press(" ")
             page.locator(".now span", has_text=re.compile(r"^[1-9]")).wait_for()
             page.keyboard.press(" ")

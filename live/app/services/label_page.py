@@ -2,6 +2,10 @@
 
 A page asks for the motion of a take and sends all labels whenever one changes. They are checked, and written beside the
 pairs. A page that has not seen the latest labels is refused, so that two pages do not overwrite each other.
+
+A page may ask for suggestions: the take's leader is understood as a row of units of the takes that have labels, whose
+labels come with them (H026: a set of examples grows from a few). They are shown, and become labels only when a person
+takes them.
 """
 
 import asyncio
@@ -26,8 +30,11 @@ from live.library.pattern_labels import (
     write_labels,
 )
 from live.motion.clip import Clip, resample
+from live.motion.partner.couple_comparison import danced_labels
 from live.motion.partner.couple_states import PATTERN_BEATS
 from live.motion.partner.evaluation import joint_positions
+from live.motion.partner.partner_synthesis import SearchSettings, StageTimer, decode_input, no_clock
+from live.motion.partner.units import cut_units
 
 LABEL_PATH: Final = "/studio/label"
 MAX_BYTES: Final = 2_000_000
@@ -76,6 +83,8 @@ class LabelDesk:
             match asked:
                 case {"take": str(name)}:
                     return self._motion(name)
+                case {"suggest": str(name)}:
+                    return [json.dumps(self._suggest(name))]
                 case {"save": dict(values), "revision": int(revision)}:
                     return [json.dumps(self._save(values, revision))]
             raise PersonError("a take, or labels to save expected")
@@ -105,6 +114,21 @@ class LabelDesk:
             "width": float(reach[0]), "depth": float(reach[2]),
         }  # fmt: skip
         return [json.dumps(told), np.ascontiguousarray(np.round(packed), "<i2").tobytes()]
+
+    def _suggest(self, name: str) -> dict[str, Any]:
+        """Return what the labels of other takes say of a take."""
+        examples = self.known.units.examples
+        example = next((one for one in examples if one.name == name), None)
+        if example is None:
+            raise PersonError(f"there is no take {name[:64]!r}")
+        units = cut_units([one for one in examples if one.name != name and self.labels.of(one.name)] or [example])
+        if units.examples[0] is example:
+            raise PersonError("nothing can be suggested yet", "label patterns of another take first")
+        search = SearchSettings(beats=example.beats / example.follower.sample_rate)
+        _, reading = decode_input(example.control, units, search, StageTimer(no_clock))
+        spans = danced_labels(reading, units, self.labels.at)
+        told = [{"from": one.begin, "to": one.end, "label": one.label} for one in spans if one.label is not None]
+        return {"kind": "suggested", "take": name, "spans": told}
 
     def _save(self, values: dict[str, Any], revision: int) -> dict[str, Any]:
         if revision != self.revision:
@@ -150,8 +174,11 @@ def open_desk(pairs: Path, labels: Path | None) -> LabelDesk:
 def serve_labels(desk: LabelDesk, where: tuple[str, int], key: str) -> None:
     """Serve the page at an address until the program is interrupted. PersonError if nobody can listen there."""
 
+    busy = asyncio.Lock()
+
     async def take(text: str) -> Frames:
-        return desk.answer(text)
+        async with busy:  # a search takes a second
+            return await asyncio.to_thread(desk.answer, text)
 
     async def run() -> None:
         try:

@@ -100,6 +100,22 @@ export function renamed(labels: string[], patterns: Pattern[], label: string, na
   };
 }
 
+/** A label that the program suggests from one time to another [s]. */
+export interface Suggestion extends Slot {
+  label: string;
+}
+
+/** What is suggested for most of a slot; null: nothing for half of it. */
+export function suggestionOf(spans: Suggestion[], slot: Slot): string | null {
+  const seconds = new Map<string, number>();
+  for (const one of spans) {
+    const inside = Math.min(one.to, slot.to) - Math.max(one.from, slot.from);
+    if (inside > 0) seconds.set(one.label, (seconds.get(one.label) ?? 0) + inside);
+  }
+  const [label, most] = [...seconds].sort((a, b) => b[1] - a[1])[0] ?? ["", 0];
+  return most > 0.5 * (slot.to - slot.from) ? label : null;
+}
+
 /** How many slots of all takes have a label, and how many there are. */
 export function progressOf(facts: LabelFacts, patterns: Pattern[], firsts: Record<string, number>): { done: number; of: number } {
   let done = 0;

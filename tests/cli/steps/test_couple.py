@@ -193,6 +193,26 @@ def test_the_page_gets_motion_and_saves_labels(pairs: Path, tmp_path: Path) -> N
     assert open_desk(pairs, labels).labels == found
 
 
+def test_labels_of_a_double_are_suggested_and_none_without_labels(pairs: Path, tmp_path: Path) -> None:
+    labels = tmp_path / "x.labels.toml"
+
+    def suggested(take: str) -> dict[str, Any]:
+        (text,) = open_desk(pairs, labels).answer(json.dumps({"suggest": take}))
+        told: dict[str, Any] = json.loads(text)
+        return told
+
+    assert suggested("a_follower")["kind"] == "refused"
+    labels.write_text(labels_text(("b_follower",), ("x", "y")))
+    before = labels.read_text()
+    spans = suggested("a_follower")["spans"]
+    at = {round(0.5 * (one["from"] + one["to"]), 1): one["label"] for one in spans}
+    assert all(label == ("x" if time < 3.2 else "y") for time, label in at.items() if time < 6.1)
+    assert len(at) > 5
+    assert labels.read_text() == before  # nothing but a person labels
+    assert suggested("b_follower")["kind"] == "refused"
+    assert suggested("nobody")["kind"] == "refused"
+
+
 def test_pairs_that_cannot_be_labelled_are_refused(pairs: Path, tmp_path: Path) -> None:
     twice = pairs.parent / "twice.toml"
     one = pairs.read_text().split("[[pair]]")[1]

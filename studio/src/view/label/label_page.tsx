@@ -2,7 +2,8 @@ import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import type { Fault } from "../../model/document";
 import {
-  cleanName, firstOf, labelled, labelOf, LABEL_KEYS, moved, progressOf, renamed, slotAt, slotsOf, type LabelFacts, type Pattern, type Slot, type Take,
+  cleanName, firstOf, labelled, labelOf, LABEL_KEYS, moved, progressOf, renamed, slotAt, slotsOf, suggestionOf,
+  type LabelFacts, type Pattern, type Slot, type Suggestion, type Take,
 } from "../../model/labels";
 import { Link } from "../../net/link";
 import { CoupleView, type CoupleMotion } from "./couple_view";
@@ -33,6 +34,7 @@ export function LabelPage({ secret, facts }: { secret: string; facts: LabelFacts
   const saved = useSignal<"saved" | "saving" | "waiting">("saved");
   const faults = useSignal<Fault[]>([]);
   const added = useSignal("");
+  const suggested = useSignal<Record<string, Suggestion[]>>({});
   const link = useRef<Link | null>(null);
   const revision = useRef(facts.revision);
   const sent = useRef<State | null>(null);
@@ -78,6 +80,15 @@ export function LabelPage({ secret, facts }: { secret: string; facts: LabelFacts
     const slot = slots[slotAt(slots, time.value)];
     if (slot) change({ ...state.value, patterns: labelled(state.value.patterns, taken.value, slot, label) });
   };
+  const suggest = (): void => {
+    link.current?.send({ suggest: taken.value });
+  };
+  const accept = (): void => {
+    const slots = slotsNow();
+    const slot = slots[slotAt(slots, time.value)];
+    const label = slot && suggestionOf(suggested.value[taken.value] ?? [], slot);
+    if (label) setLabel(label);
+  };
   const shift = (by: number): void => {
     const take = takeNow();
     if (!take) return;
@@ -122,6 +133,14 @@ export function LabelPage({ secret, facts }: { secret: string; facts: LabelFacts
     made.onText = (told) => {
       if (told["kind"] === "motion") {
         coming.current = told as unknown as typeof coming.current;
+        return;
+      }
+      if (told["kind"] === "suggested") {
+        suggested.value = { ...suggested.value, [told["take"] as string]: told["spans"] as Suggestion[] };
+        return;
+      }
+      if (told["kind"] === "refused" && !sent.current) {
+        faults.value = told["refused"] as Fault[];
         return;
       }
       const asked = sent.current;
@@ -178,6 +197,12 @@ export function LabelPage({ secret, facts }: { secret: string; facts: LabelFacts
     const listen = (event: KeyboardEvent): void => {
       const on = event.target as HTMLElement;
       if (on.matches("input, select, textarea") || event.altKey) return;
+      if (event.key === "Enter") {
+        if (on.matches("button")) return; // that is pressed
+        event.preventDefault();
+        accept();
+        return;
+      }
       if (event.ctrlKey || event.metaKey) {
         if (event.key.toLowerCase() !== "z") return;
         event.preventDefault();
@@ -194,7 +219,7 @@ export function LabelPage({ secret, facts }: { secret: string; facts: LabelFacts
     const KEYS: Record<string, () => void> = {
       " ": () => { playing.value = !playing.value; }, ArrowLeft: () => toSlot(-1), ArrowRight: () => toSlot(1),
       ArrowUp: () => toTake(-1), ArrowDown: () => toTake(1), Delete: () => setLabel(null), Backspace: () => setLabel(null),
-      l: () => { looped.value = !looped.value; }, s: () => { slow.value = !slow.value; }, "[": () => shift(-1), "]": () => shift(1),
+      l: () => { looped.value = !looped.value; }, s: () => { slow.value = !slow.value; }, "[": () => shift(-1), "]": () => shift(1), "?": suggest,
     };
     addEventListener("keydown", listen);
     return () => removeEventListener("keydown", listen);
@@ -207,6 +232,8 @@ export function LabelPage({ secret, facts }: { secret: string; facts: LabelFacts
   const progress = progressOf(facts, state.value.patterns, state.value.firsts);
   const beat = take ? take.beats.findLastIndex((at) => at <= time.value) : -1;
   const current = slots[here] && take ? labelOf(state.value.patterns, take.name, slots[here]) : null;
+  const spans = suggested.value[taken.value] ?? [];
+  const guess = slots[here] && current === null ? suggestionOf(spans, slots[here]) : null;
   return (
     <main class="label">
       <header class="bar">
@@ -221,7 +248,7 @@ export function LabelPage({ secret, facts }: { secret: string; facts: LabelFacts
       </header>
       <div class="couple">
         <CoupleView motion={motion} time={time} />
-        <p class="current">{here < 0 ? "between the patterns" : (current ?? "no label")}</p>
+        <p class="current">{here < 0 ? "between the patterns" : (current ?? (guess ? `${guess}? Enter takes it` : "no label"))}</p>
       </div>
       <aside>
         <h2>Label of this pattern</h2>
@@ -243,7 +270,7 @@ export function LabelPage({ secret, facts }: { secret: string; facts: LabelFacts
         {faults.value.map((fault, index) => <p key={index} role="alert">{fault.what}{fault.remedy ? ` – ${fault.remedy}` : ""}</p>)}
         <dl class="hint">
           <dt>Space</dt><dd>play, stop</dd><dt>← →</dt><dd>pattern</dd><dt>↑ ↓</dt><dd>take</dd><dt>L</dt><dd>repeat the pattern</dd><dt>S</dt><dd>slowly</dd>
-          <dt>[ ]</dt><dd>patterns begin a beat earlier, later</dd><dt>Ctrl+Z</dt><dd>undo</dd>
+          <dt>?</dt><dd>suggest labels from the other takes</dd><dt>Enter</dt><dd>take what is suggested</dd><dt>[ ]</dt><dd>patterns begin a beat earlier, later</dd><dt>Ctrl+Z</dt><dd>undo</dd>
         </dl>
         <p class="hint">Saved in {facts.file}</p>
       </aside>
@@ -252,12 +279,14 @@ export function LabelPage({ secret, facts }: { secret: string; facts: LabelFacts
           <button aria-pressed={playing.value} onClick={() => { playing.value = !playing.value; }}>{playing.value ? "Stop" : "Play"}</button>
           <button aria-pressed={looped.value} onClick={() => { looped.value = !looped.value; }}>Repeat</button>
           <button aria-pressed={slow.value} onClick={() => { slow.value = !slow.value; }}>Slowly</button>
+          <button onClick={suggest}>Suggest</button>
           <button onClick={() => shift(-1)} aria-label="Patterns begin a beat earlier">[</button>
           <button onClick={() => shift(1)} aria-label="Patterns begin a beat later">]</button>
         </div>
         <div class="patterns" role="group" aria-label="Patterns of the take">
           {slots.map((slot, index) => {
             const name = take ? labelOf(state.value.patterns, take.name, slot) : null;
+            const told = name === null ? suggestionOf(spans, slot) : null;
             const done = Math.min(Math.max((time.value - slot.from) / (slot.to - slot.from), 0), 1);
             return (
               <button
@@ -265,7 +294,7 @@ export function LabelPage({ secret, facts }: { secret: string; facts: LabelFacts
                 title={`${slot.from.toFixed(1)} to ${slot.to.toFixed(1)} s`} class={name === null ? "none" : `l${state.value.labels.indexOf(name) % 8}`}
                 onClick={() => { time.value = slot.from; }}
               >
-                {name ?? index + 1}{index === here && <i style={{ width: `${100 * done}%` }} />}
+                {name ?? (told ? `${told}?` : index + 1)}{index === here && <i style={{ width: `${100 * done}%` }} />}
               </button>
             );
           })}
