@@ -4,11 +4,11 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Final
 
 import numpy as np
 
+from live.base.motion_parameters import MOTION_SIZE, TEXTURE
 from live.cli.bench import Row
 from live.motion import quaternion
 from live.motion.clip import Clip
@@ -21,7 +21,9 @@ from live.motion.texture.live_bank import TextureBank
 from live.motion.texture.texture_corpus import make_corpus
 from live.motion.texture.texture_settings import TextureSettings
 from live.motion.texture.texture_synthesis import find_paths, prepare_sketch, texture_sketch
+from live.motion.texture.upper_body_regression import learn_upper_body
 from live.show.dancers.live_texture import LiveTexture
+from live.show.dancers.variation import Variation
 
 RATE: Final = 60.0
 SKETCH_S: Final = 60.0
@@ -43,12 +45,15 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     ready = prepare_sketch(sketch, material, wish)
     finding = _best(lambda: find_paths(ready, wish), repeats)
     naive = _naive(sketch, material, wish)
+    takes = [sample_clip(clip) for clip in data]
+    learning = _best(lambda: learn_upper_body(takes, wish.synthesize), 1)
     return [
         Row("60 s textured and completed from 10 min, all of it", whole, "s", 1.0),
         Row("the same, data cut up before", again, "s", 1.0),
         Row("cutting up 10 min of data", cutting, "s"),
         Row("bands, fragments and matching", matching, "s", peers={"one pair of fragments after the other": naive}),
         Row("paths", finding, "s"),
+        Row("learning what legs tell, from 10 min", learning, "s", 60.0),
         Row("fragments of the sketch", ready.fragments.count, ""),
         Row("fragments of the data", ready.driving.fragments.count, ""),
         *_live(data, full),
@@ -78,8 +83,10 @@ def _live_costs(bank: TextureBank, count: int) -> tuple[float, float]:
     skeleton = Skeleton(tuple(map(str, range(9))), own.parents, own.offsets)
     position, rotation = (a.astype(np.float32) for a in forward_kinematics(walk.root_position, legs, skeleton))
     body, turned = (a.astype(np.float32) for a in forward_kinematics(walk.root_position, walk.rotation))
-    variation = SimpleNamespace(texture=np.ones(count), textures=True, measure=0, head=np.zeros(count))
-    texturing = LiveTexture(bank, variation, count, seed=1, beats=4)  # type: ignore[arg-type]
+    values = np.zeros((1, MOTION_SIZE))
+    values[0, TEXTURE.first] = 1.0
+    variation = Variation(values, np.zeros(count, np.int32), seed=1, beats_per_measure=4, window=1.0)
+    texturing = LiveTexture(bank, variation, count, seed=1, beats=4)
     offset = chance.integers(0, 200, count)
     rows = [(number + offset) % 1000 for number in range(64 * 10)]
     poses = [(np.ascontiguousarray(position[at]), np.ascontiguousarray(rotation[at])) for at in rows]

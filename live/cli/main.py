@@ -29,7 +29,7 @@ from live.cli import bench, docs, document, music, pair, play, render, replay, s
 from live.cli.beats import beats, clock_check
 from live.cli.inspect import check, contact_sheet, formation, journal, schema, score
 from live.cli.motion import bvh, character, export, sync
-from live.cli.steps import dance, partner, steps, texture
+from live.cli.steps import couple, dance, partner, steps, texture
 from live.cli.venue import calibrate, devices, doctor
 
 _TAG: Final = re.compile(r"(\\*)(\[[a-zA-Z#/@][^\[\]]*\])")
@@ -97,6 +97,7 @@ PANELS: Final[Mapping[str, Mapping[str, Registered]]] = {
         "dance": dance.dance,
         "texture": texture.texture,
         "partner": partner.partner,
+        "couple": couple.app,
         "export": export.export,
         "bvh": bvh.bvh,
         "sync": sync.sync,

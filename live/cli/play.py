@@ -180,16 +180,14 @@ def studio(
         patch = str(make_show(Path(patch or "my show"), song=song, dancers=dancers, example=from_))
     from live.app.option_values import parse_endpoint
     from live.app.services.http_services import stored_key
-    from live.base.fault_isolation import run_once
 
     key, where = stored_key(), parse_endpoint(web, "--web")
     if browser:
-        task = "opening the browser", partial(_open_browser, where, key)
-        threading.Thread(target=run_once, args=task, daemon=True).start()
+        open_browser_later(where, key)
     if patch is None or not _is_there(patch):
         from live.app.services.studio_start import choose_show
 
-        print(f"studio: {_studio_link(where, key)}", file=sys.stderr)
+        print(f"studio: {studio_link(where, key)}", file=sys.stderr)
         patch = choose_show(Path.cwd(), Path(patch or "").name, where, key)
     written = {each.name: None for kind in _option_classes() for each, _ in _options(kind)}
     play(**{**written, "patch": patch, "web": web, "web_key": key, "osc": osc, "journal": journal, "headless": True})
@@ -212,9 +210,18 @@ def _host_here(host: str) -> str:
     return {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(host, host)
 
 
-def _studio_link(where: tuple[str, int], key: str) -> str:
+def studio_link(where: tuple[str, int], key: str) -> str:
+    """Return the address of the studio that is served at `where`, with its key."""
     host = _host_here(where[0])
     return f"http://{f'[{host}]' if ':' in host else host}:{where[1]}/studio#key={key}"
+
+
+def open_browser_later(where: tuple[str, int], key: str) -> None:
+    """Open the studio in the browser, by a thread, as soon as it is served at `where`."""
+    from live.base.fault_isolation import run_once
+
+    task = "opening the browser", partial(_open_browser, where, key)
+    threading.Thread(target=run_once, args=task, daemon=True).start()
 
 
 def _open_browser(where: tuple[str, int], key: str) -> None:
@@ -228,5 +235,5 @@ def _open_browser(where: tuple[str, int], key: str) -> None:
         except OSError:
             time.sleep(0.2)
             continue
-        webbrowser.open(_studio_link(where, key))
+        webbrowser.open(studio_link(where, key))
         return

@@ -36,6 +36,8 @@ SPEED_INTERVAL: Final = 1.0 / 128.0
 """Share of a measure over which speeds are measured."""
 _JOINTS = [SKELETON.index(name) for name, _ in COMPARED_JOINTS]
 _WEIGHTS = np.array([weight for _, weight in COMPARED_JOINTS])
+_HEAD_AT = [name for name, _ in COMPARED_JOINTS].index("head")
+_HEAD_HEIGHT, _HEAD_WEIGHT = 3 * _HEAD_AT + 1, COMPARED_JOINTS[_HEAD_AT][1]
 _ACROSS = tuple(
     (SKELETON.index(left), SKELETON.index(right))
     for left, right in (("leftUpperLeg", "rightUpperLeg"), ("leftUpperArm", "rightUpperArm"))
@@ -52,6 +54,10 @@ class Moments:
     """Hips in the clip's axes (x, z) [m], shape (N, K, 2)."""
     facing: Float64
     """Heading of the body in the clip's axes [rad], shape (N, K)."""
+
+    def head_height(self, nodes: Int32) -> Float64:
+        """Return the height of the head's joint at the highest moment of each of `nodes` (n,) [m], (n,)."""
+        return np.asarray(self.feature[nodes, :, _HEAD_HEIGHT].max(axis=1) / _HEAD_WEIGHT, np.float64)
 
     def joined(self, other: "Moments") -> "Moments":
         """Return the moments of these nodes followed by those of `other`."""

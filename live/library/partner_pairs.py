@@ -85,6 +85,8 @@ class Pair(Beats):
     leader: Side | None = None
     follower: Side
     name: Word | None = None
+    style: Word | None = None
+    """How the follower dances; pairs without it are of every style."""
     cuts_s: list[Time] | None = None
     """Times at which units begin and end [s], given by hand instead of beats."""
     holds: list[tuple[Hand, Hand, Time, Time]] = []
@@ -131,11 +133,14 @@ class PartnerExamples:
     followers: tuple[RecordedSide, ...]
 
 
-def read_pairs(toml: Path) -> PartnerExamples:
-    """Read all pairs of a file; PersonError with file, line and field for anything invalid."""
+def read_pairs(toml: Path, *, style: str | None = None) -> PartnerExamples:
+    """Read all pairs of a file, or those of a style (H025); PersonError with file, line and field for anything invalid.
+
+    Pairs without a style are of every style.
+    """
     wanted, fail = _parse_pairs(toml)
     examples, leaders, followers = [], [], []
-    for n, pair in enumerate(wanted.pair):
+    for n, pair in _pairs_of_style(wanted, style, fail):
         where: KeyPath = ("pair", n)
         follower = _load_side(pair.follower, toml, partial(fail, (*where, "follower")))
         leader = None
@@ -151,7 +156,25 @@ def read_pairs(toml: Path) -> PartnerExamples:
     units = cut_units(examples)
     if units.count < 2:
         raise fail(("pair",), f"{units.count} unit in all of it; at least two are needed to choose from")
+    if style is not None:
+        wanted = wanted.model_copy(update={"pair": [pair for _, pair in _pairs_of_style(wanted, style, fail)]})
     return PartnerExamples(toml, wanted, units, tuple(leaders), tuple(followers))
+
+
+def _pairs_of_style(
+    wanted: PairsFile, style: str | None, fail: Callable[[KeyPath, str], PersonError]
+) -> list[tuple[int, Pair]]:
+    """Return the pairs of a style with their numbers in the file; PersonError if no pair has it."""
+    if style is None:
+        return list(enumerate(wanted.pair))
+    name = style.strip().casefold()
+    known = {pair.style.strip().casefold() for pair in wanted.pair if pair.style is not None}
+    if name not in known:
+        told = f"there are: {', '.join(sorted(known))}" if known else "no pair has a style"
+        raise fail(("pair",), f"no pair has the style {style[:64]!r}; {told}")
+    return [
+        (n, pair) for n, pair in enumerate(wanted.pair) if pair.style is None or pair.style.strip().casefold() == name
+    ]
 
 
 def _parse_pairs(toml: Path) -> tuple[PairsFile, Callable[[KeyPath, str], PersonError]]:

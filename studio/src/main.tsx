@@ -1,6 +1,8 @@
 import { render } from "preact";
 import { App } from "./view/app";
 import { Door } from "./view/door";
+import type { LabelFacts } from "./model/labels";
+import { LabelPage } from "./view/label/label_page";
 import { StartPage, type StartFacts } from "./view/start/start_page";
 import { Studio } from "./model/studio";
 import "./style.css";
@@ -17,14 +19,24 @@ function storedKey(): string {
   return brought || localStorage.getItem(KEY) || "";
 }
 
-/** What runs here for a key: a show, or what one can be begun from; null: the key is wrong. */
-async function askWhat(key: string): Promise<{ start?: StartFacts } | null> {
-  if (!key) return null;
-  const answer = await fetch("/surface.json", { headers: { Authorization: `Bearer ${key}` } }).catch(() => null);
-  return answer?.ok ? ((await answer.json()) as { start?: StartFacts }) : null;
+/** What runs here without a show: what one can be begun from, or couples whose patterns are labelled. */
+interface Facts {
+  start?: StartFacts;
+  label?: LabelFacts;
 }
 
-async function enter(key: string, what: { start?: StartFacts }): Promise<void> {
+/** What runs here for a key; null: the key is wrong. */
+async function askWhat(key: string): Promise<Facts | null> {
+  if (!key) return null;
+  const answer = await fetch("/surface.json", { headers: { Authorization: `Bearer ${key}` } }).catch(() => null);
+  return answer?.ok ? ((await answer.json()) as Facts) : null;
+}
+
+async function enter(key: string, what: Facts): Promise<void> {
+  if (what.label) {
+    render(<LabelPage secret={key} facts={what.label} />, place);
+    return;
+  }
   if (what.start) {
     render(<StartPage secret={key} facts={what.start} isShow={async () => { const now = await askWhat(key); return now !== null && !now.start; }} />, place);
     return;

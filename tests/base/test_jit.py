@@ -126,6 +126,7 @@ def test_code_from_disk_can_be_called_by_kernels_that_are_compiled(tmp_path: Pat
     assert outer == inner
 
 
+@pytest.mark.long
 @compiled_only
 def test_code_for_a_level_of_processors_gives_the_same_and_is_kept_apart(tmp_path: Path) -> None:
     native = run_damper(tmp_path)

@@ -104,6 +104,7 @@ def test_a_sequence_says_what_to_record_and_why(graph: MotionGraph, answers: Pre
     assert fits["steps"] == ["groove", "groove", "turn", None]
 
 
+@pytest.mark.long
 def test_feet_that_do_not_fit_are_named(graph: MotionGraph) -> None:
     rows = step_values(graph)
     words = [

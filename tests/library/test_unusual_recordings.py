@@ -177,6 +177,7 @@ def standing_on(side: str, *, both_before: bool = False) -> np.ndarray:
     return values
 
 
+@pytest.mark.long
 def test_steps_without_a_common_foot_do_not_follow_each_other(tmp_path: Path) -> None:
     steps = folder(tmp_path / "steps", body_bvh(standing_on("Left")), ("left", 2.0))
     (steps / "b.bvh").write_text(body_bvh(standing_on("Right")))

@@ -9,6 +9,7 @@ import pytest
 from live.base.picture_parameters import BY_ADDRESS, CAMERA, COLOURS_START, picture_row
 from live.base.stage_snapshot import Camera, Scene
 from live.render.adaptive_quality import HARDWARE, SOFTWARE
+from live.render.passes.stage_pass import LONG_STILL
 from live.render.renderer import Renderer
 from tests.render.test_renderer import SIZE, crowd, read, scene
 
@@ -55,7 +56,8 @@ def test_picture_row_matches_scene_with_same_values(make_renderer, quality):
     assert np.array_equal(changed(crowd(), picture_row(scene(12))), plain)  # the scene's own row changes nothing
     there = changed(crowd(), picture_row(OTHER), times=2)  # in the second frame light and camera stand
     assert np.array_equal(there, from_start(crowd()))
-    assert np.array_equal(changed(crowd(), times=2), plain)  # and back
+    back = changed(crowd(), times=LONG_STILL + 2)  # after two changes so near each other the backdrop waits
+    assert np.array_equal(back, plain)
 
 
 def test_picture_during_light_change_is_close_to_final(make_renderer):

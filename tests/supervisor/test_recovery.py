@@ -279,6 +279,7 @@ def test_permanent_fault_disables_its_stage_and_measures_continue(
     assert found.measures == len(began)
 
 
+@pytest.mark.long
 def test_failing_fallback_disables_stage_and_finally_stops_dance(loaded, monkeypatch, tmp_path):
     night = EngineSequence(loaded)
     for name in ("work", "decide", "decide_nearest", "set_speed"):
@@ -339,6 +340,7 @@ def test_invalid_death_message_is_ignored():
     assert Death.from_message({"tick": 3, "stage": 9, "times": 2, "trip": True}) == Death(3, 9, 2, trip=True)
 
 
+@pytest.mark.long
 def test_stage_that_fails_before_foreseen_tick_is_disabled_earlier(loaded, monkeypatch, tmp_path):
     """Two engines ended in a stage, so it is to be disabled for the tick of the third; the next engine meets the error
     two ticks earlier, not yet reported by the third. (Found by chaos in virtual time.)
@@ -380,6 +382,7 @@ def test_stage_that_fails_before_foreseen_tick_is_disabled_earlier(loaded, monke
     assert (found.problems, found.different) == ([], 0)
 
 
+@pytest.mark.long
 def test_recent_breaker_reset_does_not_undo_next_trip(loaded, monkeypatch, tmp_path):
     """A stage disabled from the last snapshot on was restored forever by the reset since then."""
     night = EngineSequence(loaded)
@@ -408,6 +411,7 @@ def test_fault_before_first_line_disables_stage_from_start(loaded, monkeypatch):
     assert raised == [3]  # as often as may be chance; then never again
 
 
+@pytest.mark.long
 def test_foreseen_trip_is_applied_as_journalled_when_stage_fails_earlier(loaded, monkeypatch, tmp_path):
     """It is in the journal, so a replay has it: the next engine has to run it as well, although it runs all lines since
     the snapshot again. (Found by chaos in virtual time: clock and selection, seven of ten patches.)

@@ -18,7 +18,8 @@ from live.motion.partner.answer import hold_error
 from live.motion.partner.evaluation import follower_errors, joint_positions, slide_metrics
 from live.motion.partner.partner_synthesis import PartnerResult, SearchSettings, shown_beats
 from live.motion.partner.path_leader import frenet_cloud
-from live.motion.partner.point_clouds import Cloud
+from live.motion.partner.point_clouds import Cloud, path_cloud
+from live.motion.partner.step_phase import phase_at_turns, phase_difference, phase_values, pooled
 from live.motion.partner.units import Units
 from live.motion.quality.metrics import beat_offsets, half_width, largest_around, largest_at_samples, raw_p99
 from live.motion.retarget.retarget import SAMPLE_RATE
@@ -123,6 +124,7 @@ class PartnerOptions:
     transcript: Path | None
     seed: int
     smooth: float | None = None
+    style: str | None = None
 
 
 def follower_report(
@@ -156,8 +158,19 @@ def follower_report(
         **slide_metrics(positions, found.answer.clip.contact, clip.sample_rate),
         "hand_hold_error_m": hold_error(clip, led.recorded.clip, found.answer.holds) if not options.path else None,
         "beat_offset_ms": _beat_figures(found, units, search),
+        "phase_at_turns": _phase_figures(found, units, led) if options.path else None,
     }  # fmt: skip
     return told | (_join_figures(found, positions, units) if options.report is not None else {})
+
+
+def _phase_figures(found: PartnerResult, units: Units, led: LeaderMotion) -> dict[str, Any]:
+    """Return the phases of the steps at sharp turns of a path, in the answer and in the recordings (H018)."""
+    recorded = pooled([phase_at_turns(one.follower, one.control) for one in units.examples])
+    answered = phase_at_turns(found.clip, path_cloud(led.recorded.clip))
+    apart = phase_difference(answered, recorded) if answered.count and recorded.count else None
+    return {
+        "answer": phase_values(answered), "recordings": phase_values(recorded), "difference_cycles": apart
+    }  # fmt: skip
 
 
 def _join_figures(found: PartnerResult, positions: npt.NDArray[np.float64], units: Units) -> dict[str, float | None]:

@@ -44,7 +44,7 @@ MIN_FRAMES: Final = 8
 
 def run_partner(options: PartnerOptions) -> None:
     """Run the whole command."""
-    known = read_pairs(options.examples)
+    known = read_pairs(options.examples, style=options.style)
     walks = known.leaders[0] is None
     if walks != (options.path is not None):
         kind = "walks, which a path leads" if walks else "pairs, which a leader's motion leads"

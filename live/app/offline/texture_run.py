@@ -5,6 +5,7 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
 from rich.console import Console
 
 from live.app.offline.dance_report import check_targets, write_motion
@@ -29,7 +30,7 @@ from live.motion.clip import Clip, resample
 from live.motion.retarget.retarget import retarget
 from live.motion.step_clip import StepClip
 from live.motion.texture.frequency_bands import sample_clip
-from live.motion.texture.texture_corpus import make_corpus
+from live.motion.texture.texture_corpus import TextureCorpus, make_corpus
 from live.motion.texture.texture_report import make_report
 from live.motion.texture.texture_settings import TextureSettings
 from live.motion.texture.texture_synthesis import texture_sketch
@@ -77,6 +78,8 @@ def run_texture(options: TextureOptions, settings: TextureSettings) -> None:
     console = Console(highlight=False, soft_wrap=True)
     for words in recorded.skipped:
         console.print(f"passed over: {words}", style="yellow", markup=False)
+    if settings.learnt and settings.synthesize:
+        _say_what_is_told(console, material, settings)
     for target, one in zip(targets, found, strict=False):
         clip = resample(one.clip, options.rate, first=sketch.first, last=sketch.last)
         write_motion(clip, target)
@@ -97,6 +100,25 @@ def run_texture(options: TextureOptions, settings: TextureSettings) -> None:
         }
         values |= {"seconds": {"reading": round(read - began, 3), "texturing": round(made - read, 3)}}
         write_atomically((json.dumps(values, ensure_ascii=False, indent=1) + "\n").encode(), options.report, "--report")
+
+
+def _say_what_is_told(console: Console, material: TextureCorpus, settings: TextureSettings) -> None:
+    """Say which recordings are copies, and how well each group of joints is told at recordings left out."""
+    regression = material.regression(settings)
+    for dance in range(regression.dances.count):
+        names = [material.clips[n].name for n in np.flatnonzero(regression.dances.number == dance)]
+        if len(names) > 1:
+            console.print(f"one choreography, left out together: {', '.join(names)}", style="dim", markup=False)
+    if regression.dances.count == 1:
+        console.print(
+            "there is only one choreography: its parts were left out, so other dances are told worse", style="yellow"
+        )
+    for name, share in regression.told_shares().items():
+        drivers = sorted({part.choice.drivers.name for part in regression.groups if part.name == name})
+        words = f"{share:.0%} of the movement is told by {' or '.join(drivers)}"
+        if share <= 0.0:
+            words = "legs and hips do not tell it, so it keeps the mean pose"
+        console.print(f"{name}: {words}", markup=False)
 
 
 def _numbered(out: Path, number: int) -> Path:
@@ -163,6 +185,8 @@ def enrich_library(
     material = build_material([one.clip for one in recorded.clips], everything)
     seconds = sum(clip.seconds for clip in material.clips)
     console.print(f"{len(material.clips)} recordings, {seconds:.0f} s", markup=False)
+    if settings.learnt and upper != "texture":
+        _say_what_is_told(console, material, settings)
     facts = {"with": [str(place) for place in places], "bands": list(settings.bands), "match_band": settings.match_band}
     for file, clips in own.items():
         try:

@@ -11,6 +11,9 @@ def partner(
     examples: Annotated[
         Path | None, typer.Option(help="Pairs of recordings to learn from.", metavar="PAIRS.toml")
     ] = None,
+    style: Annotated[
+        str | None, typer.Option(help="Dance only pairs of this style, and those without one.", metavar="NAME")
+    ] = None,
     out: Annotated[Path | None, typer.Option(help="Write the follower here.", metavar="FOLLOWER.bvh")] = None,
     path: Annotated[
         Path | None, typer.Option(help="A drawn path for a walker, instead of a leader.", metavar="PATH.csv")
@@ -96,5 +99,5 @@ def partner(
         leader=leader, examples=examples, out=out, path=path, online=online, stretch=stretch, k=k, beam=beam,
         rate=rate, cluster=cluster, fps=fps, drop_frames=drop_frames, bpm=bpm, first_beat=first_beat,
         smoothing=smoothing, hold_feet=hold_feet, truth=truth, report=report, transcript=transcript, seed=seed,
-            smooth=smooth,
+            smooth=smooth, style=style,
     ))  # fmt: skip

@@ -208,6 +208,10 @@ def enrich(
         typer.Option(help="Upper bodies: synthesised or textured; auto: synthesised unless the sketch animates them."),
     ] = "auto",
     weigh: Annotated[float, typer.Option(help="Cost of a join; 0: the fewest joins, as published.")] = 2.0,
+    published: Annotated[
+        bool,
+        typer.Option("--published", help="New upper bodies from the recordings alone, as published; else learnt."),
+    ] = False,
     fps: Annotated[
         float | None, typer.Option(help="True frame rate of the motion capture, if headers are wrong.")
     ] = None,
@@ -218,6 +222,9 @@ def enrich(
     They are stored next to the sketch (walk.textured next to walk.toml), are used as other takes of the same step, and
     begin and end at the same place as the sketch. They contain the motion capture data they need.
     """
+    from live.base.system.blas_threads import use_one_blas_thread
+
+    use_one_blas_thread()
     from live.app.offline.texture_run import enrich_library
     from live.app.option_values import check_range
     from live.motion.texture.texture_settings import TextureSettings, parse_bands, parse_joints
@@ -225,7 +232,7 @@ def enrich(
     check_range(fps, "--fps", 1, 10_000)
     wish = TextureSettings(
         drive=parse_joints(drive, "--drive"), bands=parse_bands(bands, "--bands"), match_band=match, paths=paths,
-        distinct_paths=True, join_weight=weigh,
+        distinct_paths=True, join_weight=weigh, learnt=not published,
     )  # fmt: skip
     enrich_library(library, with_ or [], step or [], wish, upper, fps=fps, remove=remove)
 

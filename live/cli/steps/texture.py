@@ -21,10 +21,11 @@ def texture(
     drive: Annotated[
         str,
         typer.Option(
-            help='Joints whose angles are matched, with changes at times: "hips,knees @2.5 knees @4 hips".',
-            metavar="JOINTS",
+            help="Joints that drive: auto (chosen by cross-validation; hips and knees are matched), or joints with "
+            'changes at times: "hips,knees @2.5 knees @4 hips".',
+            metavar="auto|JOINTS",
         ),
-    ] = "hips,knees",
+    ] = "auto",
     synthesize: Annotated[
         str, typer.Option(help="Joints synthesised from motion capture only.", metavar="JOINTS")
     ] = "upper",
@@ -48,6 +49,13 @@ def texture(
     weigh: Annotated[
         float, typer.Option(help="Cost of a join relative to the matching cost; 0: the fewest joins, as published.")
     ] = 0.0,
+    published: Annotated[
+        bool,
+        typer.Option("--published", help="Synthesised joints from the recordings alone, as published; else learnt."),
+    ] = False,
+    spread: Annotated[
+        float, typer.Option(help="Liveliness of learnt joints: 0 steady, 1 as far from real ones as a still pose.")
+    ] = 0.25,
     scale: Annotated[bool, typer.Option("--scale", help="Scale the pieces to match the driving angles.")] = False,
     join: Annotated[int, typer.Option(help="Samples (24 per second) smoothed on each side of a join.")] = 10,
     derivative: Annotated[float, typer.Option(help="Weight of derivatives in the matching.")] = 1.0,
@@ -68,9 +76,14 @@ def texture(
     """Texture a sketched motion, and complete it, from motion capture (after Pullen and Bregler 2002).
 
     The sketch is cut where one of its driving angles turns. For each piece, the most similar pieces of the recordings
-    are found. A path through these gives the synthesised joints, and detail for the others. Feet stay where they are
-    in the sketch. JOINTS are words (upper, lower, hips, knees, ankles, pelvis, trunk, head, arms ...) or joint names.
+    are found. A path through these gives detail. Synthesised joints do what the sketch's legs and hips tell of them, as
+    far as that holds at recordings left out, with variation from the path; what is not told stays in the mean pose. The
+    program says what is told. With --published they come from the path alone. Feet stay where they are in the sketch.
+    JOINTS are words (upper, lower, hips, knees, ankles, pelvis, trunk, head, arms ...) or joint names.
     """
+    from live.base.system.blas_threads import use_one_blas_thread
+
+    use_one_blas_thread()
     from live.app.offline.texture_run import TextureOptions, run_texture
     from live.app.option_values import check_range
     from live.motion.texture.texture_settings import (
@@ -85,13 +98,15 @@ def texture(
     check_range(sketch_fps, "--sketch-fps", 1, 10_000)
     check_range(drop_frames, "--drop-frames", 0, 10_000_000)
     check_range(rate, "--rate", 1, 1000)
-    first, changes = parse_drive(drive, "--drive")
+    chosen = drive.strip().casefold() == "auto"
+    first, changes = parse_drive("hips,knees" if chosen else drive, "--drive")
     driving = tuple(sorted({*first, *(joint for _, joints in changes for joint in joints)}))
     wish = TextureSettings(
         drive=driving, drive_changes=changes, initial_drive=first,
         synthesize=parse_joints(synthesize, "--synthesize"), texture=parse_joints(texture, "--texture"),
         bands=parse_bands(bands, "--bands"), match_band=match, cut=parse_column(cut, "--cut", driving), keep=keep,
         paths=paths, distinct_paths=apart, join_weight=weigh, scale=scale, reach=join, derivative=derivative,
+        learnt=not published, learnt_drive=() if chosen else driving, spread=spread,
     )  # fmt: skip
     run_texture(
         TextureOptions(

@@ -12,17 +12,27 @@ from typing import Final
 
 import numpy as np
 
-from live.base.arrays import Float, Float32, Float64, Int32
+from live.base.arrays import Float, Float32, Float64, Int32, Int64
 from live.motion import quaternion
 from live.motion.clip import read_clip
 from live.motion.quaternion import mean_rotation
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.motion.step_clip import StepClip
+from live.motion.texture.frequency_bands import sample_clip
 from live.motion.texture.live_texture_kernels import DERIVATIVE, DIMENSIONS, PER_BEAT, SLOTS, UPPER_COUNT
+from live.motion.texture.take_splits import choreographies, find_copies
 from live.motion.texture.texture_settings import UPPER
+from live.motion.texture.upper_body_regression import GROUPS
 
 BEATS_AFTER: Final = 3
 """A fragment is chosen within its first beat and left within three beats, so its clip must last this long after it."""
+SPREAD_FACTOR: Final = 1.5
+"""Times the gain that leaves the least squared error. Then a quarter of what it gains over the mean pose is used for
+liveliness; with a factor of 2 nothing would be gained (the error is quadratic in the factor)."""
+SAME_BEATS: Final = 8
+"""Beats of one recording nearer than this are too alike to be compared."""
+GAIN_STEPS: Final = 64
+"""Gains are rounded to this fraction, so that they are the same on all machines."""
 _LEGS: Final = tuple(
     tuple(SKELETON.index(side + joint) for joint in ("UpperLeg", "LowerLeg", "Foot")) for side in ("left", "right")
 )
@@ -33,7 +43,8 @@ class TextureBank:
     """All recordings, concatenated, at 16 samples a beat: S samples, F fragments of one beat."""
 
     upper: Float32
-    """Local rotations of the upper joints, (S, 13, 4), with continuous signs within each clip."""
+    """Local rotations of the upper joints, (S, 13, 4), with continuous signs within each clip: those recorded, brought
+    nearer to `mean_rotations` by `scale`."""
     mean_rotations: Float32
     """Mean rotation of each upper joint, (13, 4): reference for the sign of quaternions."""
     begin: Int32
@@ -46,6 +57,8 @@ class TextureBank:
     """Leg features around the beginning of each fragment, (DIMENSIONS, F)."""
     spread: float
     """Mean squared distance of two fragments: the unit of distances."""
+    scale: Float32
+    """Share of each joint's recorded deviation from the mean that is danced, (13,)."""
 
     @property
     def count(self) -> int:
@@ -62,7 +75,16 @@ class TextureBank:
         """Return an empty bank; no dancer is textured."""
         none, numbers = np.zeros(0, np.int32), np.zeros((DIMENSIONS, 0), np.float32)
         middle = np.tile(np.array((1.0, 0.0, 0.0, 0.0), np.float32), (UPPER_COUNT, 1))
-        return cls(np.zeros((0, UPPER_COUNT, 4), np.float32), middle, none, none, none, numbers, 1.0)
+        return cls(
+            np.zeros((0, UPPER_COUNT, 4), np.float32),
+            middle,
+            none,
+            none,
+            none,
+            numbers,
+            1.0,
+            np.ones(UPPER_COUNT, np.float32),
+        )
 
     @classmethod
     def of(cls, clips: Sequence[StepClip]) -> "TextureBank":
@@ -71,6 +93,7 @@ class TextureBank:
         Recordings with fewer than four beats are skipped. Raises ValueError if none is left.
         """
         upper, tracks, begin, first, last = [], [], [], [], []
+        used: list[StepClip] = []
         start = 0
         for clip in clips:
             beat = clip.samples_per_measure / clip.beats_per_measure
@@ -81,6 +104,7 @@ class TextureBank:
             _, rotation, _ = read_clip(clip.clip, at)
             upper.append(quaternion.align_signs(rotation[:, list(UPPER)]))
             tracks.append(leg_positions(rotation))
+            used.append(clip)
             count = beats - BEATS_AFTER + 1
             begin.append(start + PER_BEAT * np.arange(count))
             first.append(np.full(count, start))
@@ -90,13 +114,60 @@ class TextureBank:
             raise ValueError("no recording holds four beats")
         begins, firsts, lasts = (np.concatenate(part).astype(np.int32) for part in (begin, first, last))
         rotations = np.concatenate(upper)
-        middle = mean_rotation(rotations)
+        middle = np.asarray(mean_rotation(rotations), np.float64)
         legs = prefix_features(np.concatenate(tracks), begins, firsts)
         spread = 2.0 * float(legs.var(axis=1).sum())
+        dances = choreographies(len(used), find_copies([sample_clip(clip.clip) for clip in used]))
+        take = np.repeat(np.arange(len(used)), [len(part) for part in begin])
+        gains = live_gains(rotations, middle, begins, legs, dances.number[take])
+        scale = np.minimum(SPREAD_FACTOR * gains, 1.0).astype(np.float32)
+        if scale.min() < 1.0:
+            vectors = deviations(rotations, middle) * scale[:, None]
+            scaled = quaternion.mul(middle, quaternion.from_rotation_vector(vectors))
+            ends = np.cumsum([len(part) for part in upper])[:-1]
+            rotations = np.concatenate([quaternion.align_signs(part) for part in np.split(scaled, ends)])
         return cls(
             np.ascontiguousarray(rotations, np.float32), np.ascontiguousarray(middle, np.float32),
-            begins, firsts, lasts, np.ascontiguousarray(legs, np.float32), max(spread, 1e-9),
+            begins, firsts, lasts, np.ascontiguousarray(legs, np.float32), max(spread, 1e-9), scale,
         )  # fmt: skip
+
+
+def deviations(rotations: Float, middle: Float64) -> Float64:
+    """Return the rotation vectors (S, n, 3) of rotations (S, n, 4) from their means (n, 4)."""
+    away = quaternion.mul(quaternion.inverse(middle), np.asarray(rotations, np.float64))
+    return np.asarray(quaternion.to_rotation_vector(away), np.float64)
+
+
+def live_gains(rotations: Float, middle: Float64, begin: Int32, legs: Float64, dance: Int64) -> Float64:
+    """Return how far upper joints chosen by the legs can be trusted, (13,), from 0 (not at all) to 1.
+
+    Each fragment's upper body, for a beat from the time of the choice, is compared with that of the fragment of another
+    choreography (`dance` (F,)) whose legs (DIMENSIONS, F) are most alike. The gain is the factor of the deviation from
+    the mean, common to a group of joints, that leaves the least squared error. With one choreography the fragments
+    far enough away in time take the place of others.
+    """
+    squares = (legs * legs).sum(axis=0)
+    far = squares[:, None] + squares - 2.0 * (legs.T @ legs)
+    if dance.max(initial=0) > 0:
+        same = dance[:, None] == dance
+    else:
+        same = np.abs(begin[:, None] - begin) < SAME_BEATS * PER_BEAT
+    far[same] = np.inf
+    chosen = np.argmin(far, axis=1)
+    good = np.isfinite(far[np.arange(len(far)), chosen])
+    gains = np.ones(UPPER_COUNT)
+    if not good.any():
+        return gains
+    vectors = deviations(rotations, middle)
+    window = PER_BEAT // 4 + np.arange(PER_BEAT)
+    real = vectors[begin[good][:, None] + window]
+    made = vectors[begin[chosen[good]][:, None] + window]
+    for joints in GROUPS.values():
+        rows = [UPPER.index(joint) for joint in joints]
+        a, b = real[:, :, rows], made[:, :, rows]
+        gain = float((a * b).sum() / max(float((b * b).sum()), 1e-12))
+        gains[rows] = np.round(np.clip(gain, 0.0, 1.0) * GAIN_STEPS) / GAIN_STEPS
+    return gains
 
 
 def leg_positions(rotation: Float) -> Float64:

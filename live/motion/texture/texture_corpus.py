@@ -9,6 +9,7 @@ import numpy as np
 from live.base.arrays import Float64, Int64
 from live.base.errors import PersonError
 from live.motion.clip import Clip
+from live.motion.texture.drivers import DriverSet
 from live.motion.texture.fragments import Fragments, find_cuts, make_fragments
 from live.motion.texture.frequency_bands import (
     Chart,
@@ -20,6 +21,7 @@ from live.motion.texture.frequency_bands import (
     tracks_of,
 )
 from live.motion.texture.texture_settings import TextureSettings
+from live.motion.texture.upper_body_regression import UpperBodyRegression, learn_upper_body
 
 MIN_CLIP_S: Final = 1.0
 """Clips shorter than this [s] are too short to match."""
@@ -47,6 +49,20 @@ class TextureCorpus:
     starts: Int64
     """First sample of each clip and the end of the last, (n + 1,)."""
     _driving_cache: dict[tuple[object, ...], DrivingFeatures] = field(default_factory=dict)
+    _regressions: dict[tuple[object, ...], UpperBodyRegression] = field(default_factory=dict)
+
+    def regression(self, settings: TextureSettings) -> UpperBodyRegression:
+        """Return what the lower body tells of `settings.synthesize` in these clips. Cached; the first takes seconds."""
+        key = _regression_key(settings)
+        if key not in self._regressions:
+            drive = DriverSet(settings.learnt_drive, 0 in settings.learnt_drive) if settings.learnt_drive else None
+            takes = [sample_clip(clip) for clip in self.clips]
+            self._regressions[key] = learn_upper_body(takes, settings.synthesize, drive)
+        return self._regressions[key]
+
+    def keep_regression(self, settings: TextureSettings, regression: UpperBodyRegression) -> None:
+        """Use what was learnt from the same clips before, with charts for another sketch."""
+        self._regressions[_regression_key(settings)] = regression
 
     def driving_features(self, drive: tuple[int, ...], band: int, cut: int, derivative: float) -> DrivingFeatures:
         """Return the data's driving angles in one band, cut at turning points of column `cut`. Cached."""
@@ -62,6 +78,10 @@ class TextureCorpus:
             parts = make_fragments([find_cuts(one[:, at]) for one in values], self.starts[:-1].tolist())
             self._driving_cache[key] = DrivingFeatures(np.concatenate((value, weight * slope), axis=1), parts, weight)
         return self._driving_cache[key]
+
+
+def _regression_key(settings: TextureSettings) -> tuple[object, ...]:
+    return settings.synthesize, settings.learnt_drive
 
 
 def make_corpus(clips: Sequence[Clip], sketches: Sequence[SampledClip] = ()) -> TextureCorpus:

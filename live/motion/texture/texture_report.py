@@ -9,6 +9,7 @@ from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.quality.metrics import contact_slide_speeds, skating_frames
 from live.motion.skeleton import SKELETON
+from live.motion.texture.coordination import coordination_of
 from live.motion.texture.frequency_bands import MAX_BANDS, RATE, columns_of, sample_clip, split_bands, tracks_of
 from live.motion.texture.texture_corpus import TextureCorpus
 from live.motion.texture.texture_settings import TextureSettings
@@ -45,11 +46,17 @@ def make_report(
         },
         "sketch_bands_deg": band_levels(sketch, corpus, joints),
         "foot_slide_mean_sketch": mean_foot_slide(sketch),
-        "paths": [_path(one, corpus, joints) for one in found],
+        "learnt": corpus.regression(settings).report(settings.spread)
+        if settings.learnt and settings.synthesize
+        else None,
+        "coordination_recordings": [
+            {"name": clip.name, **coordination_of(clip, settings.match_band).report()} for clip in corpus.clips
+        ],
+        "paths": [_path(one, corpus, joints, settings.match_band) for one in found],
     }
 
 
-def _path(one: TexturedSketch, corpus: TextureCorpus, joints: list[int]) -> dict[str, Any]:
+def _path(one: TexturedSketch, corpus: TextureCorpus, joints: list[int], match_band: int) -> dict[str, Any]:
     position, _ = forward_kinematics(one.clip.root_position, one.clip.rotation)
     parts = one.data_fragments
     rows = []
@@ -75,6 +82,7 @@ def _path(one: TexturedSketch, corpus: TextureCorpus, joints: list[int]) -> dict
         "kink_rad_s": {"before": round(one.kinks[0], 4), "after": round(one.kinks[1], 4)},
         "foot_slide_mean": mean_foot_slide(one.clip),
         "skating_ratio": round(float(skating_frames(position, one.clip.sample_rate).mean()), 4),
+        "coordination": coordination_of(one.clip, match_band).report(),
         "bands_deg": band_levels(one.clip, corpus, joints),
         "fragments": rows,
     }

@@ -1,6 +1,6 @@
 """Settings of motion texturing and parsers of their option texts (P001)."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -77,6 +77,13 @@ class TextureSettings:
     """N of the joins [samples at 24 Hz]."""
     derivative: float = 1.0
     """Weight of derivatives against values in the matching, after both are normalized to the same spread."""
+    learnt: bool = False
+    """Whether synthesized joints are what the lower body tells of them, with variation from the data, and the mean pose
+    where it tells nothing; otherwise they come from the data alone, as published."""
+    learnt_drive: tuple[int, ...] = ()
+    """Joints that tell the synthesized ones; empty: chosen by cross-validation."""
+    spread: float = 0.25
+    """Variation of learnt joints: the share of what the prediction gains over the mean pose that it may use up."""
 
     def __post_init__(self) -> None:
         low, high = self.bands
@@ -95,15 +102,18 @@ class TextureSettings:
         _check(2 <= self.reach <= 100, f"N = {self.reach}", "2 to 100 samples, 5 to 20 are useful")
         _check(0.0 <= self.derivative <= 100.0, f"derivative weight {self.derivative:g}", "0 to 100")
         _check(0.0 <= self.join_weight <= 1000.0, f"join weight {self.join_weight:g}", "0 to 1000, 1 to 4 are useful")
+        _check(
+            0.0 <= self.spread <= 1.0, f"spread {self.spread:g}", "0 (steady) to 1 (as far from the truth as the mean)"
+        )
         both = set(self.synthesize) & set(self.texture)
-        _check(not both, f"{_joint_names(both)} cannot be textured and synthesised", "name each joint once")
+        _check(not both, f"{joint_names(both)} cannot be textured and synthesised", "name each joint once")
         legs = set(self.synthesize) & set(LOWER)
-        _check(not legs, f"{_joint_names(legs)} cannot be synthesised, because feet would slide", "texture them")
+        _check(not legs, f"{joint_names(legs)} cannot be synthesised, because feet would slide", "texture them")
         _check(bool(self.synthesize or self.texture), "no joint is textured or synthesised", "upper or lower")
         driven = set(self.drive) & set(self.synthesize)
         _check(
             not driven,
-            f"{_joint_names(driven)} cannot drive and be synthesised",
+            f"{joint_names(driven)} cannot drive and be synthesised",
             "drive with joints that the sketch moves",
         )
 
@@ -124,7 +134,8 @@ def _check(good: bool, problem: str, allowed: str) -> None:
         raise PersonError(problem, allowed)
 
 
-def _joint_names(joints: set[int]) -> str:
+def joint_names(joints: Iterable[int]) -> str:
+    """Return the names of these joints, in order."""
     return ", ".join(_NAMES[joint] for joint in sorted(joints))
 
 

@@ -165,14 +165,20 @@ def _synthesize_path(
     data, parts = sketched.driving.fragments, sketched.fragments
     joints = [*settings.synthesize, *settings.texture, *([SWAY] if 0 in settings.texture else [])]
     columns = columns_of(joints)
-    pieces = _pieces(corpus.tracks[:, columns], data, chosen, parts, scales)
+    tracks, made = corpus.tracks[:, columns], len(settings.synthesize)
+    if settings.learnt and made:
+        regression = corpus.regression(settings)
+        tracks[:, : 3 * made] = regression.residuals * np.repeat(regression.spreads(settings.spread), 3)
+    pieces = _pieces(tracks, data, chosen, parts, scales)
     _align_turns(
         pieces,
         np.array(
             [
                 3 * n + axis
                 for n, joint in enumerate(joints)
-                if joint < len(corpus.charts) and corpus.charts[joint].kind != VECTOR
+                if joint < len(corpus.charts)
+                and corpus.charts[joint].kind != VECTOR
+                and not (settings.learnt and n < made)
                 for axis in (0, 2)
             ],
             np.int64,
@@ -224,8 +230,13 @@ def _apply_bands(sketched: PreparedSketch, corpus: TextureCorpus, settings: Text
     own = split_bands(sketched.tracks[:, columns], high)[low - 1 : high].sum(axis=0)
     detail = _at_rate(bands[low - 1 : high, :, made:].sum(axis=0) - own, sketch)
     rotation, root = sketch.rotation.astype(np.float64), sketch.root_position.astype(np.float64)
-    for index, joint in enumerate(settings.synthesize):
-        rotation[:, joint] = corpus.charts[joint].rotations(whole[:, 3 * index : 3 * index + 3])
+    if settings.learnt and made:
+        regression = corpus.regression(settings)
+        told = _at_rate(regression.predict(sketched.sampled), sketch)
+        rotation[:, list(settings.synthesize)] = regression.rotations(told, whole)
+    else:
+        for index, joint in enumerate(settings.synthesize):
+            rotation[:, joint] = corpus.charts[joint].rotations(whole[:, 3 * index : 3 * index + 3])
     legs: dict[int, Float64] = {}
     for index, joint in enumerate(settings.texture):
         change = detail[:, 3 * index : 3 * index + 3]

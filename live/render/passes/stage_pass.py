@@ -18,7 +18,7 @@ _FLOOR_VARIANTS: Final = (
 """What programs of the floor have: the border of another stage, gobos and patterns, water, spots and beams. The first
 that has all that is seen is taken."""
 
-_LONG_STILL: Final = 24
+LONG_STILL: Final = 24
 """After so many frames without a change it is no longer expected that light or camera go on moving."""
 
 
@@ -98,7 +98,7 @@ class BackdropPass:
 
     def __init__(self, ctx: moderngl.Context, size: tuple[int, int], *, coarse: bool) -> None:
         self._ctx, self._divisor = ctx, 2 if coarse else 1
-        self._still = self._patience = _LONG_STILL
+        self._still = self._patience = LONG_STILL
         self._programs = {
             name: compile_program(ctx, "full_vertex.glsl", f"{name}_fragment.glsl", (("WALL_BEHIND", WALL_DISTANCE),))
             for name in WORLD_NAMES
@@ -109,6 +109,7 @@ class BackdropPass:
     def _make(self, size: tuple[int, int]) -> None:
         self.texture = self._ctx.texture(size, 4, dtype="f2")
         self.texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self.texture.repeat_x = self.texture.repeat_y = False  # waves look beyond its edges
         self._full_size, self._full_size_target = self.texture, self._ctx.framebuffer([self.texture])
         small = (max(size[0] // self._divisor, 1), max(size[1] // self._divisor, 1))
         self._small = self._ctx.texture(small, 4, dtype="f2")
@@ -121,7 +122,7 @@ class BackdropPass:
         """Fill `texture` unless it holds what is due, with the share of each world; `moving`: light or camera have
         changed since the last frame."""
         if moving:
-            self._patience = 1 if self._still >= _LONG_STILL else _LONG_STILL
+            self._patience = 1 if self._still >= LONG_STILL else LONG_STILL
         self._still = 0 if moving else self._still + 1
         coarse = self._divisor > 1 and self._still < self._patience
         if self._is_cached and (coarse or self.texture is self._full_size):

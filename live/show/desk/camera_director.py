@@ -325,7 +325,7 @@ class CameraDirector:
         if kind.aimed_deg is not None:
             elevation = math.radians(kind.aimed_deg)
         chosen = self._chosen_for(kind) & self._subjects.present()
-        return self._framing.fit(kind, self._subjects.places(), chosen, bearing, elevation)
+        return self._framing.fit(kind, self._subjects.places(), chosen, bearing, elevation, self._subjects.top(chosen))
 
     def _take(self, kind: ShotKind, frame: Frame, beats: float) -> None:
         """Begin a shot, with a cut or with a move of so many beats."""
@@ -362,8 +362,9 @@ class CameraDirector:
         build = self._score_runner.mood.value("build") if self.mood.push else 0.0
         self._push = damper(self._push, self.mood.push * build, BUILD_HALFLIFE, FRAME_TICKS * TICK)
         pushed = replace(self._frame, distance=self._frame.distance * (1.0 - self._push))
-        if not self._framing.stands(kind, places, both, pushed):
-            self._frame = self._framing.fit(kind, places, both, self._frame.bearing, self._frame.elevation)
+        top = subjects.top(chosen)
+        if not self._framing.stands(kind, places, both, pushed, top):
+            self._frame = self._framing.fit(kind, places, both, self._frame.bearing, self._frame.elevation, top)
 
     def _move(self, seconds: float, beats: float) -> None:
         """Move towards the frame, keep away from bodies, and write the camera."""

@@ -16,10 +16,10 @@ from live.show.desk.camera_shots import ShotKind
 
 WIDTH_SHARE: Final = 0.72
 """Share of the picture's width that a formation fills."""
-TOP: Final = 0.80
-"""Where heads are, from the middle (0) to the upper edge (1): 10 % of headroom."""
-BOTTOM: Final = 0.74
-"""Where feet are below the middle: 13 % of floor below them."""
+TOP: Final = 0.82
+"""Where heads are, from the middle (0) to the upper edge (1): 9 % of headroom."""
+BOTTOM: Final = 0.72
+"""Where feet are below the middle: 14 % of floor below them."""
 EDGE: Final = 0.97
 """Where a shot of a part of the body ends below."""
 NEAREST_BODY: Final = 1.6
@@ -97,11 +97,13 @@ class Framing:
             [bearing, elevation, up * self._aspect, up, WIDTH_SHARE, top, bottom, kind.above, NEAREST_BODY], np.float64
         )
 
-    def fit(self, kind: ShotKind, place: Float64, chosen: Bool, bearing: float, elevation: float) -> Frame:
-        """Return the nearest camera from a direction that shows the chosen dancers, who are at `place` (n, 2) [m]; the
-        stage if nobody is chosen."""
+    def fit(
+        self, kind: ShotKind, place: Float64, chosen: Bool, bearing: float, elevation: float, top: float = HEIGHT
+    ) -> Frame:
+        """Return the nearest camera from a direction that shows the chosen dancers, who are at `place` (n, 2) [m] and
+        reach up to `top` [m]; the stage if nobody is chosen."""
         found, lens = np.empty(4), kind.field_of_view_deg
-        body = body_of(kind)
+        body = body_of(kind, top)
         if not chosen.any():
             place, chosen, body = self._corners(), np.ones(4, np.bool_), STAGE_BODY
         while True:
@@ -110,28 +112,29 @@ class Framing:
                 return Frame(found[:3].copy(), float(found[3]), bearing, elevation, lens)
             lens = min(lens * 1.25, 80.0)
 
-    def stands(self, kind: ShotKind, place: Float64, chosen: Bool, frame: Frame) -> bool:
-        """Whether a frame still shows its dancers well."""
+    def stands(self, kind: ShotKind, place: Float64, chosen: Bool, frame: Frame, top: float = HEIGHT) -> bool:
+        """Whether a frame still shows its dancers well, who reach up to `top` [m]."""
         if not chosen.any():
             return False
         view = self.view(kind, frame.bearing, frame.elevation, frame.field_of_view)
         box, camera = np.empty(4), np.array([*frame.target, frame.distance], np.float64)
-        box_in_view(place, chosen, body_of(kind), view, camera, box)
-        left, right, bottom, top = box.tolist()
+        box_in_view(place, chosen, body_of(kind, top), view, camera, box)
+        left, right, bottom, high = box.tolist()
         if not kind.whole:
             middle = abs(0.5 * (left + right)) < MIDDLE_LIMIT and max(-left, right) < SIDE_LIMIT
-            return middle and 0.74 < top < 0.9 and -1.08 < bottom < -0.86
+            return middle and 0.74 < high < 0.9 and -1.08 < bottom < -0.86
         if kind.subject == "soloist" and abs(0.5 * (left + right)) > MIDDLE_LIMIT:
             return False
-        if max(-left, right) > SIDE_LIMIT or top > TOP_LIMIT or -bottom > FEET_LIMIT:
+        if max(-left, right) > SIDE_LIMIT or high > TOP_LIMIT or -bottom > FEET_LIMIT:
             return False
-        return LEAST_FILL <= max(0.5 * (right - left), 0.5 * (top - bottom)) <= MOST_FILL
+        return LEAST_FILL <= max(0.5 * (right - left), 0.5 * (high - bottom)) <= MOST_FILL
 
     def _corners(self) -> Float64:
         x, z = self._half.tolist()
         return np.array([[-x, -z], [x, -z], [-x, z], [x, z]], np.float64)
 
 
-def body_of(kind: ShotKind) -> Float64:
-    """Return the part of a body that a shot shows: lowest and highest height, and radius [m]."""
-    return np.array([kind.lowest, HEIGHT, RADIUS], np.float64)
+def body_of(kind: ShotKind, top: float = HEIGHT) -> Float64:
+    """Return the part of a body that a shot shows, of dancers who reach up to `top` [m]: lowest and highest height, and
+    radius [m]. A near shot goes down with whom it shows."""
+    return np.array([kind.lowest if kind.whole else kind.lowest + top - HEIGHT, top, RADIUS], np.float64)

@@ -45,6 +45,7 @@ def fit_view(place: Float64, chosen: Bool, body: Float64, view: Float64, out: Fl
     """
     rx, _, rz, ux, uy, uz, fx, fy, fz = camera_axes(view[0], view[1])
     side, top, bottom = view[2] * view[4], view[3] * view[5], view[3] * view[6]
+    reach = body[2] * abs(math.sin(view[1]))  # seen from above a foot before the body is lower in the picture
     left, right, high, low, near, far = -1e18, 1e18, -1e18, 1e18, 1e18, -1e18
     for i in range(len(place)):
         if not chosen[i]:
@@ -55,7 +56,7 @@ def fit_view(place: Float64, chosen: Bool, body: Float64, view: Float64, out: Fl
             left = max(left, a + body[2] - side * c)
             right = min(right, a - body[2] + side * c)
             high = max(high, b - top * c)
-            low = min(low, b + bottom * c)
+            low = min(low, b - reach * (1 - k) + bottom * c)
             near, far = min(near, c), max(far, c)
     if near > 1e17:
         return False
@@ -79,6 +80,7 @@ def box_in_view(place: Float64, chosen: Bool, body: Float64, view: Float64, came
     """
     rx, _, rz, ux, uy, uz, fx, fy, fz = camera_axes(view[0], view[1])
     ex, ey, ez = camera[0] - camera[3] * fx, camera[1] - camera[3] * fy, camera[2] - camera[3] * fz
+    reach = body[2] * abs(math.sin(view[1]))
     out[0], out[1], out[2], out[3] = 9.0, -9.0, 9.0, -9.0
     for i in range(len(place)):
         if not chosen[i]:
@@ -92,7 +94,8 @@ def box_in_view(place: Float64, chosen: Bool, body: Float64, view: Float64, came
             a, b = (x * rx + z * rz) / (depth * view[2]), (x * ux + y * uy + z * uz) / (depth * view[3])
             r = body[2] / (depth * view[2])
             out[0], out[1] = min(out[0], a - r), max(out[1], a + r)
-            out[2], out[3] = min(out[2], b), max(out[3], b)
+            low = reach * (1 - k) / (depth * view[3])
+            out[2], out[3] = min(out[2], b - low), max(out[3], b)
 
 
 @inline_kernel

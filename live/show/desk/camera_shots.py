@@ -26,7 +26,7 @@ class ShotKind:
     """How fast it follows its dancers [1/s]."""
     aimed_deg: float | None = None
     """The elevation, where it is not one of those that are compared."""
-    above: float = 0.42
+    above: float = 0.34
     """Share of the free height that lies above the dancers where the width binds."""
 
     @property

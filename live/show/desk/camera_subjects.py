@@ -6,6 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Bool, Float64
+from live.show.desk.camera_kernels import HEIGHT
 from live.show.desk.camera_shots import Subject
 
 if TYPE_CHECKING:
@@ -17,6 +18,10 @@ MOST_SOLOISTS: Final = 3
 """More dancers than that are no soloists."""
 SAME_STEP: Final = 0.7
 """A dancer is alone with a step if at least this share of the others dance one other step."""
+ABOVE_HEAD: Final = 0.20
+"""From the joint of the head to the hair [m]."""
+TOPS: Final = (1.2, 1.85)
+"""Nobody is framed as if they were smaller or taller [m]."""
 FEWEST: Final = 3
 """Among fewer dancers nobody stands out by a step."""
 
@@ -114,6 +119,15 @@ class Subjects:
             found[captured] = self._motion.state.position[captured]
         found[~np.isfinite(found)] = 0.0
         return found
+
+    def top(self, chosen: Bool) -> float:
+        """Return how far up those who are `chosen` (A,) reach in this measure without their arms, between the two
+        `TOPS` [m]: who dances low is less tall in the picture, who springs is taller."""
+        node = self._dancers.present.node[chosen]
+        if not len(node) or (node < 0).any():
+            return HEIGHT
+        highest = float(self._dancers.graph.moments.head_height(np.unique(node)).max())
+        return min(max(highest + ABOVE_HEAD, TOPS[0]), TOPS[1])
 
     def headings(self) -> Float64:
         """Return the headings of the dancers at the end of this measure [rad], (A,)."""

@@ -34,6 +34,7 @@ def load_example_bank(patch: Patch, path: Path, library: StepLibrary) -> Example
     for index, section in enumerate(patch.partner):
         key = (
             section.examples,
+            section.style,
             section.steps,
             section.unit_beats,
             section.stretch,
@@ -101,7 +102,7 @@ def _units(section: PartnerSection, path: Path, library: StepLibrary) -> tuple[U
     found = find_resource(section.examples, path)
     if found is None:
         raise PersonError(f"there is no file {section.examples[:200]!r}", "put the file in the patch's folder")
-    known = read_pairs(found)
+    known = read_pairs(found, style=section.style)
     walks = known.leaders[0] is None
     if walks != section.led_by_path:
         kind, remedy = ("walks", 'leader = "path"') if walks else ("pairs with a leader", "leader")

@@ -66,6 +66,8 @@ class PartnerSection(Section):
     examples: Annotated[str, Field(min_length=1, max_length=1000)] | None = None
     """A TOML file of pairs (`live docs partners`), looked up in the patch's folder, then in the project's patches; left
     out: the steps of the show, each paired with the step that fits it best."""
+    style: Annotated[str, Field(min_length=1, max_length=64)] | None = None
+    """Of `examples`, only pairs of this style and those without one are danced; left out: all."""
     steps: Annotated[tuple[Annotated[str, Field(min_length=1, max_length=100)], ...], Field(max_length=100)] = ()
     """Which of the show's steps to use without `examples`; left out: all, or `walk` along a path."""
     on: bool = True
@@ -88,6 +90,12 @@ class PartnerSection(Section):
     left out: only the written holds."""
     hold_time: Annotated[float, Field(ge=0.05, le=60)] | None = None
     """For how long they must be so near [s]; left out: 0.4. A hold ends at 1.5 times the distance."""
+
+    @model_validator(mode="after")
+    def _style_fits(self) -> Self:
+        if self.style is not None and self.examples is None:
+            raise InvalidEntry("style without examples: the show's steps have none; name a file of pairs", "style")
+        return self
 
     @model_validator(mode="after")
     def _hold_keys_fit(self) -> Self:

@@ -168,6 +168,7 @@ def test_tables_hold_places_headings_and_measures(show_files):
     assert document["dancers"][4]["present"] == [int(frame >= 11) for frame in range(FRAMES)]
 
 
+@pytest.mark.long
 def test_replay_writes_the_motion_of_the_night_and_a_part_of_it(tmp_path):
     options = ("--bpm", "120", "--seconds", "6", "--fps", "16", "--journal", str(tmp_path / "night.jsonl"))
     made = run_live("render", "--out", str(tmp_path / "a.json"), *options)
@@ -208,6 +209,7 @@ def test_motion_that_cannot_be_written_is_refused_before_the_show_begins(tmp_pat
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.long
 def test_motion_keeps_its_details_where_no_camera_looks(tmp_path):
     """Dancers behind the camera: their arms keep off each other as those of the same show with a usual camera."""
     usual = (PATCHES / "first_show.toml").read_text()

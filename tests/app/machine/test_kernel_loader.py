@@ -68,6 +68,7 @@ def test_nothing_is_loaded_while_kernels_are_compiled(
     assert store.is_complete() == kept  # a disk that keeps nothing is not said to be complete
 
 
+@pytest.mark.long
 def test_a_rehearsal_leaves_the_show_as_it_was() -> None:
     loaded = load_show(DEFAULT_PATCH)
 

@@ -300,6 +300,7 @@ def keep(night: EditedShow, measures: int, name: str, by: str = "ana") -> dict[s
     return night.serve(KeepMeasures(time=night.clock.now(), source="osc", measures=measures, name=name, by=by))[-1]
 
 
+@pytest.mark.long
 def test_what_was_danced_becomes_a_section_and_is_danced_again(night: EditedShow) -> None:
     night.run(4.5)  # measures of 2 s
     for address, values in (

@@ -75,6 +75,7 @@ def with_client(loaded: LoadedShow, act: Callable[[PreviewClient], Awaitable[Non
     asyncio.run(run())
 
 
+@pytest.mark.long
 def test_it_answers_as_the_engine_here_and_at_low_priority(loaded: LoadedShow) -> None:
     tried = [{"do": "set", "at": ["group", 1, "colour"], "value": [0.1, 0.2, 0.3]}]
     question = {"id": 1, "from": 7, "to": 9, "positions": "samples", "with": tried}

@@ -115,7 +115,7 @@ EDITS = {
 }
 
 
-SHORT = ("both", "gate named", "obstacle moved", "wall", "item gone")
+SHORT = ("both", "gate named", "obstacle moved", "item gone")
 """Edits of the short run of tests: one of each kind."""
 
 

@@ -243,6 +243,7 @@ def test_a_long_edit_is_taken_journalled_and_replayed(studio: Studio) -> None:
     assert studio.replay_differences() == ()
 
 
+@pytest.mark.long
 def test_chosen_ways_and_doubts_come_from_the_preview_and_follow_the_document(studio: Studio) -> None:
     async def act(ana: Page, bea: Page) -> None:
         await ana.say(segment=2, name="ana", notes=True)

@@ -36,6 +36,7 @@ def test_sheet_contains_one_described_picture_per_measure(loaded: LoadedShow) ->
     assert apart == pytest.approx(2 * 4 * 60 / found[-1].tempo, rel=0.1)
 
 
+@pytest.mark.long
 def test_answering_group_shows_steps_of_its_leader(loaded: LoadedShow) -> None:
     show = load_show(find_patch("partner")).start(seed=1)
     answering = show.dancers.partner_response

@@ -42,6 +42,7 @@ def _steps_that_follow(graph):
     return {(s, int(library.node_step[t])) for s, t in edges_of(graph) if library.node_measure[t] == 0}
 
 
+@pytest.mark.long
 @settings(max_examples=40, deadline=None)
 @given(many_clips(), st.sampled_from([0.03, 0.06, 0.15]))
 def test_components_are_those_of_all_edges(clips, threshold):

@@ -45,3 +45,31 @@ def without_arms(clip: Clip) -> Clip:
     rotation = clip.rotation.copy()
     rotation[:, list(UPPER)] = (1.0, 0.0, 0.0, 0.0)
     return replace(clip, name="sketch", rotation=rotation)
+
+
+def improvisation(seconds: float, seed: int, told: float = 1.0) -> Clip:
+    """A dancer whose four leg joints move without a period, and whose arms follow them by the share `told`, 0 to 1.
+
+    The rest of the arms' movement, of the same size, is independent of the legs.
+    """
+    chance = np.random.default_rng(seed)
+    count = int(seconds * RATE) + 1
+    t = np.arange(count) / RATE
+
+    def curves(number: int) -> np.ndarray:
+        hertz = chance.uniform(0.2, 2.0, (1, number, 12))
+        phase = chance.uniform(0.0, 2.0 * np.pi, (1, number, 12))
+        return 0.12 * np.sin(2.0 * np.pi * hertz * t[:, None, None] + phase).sum(axis=-1)
+
+    legs, own = curves(4), curves(4)
+    vector = np.zeros((count, JOINT_COUNT, 3))
+    for n, (leg, arm) in enumerate(
+        (("leftUpperLeg", "rightUpperArm"), ("rightUpperLeg", "leftUpperArm"), ("leftLowerLeg", "rightLowerArm"),
+         ("rightLowerLeg", "leftLowerArm"))
+    ):  # fmt: skip
+        vector[:, SKELETON.index(leg), 0] = legs[:, n]
+        vector[:, SKELETON.index(arm), 0] = told * legs[:, n] + (1.0 - told) * own[:, n]
+    root = np.zeros((count, 3), np.float32)
+    root[:, 1] = 0.9
+    rotation = quaternion.from_rotation_vector(vector).astype(np.float32)
+    return Clip(f"improvisation {seed}", root, rotation, RATE, np.ones((count, 2), np.bool_))

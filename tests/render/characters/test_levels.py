@@ -54,6 +54,7 @@ def outline_distance(a, b):
     return float(np.percentile(np.concatenate(far), 99))
 
 
+@pytest.mark.long
 def test_near_dancer_has_same_body_at_every_quality(outline):
     for best in (SOFTWARE, HARDWARE):
         whole = None

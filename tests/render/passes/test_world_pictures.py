@@ -256,3 +256,16 @@ def test_passes_of_unseen_worlds_draw_nothing(plain):
     active = {type(one).__name__ for one in pipeline._scene_passes if one.active(moment)}
     assert active.isdisjoint({"RipplePass", "ConstellationPass"})
     assert not any(type(one).__name__ == "PaperPass" for one in pipeline.chain.active(moment, ()))
+
+
+@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE])
+def test_waves_do_not_show_the_other_side_at_an_edge(gl_context, quality):
+    down = Camera((0.0, 4.5, 6.0), (0.0, 0.8, 0.0), 60.0)  # the light sky above, dark water below
+    pictures = Pictures(gl_context, quality)
+    try:
+        for beat in (1.0, 2.3):
+            seen = pictures.still(seen_from(world_row("water", pass__vignette=0.0), down), empty(), beat)
+            assert np.abs(seen[0] - seen[-1]).mean() > 40
+            assert np.abs(seen[-1] - seen[-4]).mean() < 8
+    finally:
+        pictures.release()

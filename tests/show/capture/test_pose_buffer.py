@@ -86,6 +86,7 @@ def test_correction_is_limited_to_walking_speed_unless_far(far):
     assert left[-1] < 0.01
 
 
+@pytest.mark.long
 def test_drifting_suit_stays_at_tracker_and_tracker_noise_is_suppressed():
     show = made_show(ANNA)
     drifts = run(show, 1, 15 * 64, lambda tick: (0.1 * tick * TICK, 0.5), constant_place(1.0, -1.0))

@@ -136,6 +136,7 @@ def test_blinks_come_fifteen_to_twenty_times_a_minute_and_not_in_unison():
     assert closed.sum(axis=1).max() <= closed.shape[1] // 2
 
 
+@pytest.mark.long
 def test_eyes_hold_the_public_while_the_head_turns():
     """The vestibulo-ocular law: gaze in the world stays on its target, whatever the head does below the limits."""
     found = dance(head=0.5)

@@ -89,7 +89,7 @@ def test_pictures_do_not_change_the_simulation():
     assert one.state_hash() == two.state_hash()
 
 
-@pytest.mark.parametrize("tick", [20, 95, 160, 201, 270, 335])
+@pytest.mark.parametrize("tick", [95, 270, *(pytest.param(one, marks=pytest.mark.long) for one in (20, 160, 201, 335))])
 def test_restored_show_goes_on_with_the_same_bits(tick):
     show = SHOW.start()
     run(show, 1, tick, SCRIPT)

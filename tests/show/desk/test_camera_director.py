@@ -66,6 +66,16 @@ def test_near_shot_ends_at_its_height_and_leaves_headroom():
     assert bottom == pytest.approx(0.985, abs=0.02)
 
 
+@pytest.mark.parametrize("kind", [FULL, WAIST])
+def test_who_dances_low_is_framed_lower(kind):
+    place, one = np.array([[1.0, 2.0]]), np.ones(1, np.bool_)
+    frame = FRAMING.fit(kind, place, one, 0.2, 0.05, 1.4)
+    head = project_points(camera_of(frame), SIZE, np.array([[1.0, 1.4, 2.0]]))[0] / SIZE
+    assert head[1] == pytest.approx(0.09, abs=0.01)
+    assert FRAMING.stands(kind, place, one, frame, 1.4)
+    assert not FRAMING.stands(kind, place, one, frame)  # she has stood up
+
+
 def test_empty_stage_is_framed_as_a_whole():
     frame = FRAMING.fit(TOTAL, np.zeros((3, 2)), np.zeros(3, np.bool_), 0.0, 0.3)
     corners = np.array([[-6, 0, -4], [6, 0, -4], [6, 0, 4], [-6, 0, 4]], float)
@@ -153,6 +163,17 @@ def joints(session):
     view = session.show.view()
     session.show.fill(view, session.ticks * TICK)
     return pp.camera_from_row(view.picture), view.joint_position[view.present & session.desk.director.chosen]
+
+
+def test_top_is_that_of_the_highest_head_in_the_measure():
+    session, highest = DeskSession(LIVELY).run(beats=8), 0.0
+    subjects, view = session.desk.director._subjects, session.show.view()
+    top = subjects.top(subjects.present())
+    for _ in range(126):
+        session.run(ticks=1)
+        session.show.fill(view, session.ticks * TICK)
+        highest = max(highest, float(view.joint_position[view.present, HEAD, 1].max()))
+    assert top == pytest.approx(highest + 0.20, abs=0.03)
 
 
 @pytest.mark.parametrize("mood", ["calm", "lively", "cinematic", "still"])

@@ -10,7 +10,7 @@ from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 
 FPS = 60
-SECONDS = 45
+SECONDS = 30
 
 
 @pytest.fixture(scope="module")

@@ -73,6 +73,7 @@ def _reads_unchecked(call):
     return (reads or name.startswith("Patch.model_validate")) and not {"PATCH_CHECKS", "checks"} & set(words)
 
 
+@pytest.mark.long
 def test_every_patch_from_outside_is_checked():
     modules = [(path, ast.walk(ast.parse(path.read_text()))) for path in sorted((ROOT / "live").rglob("*.py"))]
     calls = [(path.name, node.lineno, node) for path, nodes in modules for node in nodes if isinstance(node, ast.Call)]

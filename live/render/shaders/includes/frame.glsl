@@ -46,11 +46,12 @@ int spots_begin() { return int(spot_light[1].w); }
 int spots_end() { return int(spot_light[2].w); }
 
 // Follow spots: lamps high in front of the stage, a firm edge around whom they follow.
-vec3 spot_lamp(int k) { return vec3(spot_place[k].x * 0.4 + (float(k) - 1.5) * 1.6, 8.5, stage.y + 5.0); }
+vec3 spot_lamp(int k) { return vec3(spot_place[k].x * 0.6 + (float(k) - 1.5) * 1.2, 9.5, stage.y + 4.0); }
 
-// How much of a spot reaches a place: 1 within its radius around the line from its lamp to her middle.
+// How much of a spot reaches a place: 1 within its radius around the line from its lamp to her thighs, so that its pool
+// lies around her feet.
 float spot_reach(int k, vec3 place) {
-    vec3 lamp = spot_lamp(k), to = vec3(spot_place[k].x, 0.9, spot_place[k].y) - lamp;
+    vec3 lamp = spot_lamp(k), to = vec3(spot_place[k].x, 0.7, spot_place[k].y) - lamp;
     float far = length(to);
     vec3 way = place - lamp;
     float along = dot(way, to) / far;

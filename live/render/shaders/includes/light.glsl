@@ -17,13 +17,13 @@ const vec3 RIM_RIGHT = vec3(0.6276, 0.4602, -0.6276);
 #include "moving.glsl"
 #endif
 #if BESIDE
-vec3 beside(vec3 place, vec3 n, vec3 albedo, vec3 to_eye, float edge, float openness) {
+vec3 beside(vec3 n, vec3 albedo, float grazing, float openness) {
     const vec3 LEFT = vec3(-0.94, 0.24, 0.24), RIGHT = vec3(0.94, 0.24, 0.24), BACK = vec3(0.0, 0.62, -0.78);
     float left = clamp((dot(n, LEFT) + 0.12) / 1.12, 0.0, 1.0), right = clamp((dot(n, RIGHT) + 0.12) / 1.12, 0.0, 1.0);
     vec3 sides = side_left.rgb * left + side_right.rgb * right;
-    vec3 colour = sides * (albedo * 1.25 * (0.5 + 0.5 * openness) + 0.35 * edge);
+    vec3 colour = sides * (albedo * 1.25 * (0.5 + 0.5 * openness) + 0.5 * grazing);
     float back = max(dot(n, BACK), 0.0);
-    colour += back_light.rgb * back * (albedo * 0.9 + edge * 1.1) * (0.4 + 0.6 * openness);
+    colour += back_light.rgb * back * (albedo * 0.9 + grazing * 1.5) * (0.4 + 0.6 * openness);
     return colour;
 }
 #endif
@@ -44,6 +44,10 @@ vec3 spots(vec3 place, vec3 n, vec3 albedo, vec3 to_eye, float openness) {
 vec3 lit(vec3 place, vec3 n, vec3 albedo, float sheen, float openness) {
     vec3 to_eye = normalize(eye.xyz - place);
     float edge = square(1.0 - max(dot(n, to_eye), 0.0));
+    // what a surface throws on towards the eye from behind: a narrow edge (Schlick 1994), less of it where the surface is
+    // dark, for most of it comes out of fuzz and strands: dark hair and skin are not chalk
+    float pale = sqrt(dot(albedo, vec3(0.3, 0.6, 0.1)));
+    float grazing = edge * (0.35 + 0.65 * edge) * (0.22 + 0.78 * pale);
     float height = max(place.y, 0.0);
 
     // The key light wraps softly around the body; below skin red light goes farthest, so its border is warm (after
@@ -74,7 +78,7 @@ vec3 lit(vec3 place, vec3 n, vec3 albedo, float sheen, float openness) {
 
     vec3 colour = albedo * light;
 #if BESIDE
-    if (dot(side_left.rgb + side_right.rgb + back_light.rgb, vec3(1.0)) > 0.0) colour += beside(place, n, albedo, to_eye, edge, openness);
+    if (dot(side_left.rgb + side_right.rgb + back_light.rgb, vec3(1.0)) > 0.0) colour += beside(n, albedo, grazing, openness);
 #endif
     colour += spots(place, n, albedo, to_eye, openness);
 #if MOVING
@@ -85,8 +89,8 @@ vec3 lit(vec3 place, vec3 n, vec3 albedo, float sheen, float openness) {
 #endif
     colour += key_light.rgb * (shine * pool * 0.5);
     // the nap of cloth shines where it is looked along (after Ashikhmin and others, A Microfacet-Based BRDF Generator, 2000)
-    colour += (1.0 - skin) * sheen * edge * edge * (0.3 + 0.7 * key.g) * pool * key_light.rgb * (0.25 + albedo);
-    colour += rim_light.rgb * (rim * edge * 0.75 * (0.4 + 0.6 * openness));
+    colour += (1.0 - skin) * sheen * edge * edge * (0.3 + 0.7 * key.g) * pool * key_light.rgb * (0.30 * pale + albedo);
+    colour += rim_light.rgb * (rim * grazing * 1.1 * (0.4 + 0.6 * openness));
     colour *= answer();
     return mix(min(colour, vec3(1.6)), haze_light(place.y), haze_at(place));
 }

@@ -37,7 +37,8 @@ float cone(vec3 lamp, vec3 aim, float begin, float spread, vec3 start, vec3 dire
     float off = distance(nearest, lamp + aim * along);
     float width = begin + spread * along;
     float light = exp(-2.0 * off * off / (width * width)) / (0.35 + 6.0 * spread * spread * along * along + 0.05 * along);
-    float seen = smoothstep(-width, width, reach - away) * smoothstep(0.0, 0.25, along) * step(0.0, away);
+    float deep = width / sqrt(across);   // about half of the ray's way through the cone: an eye within sees what is ahead
+    float seen = smoothstep(-width, width, reach - away) * smoothstep(0.0, 0.25, along) * smoothstep(-deep, deep, away);
     return light * seen * width * 1.2533 / sqrt(across) * smoke_at(known, away);
 }
 
@@ -57,7 +58,7 @@ void main() {
         sum *= beam_answer();
     }
     for (int k = spots_begin(); k < spots_end(); ++k) {
-        vec3 lamp = spot_lamp(k), to = vec3(spot_place[k].x, 0.9, spot_place[k].y) - lamp;
+        vec3 lamp = spot_lamp(k), to = vec3(spot_place[k].x, 0.7, spot_place[k].y) - lamp;
         float far = length(to);
         float spread = spot_place[k].z / far * 0.8;
         sum += spot_light[k].rgb * 0.30 * cone(lamp, to / far, 0.06, spread, start, direction, reach, known);

@@ -19,7 +19,7 @@ vec4 surface(vec3 rest, int dancer, int part) {
         float fine = rest.x * 420.0, broad = rest.x * 95.0;
         float light = mix(strand(broad), strand(broad + 1.0), smoothstep(0.0, 1.0, fract(broad)));
         colour.rgb *= 0.80 + 0.34 * light + 0.14 * strand(fine);
-        colour.a = min(colour.a * 1.3, 1.0);
+        colour.a *= 0.08 + 0.42 * light * light * (0.5 + 0.5 * strand(fine));   // strand by strand, not one sheet
         if (along > 0.80 + 0.20 * strand(rest.x * 160.0)) discard;   // no two strands end at the same height
     } else if (garment.y == 0) {
         colour.rgb *= gl_FrontFacing ? 1.0 : 0.78;                    // the lining

@@ -34,7 +34,7 @@ vec3 eye_colour(vec2 off, int dancer, float skin_light) {
     float away = length(off), turn = atan(off.y, off.x);
     float fibre = 0.82 + 0.36 * grain_of(vec2(turn * 5.0 + 20.0, away * 1400.0));
     iris *= fibre * mix(1.15, 0.72, smoothstep(0.55, 1.0, away / IRIS)) * (0.94 - 34.0 * off.y);
-    vec3 white = vec3(0.79, 0.765, 0.74) * mix(0.86, 1.0, skin_light) - vec3(0.02, 0.10, 0.10) * smoothstep(0.007, 0.011, abs(off.x));
+    vec3 white = vec3(0.79, 0.765, 0.74) * mix(0.74, 1.0, skin_light) - vec3(0.02, 0.10, 0.10) * smoothstep(0.007, 0.011, abs(off.x));
     white *= 1.0 - 0.34 * smoothstep(-0.001, 0.005, off.y);   // in the upper lid's shadow
     vec3 colour = mix(iris, white, smoothstep(IRIS - 0.0006, IRIS + 0.0003, away));
     colour *= smoothstep(PUPIL - 0.0004, PUPIL + 0.0004, away) * 0.96 + 0.04;
@@ -104,7 +104,7 @@ vec4 hair_colour(vec3 at, int dancer) {
     if (curly) {
         float curl = fine * 0.6 + grain_of(at.xy * 520.0 + 9.0) * 0.4;
         if (at.y < near * (0.010 * curl - 0.001)) discard;
-        return vec4(hair.rgb * (0.45 + 1.0 * curl), 0.10 + 0.25 * curl * curl);
+        return vec4(hair.rgb * (0.66 + 0.50 * curl), 0.10 + 0.15 * curl * curl);
     }
     float broad = grain_of(vec2(at.x * 330.0, at.y * 12.0 + 5.0));
     if (at.y < near * (0.0026 * fine + 0.0012 * broad - 0.0006)) discard;   // it begins strand by strand

@@ -20,6 +20,9 @@ void main() {
     float lit = mix(1.06 * pool + 0.18, 0.98 / (1.0 + 0.006 * high * high), up * up * (3.0 - 2.0 * up));
     // the cove itself is a little darker: it faces neither lamp
     lit *= 1.0 - 0.04 * exp(-square((up - 0.42) / 0.28));
+    // farther away, and all around, the white is even: a view from the back of the stage has no end of the room
+    float far = max(length(p.xz) / (length(stage.xy) + WALL_AT), p.y * 0.05);
+    lit = mix(lit, 0.90, smoothstep(1.0, 2.6, far));
     vec3 white = light_background() * (key_light.rgb * 0.75 + fill_above.rgb * 0.75);
     keep(white * lit, 1.0 - smoothstep(0.35, 0.75, up));
 }

@@ -6,6 +6,7 @@ import type { StageState } from "../../model/stage_state";
 import { asLed } from "../../model/danced";
 import type { Studio } from "../../model/studio";
 import type { Joints, Positions } from "../../net/frames";
+import { loadSolid } from "./load_solid";
 import { PARENTS, REST_MM } from "./skeleton";
 import type { SolidPicture } from "./stage3d";
 
@@ -33,7 +34,7 @@ export function SolidStage({ studio, stage }: { studio: Studio; stage: StageStat
       return;
     }
     studio.doc.want({ joints: JOINTS_A_SECOND });
-    void import("./stage3d.js").then(({ SolidPicture }) => {
+    void loadSolid().then(({ SolidPicture }) => {
       if (gone) return;
       try {
         picture.current = new SolidPicture(element, coloursOf(element));
@@ -101,7 +102,7 @@ export function SolidStage({ studio, stage }: { studio: Studio; stage: StageStat
   );
 }
 
-function coloursOf(element: HTMLElement): { back: string; floor: string; line: string; ink: string; accent: string } {
+export function coloursOf(element: HTMLElement): { back: string; floor: string; line: string; ink: string; accent: string } {
   const style = getComputedStyle(element);
   const read = (name: string): string => style.getPropertyValue(name).trim();
   return { back: read("--back"), floor: read("--floor"), line: read("--line"), ink: read("--ink"), accent: read("--accent") };
