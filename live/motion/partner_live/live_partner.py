@@ -55,7 +55,8 @@ def evaluate_live(
     contact = np.array([pose.contact for pose in poses])
     clip = _at_rate(root, rotation, contact, leader.sample_count, leader.sample_rate)
     reading = _reading(danced, units)
-    made = Answer(clip, np.zeros(leader.sample_count), np.zeros(leader.sample_count, np.int64), (), reading.start[1:])
+    count, begins = leader.sample_count, np.round(reading.start[1:] * leader.sample_rate / LIVE_RATE).astype(np.int64)
+    made = Answer(clip, np.zeros(count), np.zeros(count, np.int64), (), begins)
     with stages("feet and hands"):
         held = lock_live_feet(clip) if search.hold_feet else clip
         if search.hold_hands and leader.sample_count == clip.sample_count:
