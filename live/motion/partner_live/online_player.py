@@ -24,14 +24,14 @@ STANDING_TIME_CONSTANT: Final = 0.5
 SPEED_TIME_CONSTANT: Final = 0.05
 """Time constant [s] of the speed of that correction."""
 MAX_SPEED: Final = 1.5
-"""Maximum speed of the correction [m/s], added to the recorded motion ..."""
-MAX_TURN_RATE: Final = 4.5
-"""... and its maximum turning speed [rad/s]; twice as fast away from a leader who is too near, ..."""
-FREE_TURN_TIME: Final = 0.2
-STANDING_TURN_TIME: Final = 0.2
-STANDING_TURN_SCALE: Final = 1.0
+"""Maximum speed of the correction [m/s], added to the recorded motion: twice as fast away from a leader who is too near
+..."""
 STANDING_SCALE: Final = 0.4
 """... and scaled by this while a foot stands."""
+TURN_TIME_CONSTANT: Final = 0.06
+"""Time constant [s] of turning to the expected facing, about the ball of a foot, too; ..."""
+MAX_TURN_RATE: Final = 9.0
+"""... and its maximum speed [rad/s], twice as fast if the leader is too near."""
 
 
 class FloorTransform:
@@ -80,9 +80,9 @@ class FloorTransform:
         share = STANDING_SCALE if slow else 2.0 if too_near else 1.0
         here = self.turn * root + self.shift
         away = float(np.angle(wanted[1] / (self.turn * facing)))
-        speed, turning = (wanted[0] - here) / seconds, away / (STANDING_TURN_TIME if slow else FREE_TURN_TIME)
+        speed, turning = (wanted[0] - here) / seconds, away / TURN_TIME_CONSTANT
         speed *= min(1.0, share * MAX_SPEED / max(abs(speed), 1e-9))
-        limit = MAX_TURN_RATE * (STANDING_TURN_SCALE if slow else share)
+        limit = MAX_TURN_RATE * (2.0 if too_near else 1.0)
         turning = min(max(turning, -limit), limit)
         self._speed += eased * (speed - self._speed)
         self._turning += eased * (turning - self._turning)
