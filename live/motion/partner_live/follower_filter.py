@@ -138,13 +138,14 @@ class FollowerFilter:
     def _advance(self, phase: float | None) -> None:
         """Advance the posterior by a moment, and believe the beats as far as they make what is seen likelier."""
         model = self.model
-        counts = phase is not None and model.beat_sharpness > 0.0
-        density = beat_density(model.moments.phase - phase, model.beat_sharpness) if counts else np.zeros(0)
+        density = np.zeros(0)
+        if phase is not None and model.beat_sharpness > 0.0:
+            density = beat_density(model.moments.phase - phase, model.beat_sharpness)
         evidence = advance_posterior(
             self.posterior, model.moments.follows, model.jump_to, model.jump_share, JUMP_PROBABILITY, self._near_square,
             SEEN_WIDTH, density, self.beat_trust, self._scratch,
         )  # fmt: skip
-        if counts:
+        if len(density):
             said = BEAT_MEMORY * self._beat_evidence + float(np.log(max(evidence, 1e-6)))
             self._beat_evidence = min(max(said, -MAX_BEAT_EVIDENCE), MAX_BEAT_EVIDENCE)
 

@@ -8,7 +8,7 @@ variables* (1998), and L. Rabiner, *A tutorial on hidden Markov models* (1989).
 """
 
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import Final, Literal
 
 import numpy as np
 
@@ -190,18 +190,19 @@ def learn_follower(units: Units, rate: float) -> FollowerModel:
     jump_to, jump_share = _jumps(moments)
     shown, body = _shown(moments)
     basic, basic_square = _basic(moments)
-    recordings = np.arange(len(units.examples))
-    limits = [
-        np.stack([np.searchsorted(of, recordings, side=side) for side in ("left", "right")], axis=1).astype(np.int64)
-        for of in (moments.example[:count], units.example)
-    ]
     tracks = [root_track(one.follower) for one in units.examples]
     return FollowerModel(
-        moments, lags, stride, features.scale, features.rows, features.share, features.near, weights, mean,
-        jump_to, jump_share, shown, body, _remaining(moments.follows), _beat_sharpness(moments), basic,
-        basic_square, *limits,
+        moments, lags, stride, features.scale, features.rows, features.share, features.near, weights, mean, jump_to,
+        jump_share, shown, body, _remaining(moments.follows), _beat_sharpness(moments), basic, basic_square,
+        _limits(moments.example[:count], len(units.examples)), _limits(units.example, len(units.examples)),
         tuple(one for one, _ in tracks), tuple(one for _, one in tracks),
     )  # fmt: skip
+
+
+def _limits(example: Int64, count: int) -> Int64:
+    """Return the first and last + 1 row of each of `count` recordings, (count, 2), of ascending indices `example`."""
+    sides: tuple[Literal["left", "right"], ...] = ("left", "right")
+    return np.stack([np.searchsorted(example, np.arange(count), side=side) for side in sides], axis=1).astype(np.int64)
 
 
 def _rounded(values: Float64) -> Float64:
@@ -213,13 +214,13 @@ def _moments_of(units: Units, n: int, rate: float, stride: int, lags: Int64) -> 
     cloud, clip = example.live_control, example.follower
     last = min(cloud.count, clip.sample_count) - 1
     frames = int(last / units.rate * rate + 1e-6) + 1
-    thin = cloud.at(np.arange(frames) * units.rate / rate)
+    thin = cloud.at(np.asarray(np.arange(frames) * units.rate / rate, np.float64))
     at = np.arange(0, frames, stride)
     features = np.zeros((len(at), len(lags) * (3 * thin.floor.shape[1] - 1)))
     floor, height = np.ascontiguousarray(thin.floor), np.ascontiguousarray(thin.height)
     for row, frame in zip(features, at.tolist(), strict=True):
         write_features(frame, 0, floor, height, lags, row)
-    sample = at * units.rate / rate
+    sample = np.asarray(at * units.rate / rate, np.float64)
     own = np.flatnonzero(units.example == n)
     which = own[np.clip(np.searchsorted(units.start[own], sample + 1e-6, side="right") - 1, 0, len(own) - 1)]
     return Moments(
