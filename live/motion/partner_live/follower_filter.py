@@ -16,18 +16,16 @@ from live.motion.partner_live.follower_kernels import (
 )
 from live.motion.partner_live.follower_model import (
     CHANGE_WEIGHT,
-    FACING,
     JUMP_PROBABILITY,
     KERNEL_WIDTH,
     SEEN_WIDTH,
     SHOWN_COLUMNS,
     SHOWN_WEIGHTS,
-    TARGET_COLUMNS,
     FollowerModel,
     beat_density,
-    leader_frame,
     learn_follower,
 )
+from live.motion.partner_live.follower_moments import FACING, TARGET_COLUMNS, leader_frame
 
 IMPROBABILITY: Final = 0.02
 """Cost [m²] of dancing a moment whose probability is 1/e of the most probable one's, ..."""
@@ -73,8 +71,6 @@ class FollowerFilter:
         self._beat_evidence = 0.0
         self.unsure = 0.0
         """How much a safe basic step is danced instead, because the leader does what no example has, 0 to 1."""
-        self.certainty = 0.0
-        """How sure the filter is of the follower's facing, 0 to 1."""
         self.nearest = 0.0
         """How like the leader is to the most similar recorded moment, 0 to 1."""
         self.place, self.facing = complex(0.0), complex(1.0)
@@ -123,7 +119,7 @@ class FollowerFilter:
         square_distances(self._feature, model.rows, model.share, model.near, self._near_square, self._square)
         if self.frames_since_moment == 0:
             self._advance(phase)
-            self.certainty = posterior_means(
+            posterior_means(
                 self.posterior, model.moments.target, model.moments.follows, FACING.start, self._now, self._soon
             )
         self.nearest = regress(self._square, KERNEL_WIDTH, model.weights, model.mean, self.expected)

@@ -170,18 +170,17 @@ SURE_POWER: Any = 4
 """Power of the probabilities in the mean of the facing: between two directions the middle one would be none of both."""
 
 
-@kernel("f8(f8[::1],f8[:,::1],i8[::1],i8,f8[::1],f8[::1])")
+@kernel("void(f8[::1],f8[:,::1],i8[::1],i8,f8[::1],f8[::1])")
 def posterior_means(
     posterior: Float64, target: Float64, follows: Int64, facing: int, now: Float64, soon: Float64
-) -> float:
+) -> None:
     """Write the mean of `target` (M, O) over the `posterior` (M,) to `now` (O,), and that a step later to `soon`.
 
-    Of the two columns from `facing` on, the likeliest moments count most. Return how sure the facing is, 0 to 1: the
-    length of the plain mean of these unit vectors.
+    Of the two columns from `facing` on, the likeliest moments count most.
     """
     now[:] = 0.0
     soon[:] = 0.0
-    z, x, sure, sure_z, sure_x, soon_z, soon_x = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    sure, sure_z, sure_x, soon_z, soon_x = 0.0, 0.0, 0.0, 0.0, 0.0
     for m in range(posterior.shape[0]):
         p = posterior[m]
         if p < NEGLIGIBLE:
@@ -190,14 +189,12 @@ def posterior_means(
         for n in range(now.shape[0]):
             now[n] += p * row[n]
             soon[n] += p * other[n]
-        z, x = z + p * row[facing], x + p * row[facing + 1]
         w = p**SURE_POWER
         sure += w
         sure_z, sure_x = sure_z + w * row[facing], sure_x + w * row[facing + 1]
         soon_z, soon_x = soon_z + w * other[facing], soon_x + w * other[facing + 1]
     now[facing], now[facing + 1] = sure_z / sure, sure_x / sure
     soon[facing], soon[facing + 1] = soon_z / sure, soon_x / sure
-    return math.hypot(z, x)
 
 
 @kernel("void(f8[::1],f8[::1],f8[:,::1],f8[::1],f8[:,::1],f8[::1])")

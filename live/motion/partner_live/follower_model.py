@@ -7,32 +7,35 @@ Both are in the frame of the leader's hips, as in C. Saunders et al., *Ridge reg
 variables* (1998), and L. Rabiner, *A tutorial on hidden Markov models* (1989).
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
 
-from live.base.arrays import Bool, Complex128, Float64, Int32, Int64
-from live.motion import quaternion
-from live.motion.clip import Clip
-from live.motion.forward_kinematics import forward_kinematics
-from live.motion.partner.point_clouds import END_JOINTS
-from live.motion.partner.units import Example, Units
+from live.base.arrays import Complex128, Float64, Int32, Int64
+from live.motion.partner.units import Units
 from live.motion.partner_live.follower_kernels import (
     advance_posterior,
     solve_positive,
     square_distances,
-    write_features,
 )
-from live.motion.skeleton import JOINT_COUNT, MIRROR
+from live.motion.partner_live.follower_moments import (
+    END_COLUMNS,
+    FACING,
+    JOINT_COLUMNS,
+    LAGS,
+    MAX_MOMENTS,
+    MOMENT_RATE,
+    Moments,
+    joined_moments,
+    mirror_moments,
+    read_moments,
+    root_track,
+    rounded,
+    selected_moments,
+    thinned_moments,
+)
 
-MOMENT_RATE: Final = 7.5
-"""Moments per second."""
-MAX_MOMENTS: Final = 3600
-"""Moments that are learnt from; of more, stretches of STRETCH_MOMENTS are left out evenly."""
-STRETCH_MOMENTS: Final = 64
-LAGS: Final = (0.0, 0.3, 0.6, 1.0, 1.5, 2.0, 2.5, 3.0)
-"""How long ago [s] a leader's points count ..."""
 LAG_DECAY: Final = 0.3
 """... and how fast they count less [1/s]."""
 NEAR_LAGS: Final = 2
@@ -40,8 +43,6 @@ NEAR_LAGS: Final = 2
 KERNEL_WIDTH: Final = 0.5
 RIDGE: Final = 0.2
 """Width of the Gaussian kernel, in shares of the features' mean square, and variance of what cannot be told."""
-ROUNDING: Final = 1e-6
-"""What is learnt is rounded to this, so that the last bits of a library do not matter."""
 MIRROR_GAIN: Final = 1.0
 """Mirror images are learnt from, too, if they lower the error on recordings left out at least to this part."""
 JUMP_PROBABILITY: Final = 0.2
@@ -64,13 +65,6 @@ JUMP_WIDTH: Final = 0.3
 """Width of the likeness of two moments of followers, in weighted metres."""
 JUMP_WEIGHTS: Final = (1.5, 1.5, 0.3, 0.15)
 """Weights of place [1/m], facing, hands [1/m] and of the change of place and facing per second."""
-JOINT_COLUMNS: Final = 3 * JOINT_COUNT
-FACING: Final = slice(JOINT_COLUMNS, JOINT_COLUMNS + 2)
-HOLDS: Final = slice(JOINT_COLUMNS + 2, JOINT_COLUMNS + 6)
-TARGET_COLUMNS: Final = JOINT_COLUMNS + 6
-"""Columns of what is predicted: joints (22 · z, y, x) [m] in the frame of the leader's hips, facing (z, x), and whether
-each pair of palms holds: the leader's left with the follower's left and right, the leader's right with both."""
-END_COLUMNS: Final = tuple(3 * joint + axis for joint in END_JOINTS for axis in range(3))
 SHOWN_COLUMNS: Final = (0, 2, FACING.start, FACING.start + 1, *END_COLUMNS)
 """Columns by which a moment to dance is chosen: hips, facing, hands and feet."""
 PLACE_WEIGHT: Final = 0.5
@@ -83,44 +77,6 @@ BODY_WEIGHT: Final = 0.1
 BODY_CHANGE_WEIGHT: Final = 0.2
 """... and of hands and feet in the follower's own frame."""
 SHOWN_WEIGHTS: Final = np.array((PLACE_WEIGHT, PLACE_WEIGHT, FACING_WEIGHT, FACING_WEIGHT, *(12 * (ENDS_WEIGHT,))))
-
-
-def root_track(clip: Clip) -> tuple[Complex128, Complex128]:
-    """Return the hips of a clip on the floor (z + i x) and their facing as unit complex numbers, (T,) each."""
-    front = quaternion.rotate(clip.rotation[:, 0].astype(np.float64), np.array((0.0, 0.0, 1.0)))
-    facing = front[:, 2] + 1j * front[:, 0]
-    root = clip.root_position.astype(np.float64)
-    return np.asarray(root[:, 2] + 1j * root[:, 0]), np.asarray(facing / np.maximum(np.abs(facing), 1e-9))
-
-
-def leader_frame(floor: Complex128) -> tuple[Complex128, Complex128]:
-    """Return the middle of the hips and their facing from points (..., P), the hip joints first."""
-    across = floor[..., 0] - floor[..., 1]
-    size = np.abs(across)
-    facing = np.where(size > 1e-9, -1j * across / np.maximum(size, 1e-9), 1.0)
-    return np.asarray(0.5 * (floor[..., 0] + floor[..., 1])), np.asarray(facing)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Moments:
-    """M moments of some recordings."""
-
-    example: Int64
-    """Index of each one's recording, (M,)."""
-    sample: Float64
-    """Its sample there, (M,)."""
-    follows: Int64
-    """How many moments of the recording follow without a gap, at most 2, (M,)."""
-    unit: Int64
-    """Unit that it belongs to, the nearest one outside of all, (M,)."""
-    phase: Float64
-    """Share of the unit that has passed, (M,); before the first unit and after the last it goes on."""
-    feature: Float64
-    """What the leader did, (M, D); not yet scaled."""
-    target: Float64
-    """Where the follower was, (M, TARGET_COLUMNS)."""
-    mirrored: Bool
-    """Whether it is a mirror image, which is learnt from and never danced, (M,)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,10 +137,12 @@ def learn_follower(units: Units, rate: float) -> FollowerModel:
         raise ValueError("two hip joints, or hip joints, hands and feet expected")
     stride = max(1, round(rate / MOMENT_RATE))
     lags = np.round(np.array(LAGS) * rate).astype(np.int64)
-    moments = _thinned(_joined([_moments_of(units, n, rate, stride, lags) for n in range(len(units.examples))]))
+    moments = thinned_moments(
+        joined_moments([read_moments(units, n, rate, stride, lags) for n in range(len(units.examples))])
+    )
     count = len(moments.sample)
     if 2 * count <= MAX_MOMENTS and _mirror_helps(moments):
-        moments = _joined([moments, mirror_moments(moments)])
+        moments = joined_moments([moments, mirror_moments(moments)])
     features = _scale_features(moments.feature)
     weights, mean = _regression(features, moments.target)
     jump_to, jump_share = _jumps(moments)
@@ -205,86 +163,6 @@ def _limits(example: Int64, count: int) -> Int64:
     return np.stack([np.searchsorted(example, np.arange(count), side=side) for side in sides], axis=1).astype(np.int64)
 
 
-def _rounded(values: Float64) -> Float64:
-    return np.asarray(np.round(values / ROUNDING) * ROUNDING)
-
-
-def _moments_of(units: Units, n: int, rate: float, stride: int, lags: Int64) -> Moments:
-    example = units.examples[n]
-    cloud, clip = example.live_control, example.follower
-    last = min(cloud.count, clip.sample_count) - 1
-    frames = int(last / units.rate * rate + 1e-6) + 1
-    thin = cloud.at(np.asarray(np.arange(frames) * units.rate / rate, np.float64))
-    at = np.arange(0, frames, stride)
-    features = np.zeros((len(at), len(lags) * (3 * thin.floor.shape[1] - 1)))
-    floor, height = np.ascontiguousarray(thin.floor), np.ascontiguousarray(thin.height)
-    for row, frame in zip(features, at.tolist(), strict=True):
-        write_features(frame, 0, floor, height, lags, row)
-    sample = np.asarray(at * units.rate / rate, np.float64)
-    own = np.flatnonzero(units.example == n)
-    which = own[np.clip(np.searchsorted(units.start[own], sample + 1e-6, side="right") - 1, 0, len(own) - 1)]
-    return Moments(
-        np.full(len(at), n, np.int64),
-        sample,
-        np.minimum(np.arange(len(at))[::-1], 2).astype(np.int64),
-        which.astype(np.int64),
-        (sample - units.start[which]) / units.length[which],
-        features,
-        _targets(example, thin.floor[at], np.round(sample).astype(np.int64)),
-        np.zeros(len(at), np.bool_),
-    )
-
-
-def mirror_moments(moments: Moments) -> Moments:
-    """Return the mirror image of both dancers, left and right exchanged."""
-    feature = moments.feature.reshape(len(moments.sample), len(LAGS), -1).copy()
-    points = feature[..., 3:-2].reshape(*feature.shape[:2], -1, 3)
-    feature[..., 3:-2] = points[..., [n ^ 1 for n in range(points.shape[2])], :].reshape(*feature.shape[:2], -1)
-    feature[..., 2::3] *= -1.0
-    feature[..., -1] *= -1.0
-    target = moments.target.copy()
-    joints = target[:, :JOINT_COLUMNS].reshape(len(target), -1, 3)[:, MIRROR] * (1.0, 1.0, -1.0)
-    target[:, :JOINT_COLUMNS] = joints.reshape(len(target), -1)
-    target[:, FACING.start + 1] *= -1.0
-    target[:, HOLDS] = target[:, HOLDS][:, ::-1]
-    whole = np.ones(len(target), np.bool_)
-    return replace(moments, feature=feature.reshape(len(target), -1), target=target, mirrored=whole)
-
-
-def _targets(example: Example, floor: Complex128, at: Int64) -> Float64:
-    """Return the follower at the samples `at` in the frame of the leader with points `floor` (n, P)."""
-    clip = example.follower
-    middle, front = leader_frame(floor)
-    joints, _ = forward_kinematics(clip.root_position[at].astype(np.float64), clip.rotation[at].astype(np.float64))
-    place = (joints[..., 2] + 1j * joints[..., 0] - middle[:, None]) * front.conj()[:, None]
-    facing = root_track(clip)[1][at] * front.conj()
-    found = np.zeros((len(at), TARGET_COLUMNS))
-    found[:, :JOINT_COLUMNS] = np.stack((place.real, joints[..., 1], place.imag), axis=-1).reshape(len(at), -1)
-    found[:, FACING] = np.stack((facing.real, facing.imag), axis=1)
-    for hold in example.holds:
-        found[(at >= hold.begin) & (at <= hold.end), HOLDS.start + 2 * hold.leader_hand + hold.follower_hand] = 1.0
-    return _rounded(found)
-
-
-def _joined(parts: list[Moments]) -> Moments:
-    return Moments(*(np.concatenate([getattr(one, name) for one in parts]) for name in Moments.__dataclass_fields__))
-
-
-def _thinned(moments: Moments) -> Moments:
-    """Return at most about MAX_MOMENTS of them, in whole stretches."""
-    count = len(moments.sample)
-    if count <= MAX_MOMENTS:
-        return moments
-    stretch = np.arange(count) // STRETCH_MOMENTS
-    kept = (stretch + 1) * MAX_MOMENTS // count > stretch * MAX_MOMENTS // count
-    follows = moments.follows.copy()
-    for ahead in (2, 1):
-        gone = np.flatnonzero(~kept) - ahead
-        follows[gone[gone >= 0]] = np.minimum(follows[gone[gone >= 0]], ahead - 1)
-    fields = {name: getattr(moments, name) for name in Moments.__dataclass_fields__} | {"follows": follows}
-    return _selected(Moments(**fields), kept)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class _Features:
     """Scaled features, see `FollowerModel`."""
@@ -302,9 +180,9 @@ def _scale_features(feature: Float64) -> _Features:
     weight = np.where(np.tile(np.arange(columns) >= columns - 2, size), 1.0, weight)
     spread = (((feature - feature.mean(axis=0)) * weight) ** 2).mean(axis=0)
     total = max(float(spread.sum()), 1e-9)
-    scale = _rounded(weight / np.sqrt(total))
-    rows = np.ascontiguousarray(_rounded(feature * scale).T)
-    return _Features(scale, rows, _rounded(np.maximum(spread / total, 1e-6)), NEAR_LAGS * columns)
+    scale = rounded(weight / np.sqrt(total))
+    rows = np.ascontiguousarray(rounded(feature * scale).T)
+    return _Features(scale, rows, rounded(np.maximum(spread / total, 1e-6)), NEAR_LAGS * columns)
 
 
 def _similarity(features: _Features, rows: Float64) -> Float64:
@@ -318,10 +196,10 @@ def _similarity(features: _Features, rows: Float64) -> Float64:
 def _regression(features: _Features, target: Float64) -> tuple[Float64, Float64]:
     kernel = _similarity(features, features.rows)
     kernel[np.diag_indices(len(kernel))] += RIDGE
-    mean = _rounded(target.mean(axis=0))
+    mean = rounded(target.mean(axis=0))
     weights = np.ascontiguousarray(target - mean)
     solve_positive(kernel, weights)
-    return _rounded(weights), mean
+    return rounded(weights), mean
 
 
 def _mirror_helps(moments: Moments) -> bool:
@@ -333,11 +211,11 @@ def _mirror_helps(moments: Moments) -> bool:
     half = example % 2 == 0 if len(np.unique(example)) > 1 else np.arange(len(example)) < len(example) // 2
     errors = [0.0, 0.0]
     for known in (half, ~half):
-        seen, unseen = _selected(moments, known), _selected(moments, ~known)
-        for n, learnt in enumerate((seen, _joined([seen, mirror_moments(seen)]))):
+        seen, unseen = selected_moments(moments, known), selected_moments(moments, ~known)
+        for n, learnt in enumerate((seen, joined_moments([seen, mirror_moments(seen)]))):
             features = _scale_features(learnt.feature)
             weights, mean = _regression(features, learnt.target)
-            rows = np.ascontiguousarray(_rounded(unseen.feature * features.scale).T)
+            rows = np.ascontiguousarray(rounded(unseen.feature * features.scale).T)
             away = _similarity(features, rows) @ weights + mean - unseen.target
             errors[n] += float(np.linalg.norm(away[:, :JOINT_COLUMNS].reshape(len(away), -1, 3), axis=-1).sum())
     return errors[1] < MIRROR_GAIN * errors[0]
@@ -355,9 +233,12 @@ def _beat_sharpness(moments: Moments) -> float:
         return 0.0
     errors = np.zeros(len(BEAT_SHARPNESS))
     for known in (example % 2 == 0, example % 2 == 1):
-        seen, unseen = _selected(moments, known & ~moments.mirrored), _selected(moments, ~known & ~moments.mirrored)
+        seen, unseen = (
+            selected_moments(moments, known & ~moments.mirrored),
+            selected_moments(moments, ~known & ~moments.mirrored),
+        )
         features = _scale_features(seen.feature)
-        rows = np.ascontiguousarray(_rounded(unseen.feature * features.scale))
+        rows = np.ascontiguousarray(rounded(unseen.feature * features.scale))
         near, square, scratch = np.empty((len(rows), len(seen.sample))), *np.empty((2, len(seen.sample)))
         for row, into in zip(rows, near, strict=True):
             square_distances(row, features.rows, features.share, features.near, into, square)
@@ -376,10 +257,6 @@ def _beat_sharpness(moments: Moments) -> float:
     return BEAT_SHARPNESS[best] if errors[best] < BEAT_GAIN * errors[0] else 0.0
 
 
-def _selected(moments: Moments, which: Bool) -> Moments:
-    return Moments(*(getattr(moments, name)[which] for name in Moments.__dataclass_fields__))
-
-
 def _jumps(moments: Moments) -> tuple[Int32, Float64]:
     """Return to which moments each moment jumps: those at which the follower is alike, in place and motion."""
     target, count = moments.target, len(moments.sample)
@@ -396,10 +273,10 @@ def _jumps(moments: Moments) -> tuple[Int32, Float64]:
     keep = min(JUMPS, count)
     to, share = np.zeros((count, keep), np.int32), np.zeros((count, keep))
     for m in range(count):
-        square = _rounded(((state - state[m]) ** 2).sum(axis=1))
+        square = rounded(((state - state[m]) ** 2).sum(axis=1))
         best = np.argsort(square, kind="stable")[:keep]
         like = np.exp(square[best] / (-2.0 * JUMP_WIDTH**2))
-        to[m], share[m] = best, _rounded(like / like.sum())
+        to[m], share[m] = best, rounded(like / like.sum())
     return to, share
 
 
@@ -414,7 +291,7 @@ def _basic(moments: Moments) -> tuple[tuple[complex, complex], Float64]:
     most = int(np.argmax(np.round(near * (seen if seen.any() else 1.0), 6)))
     there = complex(place[most]) * max(1.0, ARM_LENGTH / max(abs(complex(place[most])), 1e-9))
     towards = complex(-there / abs(there)) if abs(there) > 1e-9 else complex(1.0)
-    return (there, towards), _rounded(np.abs(place - there) ** 2 + np.abs(facing - towards) ** 2)
+    return (there, towards), rounded(np.abs(place - there) ** 2 + np.abs(facing - towards) ** 2)
 
 
 def _shown(moments: Moments) -> tuple[Float64, Float64]:
@@ -426,7 +303,7 @@ def _shown(moments: Moments) -> tuple[Float64, Float64]:
     return (
         np.ascontiguousarray(np.concatenate((shown, CHANGE_WEIGHT * (shown[after] - shown)), axis=1).T),
         np.ascontiguousarray(
-            _rounded(np.concatenate((BODY_WEIGHT * body, BODY_CHANGE_WEIGHT * (body[after] - body)), axis=1)).T
+            rounded(np.concatenate((BODY_WEIGHT * body, BODY_CHANGE_WEIGHT * (body[after] - body)), axis=1)).T
         ),
     )
 

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from live.base.arrays import Bool, Float64
 from live.motion import quaternion
 from live.motion.partner_live.follower_filter import FollowerFilter
-from live.motion.partner_live.follower_model import HOLDS
+from live.motion.partner_live.follower_moments import HOLDS
 
 FREE_TIME_CONSTANT: Final = 0.3
 """Time constant [s] of moving to the expected position while no foot stands."""

@@ -250,7 +250,7 @@ KINDS: Final = [
     Kind("live-reader", FollowerFilter, """
         units:constant-units rate:float model:constant-follower-model _ring:int _at:int _x:c16~ _x_height:f8~
         posterior:f8 _now:f8 _soon:f8 _feature:f8~ _near_square:f8 _square:f8 _scratch:f8 _cost:f8~ expected:f8
-        _beat_evidence:float unsure:float certainty:float nearest:float place:complex facing:complex min_distance:float
+        _beat_evidence:float unsure:float nearest:float place:complex facing:complex min_distance:float
     """),
     Kind("holding", LiveHandHolds, """
         leader:i4 hand:i4 closed:f8 reachable:b1 palm_distance:f8 missed_count:int _release_time:f8 _leader_palm:f4

@@ -5,7 +5,7 @@ import pytest
 
 from live.motion.partner.units import Hold
 from live.motion.partner_live.follower_filter import FollowerFilter
-from live.motion.partner_live.follower_model import HOLDS
+from live.motion.partner_live.follower_moments import HOLDS
 from live.motion.partner_live.online_player import NOBODY, RELEASE_HOLD, TAKE_HOLD, LivePartner
 from tests.motion.partner_live.led_pairs import follow, led_pair
 
