@@ -1,4 +1,5 @@
-"""Followers to compare with: nearest unit without continuity, nearest frame, one who keeps a constant offset."""
+"""Followers to compare with: nearest unit without continuity, nearest frame, one who keeps a constant offset, and a
+kernel regression."""
 
 import numpy as np
 import numpy.typing as npt
@@ -8,7 +9,8 @@ from live.motion.clip import Clip, read_clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.partner.answer import answer
 from live.motion.partner.decoder import Reading
-from live.motion.partner.point_clouds import Cloud, fit, time_scaled
+from live.motion.partner.evaluation import facing_of, joint_positions
+from live.motion.partner.point_clouds import END_JOINTS, Cloud, fit, time_scaled
 from live.motion.partner.units import Units
 
 Float64 = npt.NDArray[np.float64]
@@ -80,6 +82,54 @@ def constant_offset(leader: Clip, units: Units, leaders: list[Clip]) -> Clip:
     rotation = leader.rotation.astype(np.float64).copy()
     rotation[:, 0] = quaternion.mul(np.array((np.cos(half), 0.0, np.sin(half), 0.0)), rotation[:, 0])
     return _clip(np.stack((at.imag, root[:, 1], at.real), axis=1), rotation, leader.contact, leader.sample_rate)
+
+
+REGRESSION_LAGS = (0.0, 0.5, 1.0)
+"""How long ago [s] the leader's points count for the regression."""
+
+
+def kernel_regression(leader: Clip, units: Units, leaders: list[Clip]) -> tuple[Float64, npt.NDArray[np.complex128]]:
+    """The causal regression that a live follower has to beat: joints (T, J, 3) and facing from the leader's hands, feet
+    and hips now and a while ago, in the frame of his hips; a Gaussian kernel and a ridge, learnt at 15 Hz."""
+    inputs, outputs = [], []
+    for lead, of in zip(leaders, units.examples, strict=True):
+        points, middle, front = _regression_input(lead)
+        own = _seen_from(joint_positions(of.follower), middle, front)
+        turned = facing_of(of.follower) * front.conj()
+        inputs.append(points[::4])
+        outputs.append(np.column_stack((own.reshape(len(own), -1), turned.real, turned.imag))[::4])
+    known, wanted = np.concatenate(inputs), np.concatenate(outputs)
+    points, middle, front = _regression_input(leader)
+    centre, spread, mean = known.mean(axis=0), known.std(axis=0).mean(), wanted.mean(axis=0)
+    known, points = (known - centre) / spread, (points - centre) / spread
+    width = 2.0 * 0.5**2 * known.shape[1]
+
+    def kernel(one: Float64, other: Float64) -> Float64:
+        square = (one**2).sum(axis=1)[:, None] + (other**2).sum(axis=1) - 2.0 * one @ other.T
+        return np.asarray(np.exp(-np.maximum(square, 0.0) / width))
+
+    weights = np.linalg.solve(kernel(known, known) + 0.2 * np.eye(len(known)), wanted - mean)
+    made = kernel(points, known) @ weights + mean
+    joints = made[:, :-2].reshape(len(made), -1, 3)
+    place = (joints[..., 2] + 1j * joints[..., 0]) * front[:, None] + middle[:, None]
+    facing = (made[:, -2] + 1j * made[:, -1]) * front
+    return np.stack((place.imag, joints[..., 1], place.real), axis=-1), facing / np.maximum(np.abs(facing), 1e-9)
+
+
+def _regression_input(leader: Clip) -> tuple[Float64, npt.NDArray[np.complex128], npt.NDArray[np.complex128]]:
+    joints = joint_positions(leader)
+    points, front = joints[:, (0, *END_JOINTS)], facing_of(leader)
+    middle = joints[:, 0, 2] + 1j * joints[:, 0, 0]
+    rows = np.arange(len(points))
+    past = [np.maximum(rows - round(lag * leader.sample_rate), 0) for lag in REGRESSION_LAGS]
+    parts = [_seen_from(points[at], middle, front).reshape(len(points), -1) for at in past]
+    return np.concatenate(parts, axis=1), middle, front
+
+
+def _seen_from(points: Float64, middle: npt.NDArray[np.complex128], front: npt.NDArray[np.complex128]) -> Float64:
+    """Points (T, P, 3) in the frame of hips."""
+    place = (points[..., 2] + 1j * points[..., 0] - middle[:, None]) * front.conj()[:, None]
+    return np.stack((place.imag, points[..., 1], place.real), axis=-1)
 
 
 def _heading(clip: Clip) -> npt.NDArray[np.complex128]:

@@ -3,34 +3,43 @@
 import json
 import tempfile
 import time
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from bench import texture_quality
-from bench._fixed_lag import agreement_by_lag
-from bench._partner_baselines import constant_offset, nearest_frames, nearest_units
+from bench._partner_baselines import constant_offset, kernel_regression, nearest_frames, nearest_units
 from live.cli.bench import Row
-from live.library.partner_pairs import PartnerExamples, read_pairs
+from live.library.partner_pairs import PartnerExamples, add_found_holds, read_pairs
 from live.motion.beats.dance_rhythm import find_rhythm
 from live.motion.beats.tempo_estimation import find_two_beat_lines
 from live.motion.clip import Clip
-from live.motion.partner.decoder import Reading
-from live.motion.partner.evaluation import FollowerErrors, follower_errors, joint_positions, slide_metrics
+from live.motion.partner.answer import PALM_OFFSET, palms
+from live.motion.partner.evaluation import (
+    FollowerErrors,
+    HoldCriterion,
+    facing_of,
+    find_turns,
+    follower_errors,
+    hands_near,
+    joint_positions,
+    same_turns,
+    slide_metrics,
+    wrong_facing,
+)
 from live.motion.partner.partner_synthesis import SearchSettings, find_partner, shown_beats
-from live.motion.partner.units import cut_units
-from live.motion.partner_live.live_partner import LIVE_RATE, agreement, evaluate_live, similar_units
+from live.motion.partner.units import Hold, cut_units
+from live.motion.partner_live.live_partner import evaluate_live
 from live.motion.quality.metrics import beat_offsets
+from live.motion.skeleton import SKELETON
 
 DROPPED = 6
 """Frames of a T-pose and the run-in from it."""
-LAGS = (0.0, 0.25, 0.5, 1.0, 1.5, 2.0)
-"""Units after the middle of each at which it is asked what is known of it."""
-OTHER_RATE = 10.0
-"""Frames per second of a second offline search: how far the offline optimum agrees with itself."""
+HOLDS = HoldCriterion(0.2, 0.3)
+"""The pairs' hold criterion."""
 QUICK = (0, 3, 6)
 """Takes of the quick form: all are learnt from, these are left out in turn."""
 
@@ -55,7 +64,8 @@ def _read(pairs: str) -> PartnerExamples:
     with tempfile.NamedTemporaryFile("w", suffix=".toml") as file:
         file.write(pairs)
         file.flush()
-        return read_pairs(Path(file.name))
+        known = read_pairs(Path(file.name))
+        return replace(known, units=add_found_holds(known, HOLDS))
 
 
 def _takes(shared: Path) -> list[dict[str, Any]]:
@@ -87,21 +97,47 @@ class Tally:
         self.errors: dict[str, list[FollowerErrors]] = {}
         self.slides: dict[str, list[float]] = {}
         self.offsets: dict[str, list[float]] = {}
+        self.wrong: dict[str, list[float]] = {}
+        self.turns: dict[str, list[tuple[int, int, int]]] = {}
+        self.near: dict[str, list[float]] = {}
         self.live: list[dict[str, Any]] = []
-        self.lags: list[Any] = []
-        self.itself: list[float] = []
         self.apart: list[list[float]] = []
 
-    def add(self, name: str, clip: Clip, contact: Any, truth: Any, leader: Any) -> None:
+    def add(self, name: str, clip: Clip, contact: Any, take: "Take") -> None:
         """A follower of one take."""
         joints = joint_positions(clip)
-        self.errors.setdefault(name, []).append(follower_errors(joints, truth, leader, clip.sample_rate))
+        self.add_joints(name, joints, facing_of(clip), palms(clip), take)
         slid = slide_metrics(joints, contact, clip.sample_rate)["foot_slide_mean"]
         self.slides.setdefault(name, []).append(0.0 if slid is None else slid)
+
+    def add_joints(self, name: str, joints: Any, facing: Any, palm: Any, take: "Take") -> None:
+        """What there is of a follower of whom only joints are known."""
+        rate, real = take.leader.sample_rate, facing_of(take.real)
+        errors = follower_errors(joints, joint_positions(take.real), joint_positions(take.leader), rate)
+        self.errors.setdefault(name, []).append(errors)
+        self.wrong.setdefault(name, []).append(wrong_facing(facing, real))
+        turns, truth = find_turns(facing, rate), find_turns(real, rate)
+        self.turns.setdefault(name, []).append((same_turns(turns, truth), len(turns), len(truth)))
+        near = hands_near(palm, palms(take.leader), take.holds)
+        self.near.setdefault(name, []).extend([] if near is None else [near])
 
     def mean(self, name: str, figure: str) -> float:
         """Mean over the takes."""
         return float(np.mean([getattr(one, figure) for one in self.errors[name]]))
+
+    def turn_f1(self, name: str) -> float:
+        """Harmonic mean of precision and recall of the turns of all takes."""
+        same, made, real = np.sum(self.turns[name], axis=0).tolist()
+        return float(2.0 * same / max(made + real, 1))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Take:
+    """A take that is left out."""
+
+    leader: Clip
+    real: Clip
+    holds: tuple[Hold, ...]
 
 
 def rows_of(known: PartnerExamples, takes: tuple[int, ...]) -> list[Row]:
@@ -119,36 +155,36 @@ def _one(known: PartnerExamples, take: int, tally: Tally) -> None:
     lead, real = known.leaders[take], known.followers[take].clip
     assert lead is not None  # pairs with leaders
     leader, x = lead.clip, examples[take].control
-    truth, led = joint_positions(real), joint_positions(leader)
+    out, led = Take(leader, real, examples[take].holds), joint_positions(leader)
     beats = examples[take].beats / leader.sample_rate
     search = SearchSettings()
     found = find_partner(leader, x, units, search)
-    tally.add("search", found.clip, found.answer.clip.contact, truth, led)
+    tally.add("search", found.clip, found.answer.clip.contact, out)
     on_beat = replace(search, beats=beats)
     locked = find_partner(leader, x, units, on_beat)
-    tally.add("search, on the beat", locked.clip, locked.answer.clip.contact, truth, led)
+    tally.add("search, on the beat", locked.clip, locked.answer.clip.contact, out)
     period, first = float(np.diff(beats).mean()), float(beats[0])
     for name, one in (("search", found), ("search, on the beat", locked)):
         away = period_offsets(shown_beats(one.answer, one.reading, units), period, first)
         tally.offsets.setdefault(name, []).extend(np.abs(away).tolist())
     live, told = evaluate_live(leader, x, units, on_beat, time.thread_time)
-    tally.add("live", live.clip, live.answer.clip.contact, truth, led)
+    tally.add("live", live.clip, live.clip.contact, out)
     tally.live.append(told["live"])
-    tally.apart.append([_nearest(one, led) for one in (truth, joint_positions(found.clip), joint_positions(live.clip))])
+    tally.apart.append(
+        [_nearest(one, led) for one in (joint_positions(real), joint_positions(found.clip), joint_positions(live.clip))]
+    )
     landed = find_rhythm(real).contact_times
     tally.offsets.setdefault("the real one's feet", []).extend(np.abs(period_offsets(landed, period, first)).tolist())
-    tally.lags.append(agreement_by_lag(x, units, on_beat, locked.reading, LAGS, similar_units(units)))
-    scale = OTHER_RATE / search.rate
-    again = find_partner(leader, x, units, replace(on_beat, rate=OTHER_RATE, k=search.k * scale))
-    tally.itself.append(agreement_of(again.reading, locked.reading))
     leaders = [one.clip for n, one in enumerate(known.leaders) if n != take and one is not None]
+    joints, facing = kernel_regression(leader, units, leaders)
+    tally.add_joints("kernel regression", joints, facing, joint_palms(joints), out)
     for name, clip in (
         ("nearest unit", nearest_units(x, units, beats)),
         ("nearest frame", nearest_frames(x, units)),
         ("constant offset", constant_offset(leader, units, leaders)),
     ):
-        tally.add(name, clip, clip.contact, truth, led)
-    tally.add("the real one", real, real.contact, truth, led)
+        tally.add(name, clip, clip.contact, out)
+    tally.add("the real one", real, real.contact, out)
 
 
 def followed_rows(known: PartnerExamples, takes: tuple[int, ...]) -> list[Row]:
@@ -166,19 +202,18 @@ def followed_rows(known: PartnerExamples, takes: tuple[int, ...]) -> list[Row]:
         assert own is not None
         last = (real.sample_count - 1.0) / real.sample_rate
         search = SearchSettings(beats=lines.beats(last))
-        x, truth, led = examples[take].control, joint_positions(real), joint_positions(lead.clip)
+        x, out = examples[take].control, Take(lead.clip, real, examples[take].holds)
         found = find_partner(lead.clip, x, units, search)
-        tally.add("search", found.clip, found.answer.clip.contact, truth, led)
+        tally.add("search", found.clip, found.answer.clip.contact, out)
         live, told = evaluate_live(lead.clip, x, units, search, time.thread_time)
-        tally.add("live", live.clip, live.answer.clip.contact, truth, led)
-        tally.add("the real one", real, real.contact, truth, led)
+        tally.add("live", live.clip, live.clip.contact, out)
+        tally.add("the real one", real, real.contact, out)
         tally.live.append(told["live"])
         shown = shown_beats(found.answer, found.reading, units)
         away.append(beat_offsets(shown, examples[take].beats / real.sample_rate))
         apart.append(beat_offsets(shown, own.beats(last)))
         real_apart.append(beat_offsets(lines.lines, own.lines))
     pair, follower, both = (1000.0 * float(np.median(np.abs(np.concatenate(one)))) for one in (away, apart, real_apart))
-    agreed = 100.0 * float(np.mean([one["agreement"] for one in tally.live]))
     words = "salsa, beats followed:"
     slid = {name: float(np.mean(values)) for name, values in tally.slides.items()}
     return [
@@ -190,7 +225,6 @@ def followed_rows(known: PartnerExamples, takes: tuple[int, ...]) -> list[Row]:
         Row(f"{words} live, joint error over the search's",
             100.0 * (tally.mean("live", "joint_m") / tally.mean("search", "joint_m") - 1.0), "%", 15.0),
         Row(f"{words} live, foot slide", slid["live"], "m/s", slid["the real one"] + 0.03, peers=slid),
-        Row(f"{words} live, units as the offline search has them", agreed, "%", 85.0, "at least"),
     ]  # fmt: skip
 
 
@@ -202,6 +236,7 @@ def _nearest(joints: Any, leader: Any) -> float:
 
 
 BASELINES = ("nearest unit", "nearest frame", "constant offset")
+PEERS = (*BASELINES, "kernel regression")
 FIGURES = (
     ("joint_m", "joint error", "m"), ("aligned_m", "joint error, aligned", "m"),
     ("hip_distance_m", "hip distance error", "m"), ("velocity_m_s", "velocity error", "m/s"),
@@ -211,7 +246,7 @@ FIGURES = (
 def _rows(tally: Tally) -> list[Row]:
     rows = []
     for figure, words, unit in FIGURES:
-        others = {name: tally.mean(name, figure) for name in (*BASELINES, "search, on the beat", "live")}
+        others = {name: tally.mean(name, figure) for name in (*PEERS, "search, on the beat", "live")}
         bar = None if figure == "aligned_m" else min(others[name] for name in BASELINES)
         rows.append(Row(f"salsa: {words}", tally.mean("search", figure), unit, bar, peers=others))
     raw = float(np.mean(tally.slides["the real one"]))
@@ -223,23 +258,29 @@ def _rows(tally: Tally) -> list[Row]:
                     100.0 * (tally.mean("live", "joint_m") / tally.mean("search, on the beat", "joint_m") - 1.0),
                     "%", 15.0))  # fmt: skip
     rows.append(Row("salsa, live: foot slide", slid["live"], "m/s", raw + 0.03))
-    committed = float(np.median([one["committed_at"]["median"] for one in tally.live]))
-    rows.append(Row("salsa, live: share of a unit that is over when it is decided", committed, "", 0.5))
-    strict, same = (100.0 * float(np.mean([one[key] for one in tally.live])) for key in
-                    ("agreement", "agreement_alike"))  # fmt: skip
-    itself = {"the offline search itself, at 10 Hz": 100.0 * float(np.mean(tally.itself))}
-    rows.append(Row("salsa, live: units as the offline search has them", strict, "%", 85.0, "at least", itself))
-    rows.append(Row("salsa, live: those, or units within 0.2 m of them", same, "%"))
-    rows += [
-        Row(f"salsa, live: units known when {0.5 + lag:g} of each are over", 100.0 * one, "%",
-            peers={"or units within 0.2 m of them": 100.0 * other})
-        for lag, (one, other) in zip(LAGS, np.mean(tally.lags, axis=0).tolist(), strict=True)
-    ]  # fmt: skip
+    names = list(tally.errors)
+    for words, unit, bar, figures in (
+        (
+            "turned more than 90 degrees wrong",
+            "%",
+            14.0,
+            {name: 100.0 * float(np.mean(tally.wrong[name])) for name in names},
+        ),
+        ("turns of half a turn or more within 2 s, F1", "", 0.7, {name: tally.turn_f1(name) for name in names}),
+        (
+            "hands within 25 cm while the real ones hold",
+            "%",
+            55.0,
+            {name: 100.0 * float(np.mean(tally.near[name] or [np.nan])) for name in names},
+        ),
+    ):
+        better: Literal["at most", "at least"] = "at most" if words.startswith("turned") else "at least"
+        rows.append(Row(f"salsa, live: {words}", figures.pop("live"), unit, bar, better, figures))
     real, offline, live = np.mean(tally.apart, axis=0).tolist()
     rows.append(Row("salsa, live: nearest that hips come (1st percentile)", live, "m",
                     peers={"search": offline, "the real one": real}))  # fmt: skip
     spent = max(one["frame_ms"]["p99"] for one in tally.live)
-    rows.append(Row("salsa, live: a frame at 30 Hz, p99", spent, "ms", 12.0))
+    rows.append(Row("salsa, live: a frame at 30 Hz, p99", spent, "ms", 1.5))
     return rows
 
 
@@ -249,8 +290,10 @@ def period_offsets(shown: npt.NDArray[np.float64], period: float, first: float) 
     return np.asarray((phase - np.round(phase)) * period)
 
 
-def agreement_of(reading: Reading, offline: Reading) -> float:
-    """Return the `agreement` of another reading of the same input instead of the danced units."""
-    times = np.arange(int((reading.start[-1] + reading.duration[-1]) / reading.rate * LIVE_RATE) + 1) / LIVE_RATE
-    which = np.maximum(np.searchsorted(reading.start, times * reading.rate + 1e-9, side="right") - 1, 0)
-    return agreement([(int(reading.unit[n]), int(reading.start[n])) for n in which], offline)
+def joint_palms(joints: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+    """Return the palms (T, 2, 3) of joints (T, J, 3): beyond the wrists, in line with the lower arms."""
+    wrist, elbow = (
+        joints[:, [SKELETON.index(f"{side}{part}") for side in ("left", "right")]] for part in ("Hand", "LowerArm")
+    )
+    along = wrist - elbow
+    return np.asarray(wrist + PALM_OFFSET * along / np.maximum(np.linalg.norm(along, axis=-1, keepdims=True), 1e-9))

@@ -26,7 +26,7 @@ from live.motion.clip import Clip
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.partner.evaluation import HoldCriterion, detect_holds
-from live.motion.partner.point_clouds import ends_cloud, path_cloud
+from live.motion.partner.point_clouds import ends_cloud, leader_cloud, path_cloud
 from live.motion.partner.units import BEATS_OF_UNIT, Example, Hold, Units, beat_cuts, beat_samples, cut_units
 from live.motion.retarget.body_tracks import body_tracks
 from live.motion.retarget.retarget import retarget
@@ -276,7 +276,8 @@ def _build_example(
     )
     control = path_cloud(clip) if leader is None else ends_cloud(leader.clip)
     name = pair.name or pair.follower.name or Path(pair.follower.file).stem
-    return Example(name, control, ends_cloud(clip), clip, cuts, beats, holds)
+    body = None if leader is None else leader_cloud(leader.clip)
+    return Example(name, control, ends_cloud(clip), clip, cuts, beats, holds, body)
 
 
 def _unit_cuts(

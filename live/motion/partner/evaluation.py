@@ -5,12 +5,14 @@ manual annotations (H014). Retargeting to one skeleton shifts the hands a little
 """
 
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Float64
+from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.partner.answer import palms
@@ -71,6 +73,84 @@ def slide_metrics(positions: Float64, contact: npt.NDArray[np.bool_], rate: floa
         "foot_slide_p99": float(np.percentile(speeds, 99)) if speeds.size else None,
         "skating_ratio": float(found.mean()) if found.size else None,
     }
+
+
+HALF_TURN: Final = np.pi
+"""A turn is at least this much [rad] ..."""
+TURN_SECONDS: Final = 2.0
+"""... within this time [s] ..."""
+TURN_REVERSAL: Final = np.pi / 4.0
+"""... and ends when the body turns back by this [rad]."""
+TURN_TOLERANCE: Final = 0.5
+"""Turns of two dancers are the same if their middles are at most so far apart [s]."""
+NEAR_HAND: Final = 0.25
+"""Hands are near each other at this distance of the palms [m]."""
+
+
+def facing_of(clip: Clip) -> npt.NDArray[np.complex128]:
+    """Return where the hips of a clip face, z + i x of length 1, (T,)."""
+    front = quaternion.rotate(clip.rotation[:, 0].astype(np.float64), np.array((0.0, 0.0, 1.0)))
+    facing = front[:, 2] + 1j * front[:, 0]
+    return np.asarray(facing / np.maximum(np.abs(facing), 1e-9))
+
+
+def wrong_facing(facing: npt.NDArray[np.complex128], truth: npt.NDArray[np.complex128]) -> float:
+    """Return the share of the time in which a facing is more than 90 degrees from the true one."""
+    count = min(len(facing), len(truth))
+    return float(np.mean((facing[:count] * truth[:count].conj()).real < 0.0))
+
+
+def find_turns(facing: npt.NDArray[np.complex128], rate: float) -> list[tuple[float, int]]:
+    """Return all turns: the time at which half of each is done [s], and its direction.
+
+    A turn is the way from one reversal of the facing, by more than TURN_REVERSAL, to the next, if it covers HALF_TURN
+    within TURN_SECONDS somewhere. A double turn is one turn.
+    """
+    angle = np.unwrap(np.angle(facing))
+    reversals, way, high, low = [0], 0, 0, 0
+    for n in range(1, len(angle)):
+        high = n if angle[n] > angle[high] else high
+        low = n if angle[n] < angle[low] else low
+        if way >= 0 and angle[high] - angle[n] > TURN_REVERSAL:
+            reversals.append(high)
+            way, low = -1, high + int(np.argmin(angle[high : n + 1]))
+            high = low
+        elif way <= 0 and angle[n] - angle[low] > TURN_REVERSAL:
+            reversals.append(low)
+            way, high = 1, low + int(np.argmax(angle[low : n + 1]))
+            low = high
+    found, window = [], round(TURN_SECONDS * rate)
+    for begin, end in pairwise([*reversals, len(angle) - 1]):
+        leg = np.abs(angle[begin : end + 1] - angle[begin])
+        fast = len(leg) <= window or float((leg[window:] - leg[:-window]).max()) >= HALF_TURN
+        if end > begin and leg[-1] >= HALF_TURN and fast:
+            middle = begin + int(np.argmax(leg >= 0.5 * leg[-1]))
+            found.append((middle / rate, int(np.sign(angle[end] - angle[begin]))))
+    return found
+
+
+def same_turns(turns: list[tuple[float, int]], truth: list[tuple[float, int]]) -> int:
+    """Return how many turns are the same as a true one: at most TURN_TOLERANCE apart, in one direction, one each."""
+    left, same = list(truth), 0
+    for time, way in turns:
+        near = [one for one in left if one[1] == way and abs(one[0] - time) <= TURN_TOLERANCE]
+        if near:
+            left.remove(min(near, key=lambda one: abs(one[0] - time)))
+            same += 1
+    return same
+
+
+def hands_near(palm: Float64, leader: Float64, holds: tuple[Hold, ...]) -> float | None:
+    """Return the share of the time of the real `holds` in which these palms (T, 2, 3) are near each other, None for no
+    holds."""
+    count = min(len(palm), len(leader))
+    near = [
+        np.linalg.norm(palm[rows, one.follower_hand] - leader[rows, one.leader_hand], axis=-1) < NEAR_HAND
+        for one in holds
+        for rows in (slice(int(one.begin), min(int(one.end) + 1, count)),)
+    ]
+    whole = np.concatenate(near) if near else np.zeros(0)
+    return float(whole.mean()) if whole.size else None
 
 
 RELEASE_FACTOR: Final = 1.5

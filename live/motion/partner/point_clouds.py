@@ -20,6 +20,8 @@ END_JOINTS: Final = tuple(SKELETON.index(name) for name in ("leftHand", "rightHa
 """Hands and feet: sufficient for interpretation and continuity (H016)."""
 HIP_JOINTS: Final = tuple(SKELETON.index(name) for name in ("leftUpperLeg", "rightUpperLeg"))
 """The hip joints, whose floor projections represent a walk's path (H017)."""
+LEADER_JOINTS: Final = HIP_JOINTS + END_JOINTS
+"""Hip joints, hands and feet: what a live follower is led by."""
 HIP_DISTANCE: Final = 0.18
 """Fixed distance of the two projections [m], so that a tilted pelvis changes nothing."""
 
@@ -73,6 +75,12 @@ def ends_cloud(clip: Clip) -> Cloud:
     """Return the cloud of a clip's hands and feet."""
     positions, _ = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
     return cloud_of(positions[:, END_JOINTS], clip.sample_rate)
+
+
+def leader_cloud(clip: Clip) -> Cloud:
+    """Return the cloud of a clip's hip joints, hands and feet, LEADER_JOINTS."""
+    positions, _ = forward_kinematics(clip.root_position.astype(np.float64), clip.rotation.astype(np.float64))
+    return cloud_of(positions[:, LEADER_JOINTS], clip.sample_rate)
 
 
 def path_cloud(clip: Clip) -> Cloud:

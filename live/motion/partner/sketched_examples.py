@@ -22,7 +22,7 @@ from live.motion.clip import Clip, read_clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.partner.answer import enforce_feet
 from live.motion.partner.evaluation import HoldCriterion, detect_holds
-from live.motion.partner.point_clouds import END_JOINTS, Cloud, cloud_of, ends_cloud, path_cloud
+from live.motion.partner.point_clouds import END_JOINTS, Cloud, cloud_of, ends_cloud, leader_cloud, path_cloud
 from live.motion.partner.units import Example, Units, cut_units
 from live.motion.step_clip import StepClip
 
@@ -82,7 +82,7 @@ def _pair(
     target = best.ends.transformed(complex(-1.0), complex(PARTNER_DISTANCE))
     follower = _place_opposite(best.clip)
     holds = () if hold_criterion is None else detect_holds(lead.clip, follower, hold_criterion)
-    return Example(step.step, lead.ends, target, follower, cuts, beats, holds)
+    return Example(step.step, lead.ends, target, follower, cuts, beats, holds, leader_cloud(lead.clip))
 
 
 def _costs(motions: Sequence[_StepMotion], count: int) -> Float64:

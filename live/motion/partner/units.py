@@ -46,6 +46,13 @@ class Example:
     beats: Float64
     """Samples of all beats, (n,); empty if unknown."""
     holds: tuple[Hold, ...] = ()
+    leader: Cloud | None = None
+    """Cloud of LEADER_JOINTS that leads a live follower; None where `control` does, because it begins with the hips."""
+
+    @property
+    def live_control(self) -> Cloud:
+        """The cloud that leads a live follower: its first two points are the leader's left and right hip joint."""
+        return self.control if self.leader is None else self.leader
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -191,6 +198,7 @@ def _retime_example(example: Example, size: int, rate: float) -> Example:
         _resample_clip(example.follower, places, rate),
         np.asarray(new[1:-1]), np.asarray(np.interp(example.beats, at, new)),
         tuple(_retime_hold(hold, at, new) for hold in example.holds),
+        None if example.leader is None else replace(example.leader.at(places), rate=rate),
     )  # fmt: skip
 
 

@@ -13,13 +13,10 @@ from typing import Final
 import numpy as np
 
 from live.base.arrays import Bool, Float32, Float64, Int32
-from live.motion.partner_live.online_player import LivePartner
 from live.motion.pose.hand_hold import ARM_JOINTS
 from live.motion.pose.hand_hold_kernels import measure_reach, reach_palms
 
 NOBODY: Final = -1
-HOLD_LEAD_TIME: Final = 0.35
-"""Hands start moving this long [s] before a recorded hold begins."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,23 +29,6 @@ class HoldRequest:
     """The leader's hands (0 left, 1 right) that the follower's left and right hand hold, NOBODY for none."""
     amount: float
     """Fader value, 0 to 1."""
-
-
-def held_hands(partner: LivePartner) -> tuple[int, int]:
-    """Return the leader's hands held now in the current unit, by the follower's left and right; NOBODY for none."""
-    found = [NOBODY, NOBODY]
-    if not partner.has_pose:
-        return NOBODY, NOBODY
-    units, unit = partner.decoder.units, partner.unit
-    holds = units.examples[int(units.example[unit])].holds
-    if holds:
-        end = float(units.start[unit] + units.length[unit])
-        now = min(partner.sample, end)
-        soon = min(partner.sample + HOLD_LEAD_TIME * partner.sample_rate, end)
-        for hold in holds:  # a current hold has priority over the next one
-            if hold.begin <= soon and hold.end >= now and found[hold.follower_hand] == NOBODY:
-                found[hold.follower_hand] = hold.leader_hand
-    return found[0], found[1]
 
 
 PoseReader = Callable[[Int32], tuple[Float32, Float32]]

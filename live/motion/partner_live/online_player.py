@@ -1,9 +1,9 @@
 """Follower poses for every frame of a live leader, without delay and without jumps (H024).
 
-While the current unit is undecided the follower continues the present recording. When it is decided, or half of the
-unit has passed, the follower switches to the matching unit, and the differences of pose and velocity fade out. The
-position is more certain than the unit, so it is the mean over all hypotheses (`OnlineDecoder.expected`). Recordings are
-placed on the floor by a rigid motion M that follows this position; it moves slowly while a foot is in contact.
+The filter says where the follower is expected, and which recorded moments the couple is near. The follower dances on in
+the present recording until another moment fits better: at the limits of units a little better, within them clearly.
+Differences of pose and velocity fade out. Recordings are placed on the floor by a rigid motion M that follows the
+expected position; it moves slowly while a foot is in contact.
 """
 
 from dataclasses import dataclass
@@ -14,20 +14,24 @@ import numpy.typing as npt
 
 from live.base.arrays import Bool, Float64
 from live.motion import quaternion
-from live.motion.partner_live.online_decoder import OnlineDecoder, UnitHypothesis
+from live.motion.partner_live.follower_filter import FollowerFilter
+from live.motion.partner_live.follower_moments import HOLDS
 
-FREE_TIME_CONSTANT: Final = 0.08
+FREE_TIME_CONSTANT: Final = 0.3
 """Time constant [s] of moving to the expected position while no foot stands."""
-STANDING_TIME_CONSTANT: Final = 0.2
+STANDING_TIME_CONSTANT: Final = 0.5
 """The same while a foot stands."""
 SPEED_TIME_CONSTANT: Final = 0.05
 """Time constant [s] of the speed of that correction."""
 MAX_SPEED: Final = 1.5
-"""Maximum speed of the correction [m/s], added to the recorded motion ..."""
-MAX_TURN_RATE: Final = 4.5
-"""... and its maximum turning speed [rad/s]; twice as fast away from a leader who is too near, ..."""
+"""Maximum speed of the correction [m/s], added to the recorded motion: twice as fast away from a leader who is too near
+..."""
 STANDING_SCALE: Final = 0.4
 """... and scaled by this while a foot stands."""
+TURN_TIME_CONSTANT: Final = 0.06
+"""Time constant [s] of turning to the expected facing, about the ball of a foot, too; ..."""
+MAX_TURN_RATE: Final = 9.0
+"""... and its maximum speed [rad/s], twice as fast if the leader is too near."""
 
 
 class FloorTransform:
@@ -76,9 +80,10 @@ class FloorTransform:
         share = STANDING_SCALE if slow else 2.0 if too_near else 1.0
         here = self.turn * root + self.shift
         away = float(np.angle(wanted[1] / (self.turn * facing)))
-        speed, turning = (wanted[0] - here) / seconds, away / seconds
+        speed, turning = (wanted[0] - here) / seconds, away / TURN_TIME_CONSTANT
         speed *= min(1.0, share * MAX_SPEED / max(abs(speed), 1e-9))
-        turning = min(max(turning, -share * MAX_TURN_RATE), share * MAX_TURN_RATE)
+        limit = MAX_TURN_RATE * (2.0 if too_near else 1.0)
+        turning = min(max(turning, -limit), limit)
         self._speed += eased * (speed - self._speed)
         self._turning += eased * (turning - self._turning)
         self.drift(root, dt)
@@ -97,18 +102,38 @@ class FloorTransform:
         return complex(turn), self._last_shift + part * (self.shift - self._last_shift)
 
 
-DECISION_SHARE: Final = 0.5
-"""A unit is decided before more than this share of it has passed."""
-MIN_SHARE: Final = 0.35
-"""A unit is switched to only after this share of it has passed."""
-SWITCH_MARGIN: Final = 0.02
-"""Within a unit a better one must be better by this [m² per point], decreasing with time."""
+SWITCH_MARGIN: Final = 0.15
+"""Another moment must cost less by this [m²] ..."""
+BOUNDARY_MARGIN: Final = 0.05
+"""... and by this near the limits of units."""
+BOUNDARY_SHARE: Final = 0.15
+"""Share of a unit that is near its limit."""
 SLACK: Final = 1e-9
 """Tolerance for rounding."""
-SUCCESSOR_SHARE: Final = 0.6
-"""A unit that begins before this share of the current one is not its successor."""
+MIN_SECONDS: Final = 0.4
+"""A recording is danced for at least this long [s]."""
+RUN_OUT_MOMENTS: Final = 5
+"""Moments that are followed by fewer than this are chosen only ..."""
+EARLY_END: Final = 1e3
+"""... if there is no other: their cost is higher by this [m²]."""
+OFF_BEAT_COST: Final = 0.5
+"""Cost of a moment that is off the leader's beats, if these are trusted [m²/s]."""
 FADE_TIME: Final = 0.35
-"""Fade time of the difference between two units [s]."""
+"""Fade time of the difference between two recordings [s]."""
+TAKE_HOLD: Final = 0.3
+"""A hold begins when it is more probable than this ..."""
+RELEASE_HOLD: Final = 0.18
+"""... and ends when it is less probable."""
+SHOULDER_WIDTH: Final = 0.16
+SHOULDER_HEIGHT: Final = 1.38
+"""Distance of a shoulder from the middle of the hips, and its height [m]."""
+ARM_REACH: Final = 0.55
+"""Length of a nearly straight arm to the other one's wrist [m]."""
+SURE_HOLD: Final = 0.9
+"""Probability of a hold for which the follower comes near enough, ..."""
+MAX_REACH_STEP: Final = 0.2
+"""For a hand that is farther than this out of reach [m] the follower does not come nearer."""
+NOBODY: Final = -1
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,89 +148,115 @@ class LivePose:
     """(2,)"""
 
 
+def off_beat(phase: npt.NDArray[np.float64] | float) -> npt.NDArray[np.float64]:
+    """Return shares of a unit off its nearest begin, -0.5 to 0.5."""
+    return np.asarray((phase + 0.5) % 1.0 - 0.5)
+
+
 class LivePartner:
     """Follower of one leader. State is plain values; output depends only on the input frames."""
 
-    def __init__(self, reader: OnlineDecoder) -> None:
-        self.decoder = reader
+    def __init__(self, reader: FollowerFilter, *, window: float = 0.04, stretch: float = 0.15) -> None:
+        """Units begin within `window` [s] of the leader's beats and are stretched by at most `stretch` [s], as far as
+        the beats are trusted."""
+        self.filter = reader
+        self.window, self._stretch = window, stretch
         self.unit = -1
         """Current unit, -1 before the first."""
         self.begin = 0
         """Frame at which it began."""
         self.decisions: list[tuple[int, int, float]] = []
-        """Decisions of the latest frame: (unit, begin, share of the unit that had passed)."""
-        self._step = 1.0
+        """Changes of the recording in the latest frame: (unit, begin, share of the unit that had passed)."""
+        self.hands: tuple[int, int] = (NOBODY, NOBODY)
+        """The leader's hands that the follower's left and right hand hold; NOBODY for none."""
+        self._example = -1
+        self._step = reader.units.rate / reader.rate
         self._source = 0.0
         self._floor_transform = FloorTransform()
         joints = reader.units.examples[0].follower.rotation.shape[1]
         self._offset, self._speed = np.zeros((1 + joints, 3)), np.zeros((1 + joints, 3))
         self._age = FADE_TIME
 
-    def process_frame(
-        self, floor: npt.NDArray[np.complex128], height: Float64, *, boundary: bool, unit_frames: float | None
-    ) -> None:
-        """Process the leader's next frame, see `OnlineDecoder.frame`."""
-        self.decoder.process_frame(floor, height, boundary=boundary, unit_frames=unit_frames)
-        dt = 1.0 / self.decoder.rate
+    def process_frame(self, floor: npt.NDArray[np.complex128], height: Float64, phase: float | None = None) -> None:
+        """Process the leader's next frame, see `FollowerFilter.process_frame`."""
+        self.filter.process_frame(floor, height, phase)
+        dt = 1.0 / self.filter.rate
         self.decisions.clear()
-        if self.unit >= 0:
+        if self.has_pose:
             self._source += self._step
             self._age += dt
-        guess = self._next_unit()
-        if guess is not None:
-            self._switch(guess)
-        elif self.unit >= 0:
+            self._update_unit()
+            self._keep_beat(phase)
+        chooses = self.filter.frames_since_moment == min(1, self.filter.model.stride - 1) or not self.has_pose
+        moment = self._next_moment(phase) if chooses else None
+        if moment is not None:
+            self._switch(moment)
+        elif self.has_pose:
             self._follow_expected(dt)
+        self._update_hands()
 
     @property
     def has_pose(self) -> bool:
         """Whether there is a pose yet."""
-        return self.unit >= 0
+        return self._example >= 0
 
-    @property
-    def sample(self) -> float:
-        """Current sample in the unit's recording; valid only if `has_pose`."""
-        return self._source
+    def _update_unit(self) -> None:
+        """Count on in the units of the recording."""
+        units = self.filter.units
+        own = self.filter.model.units_of[self._example]
+        n = int(np.searchsorted(units.start[own[0] : own[1]], self._source + SLACK, side="right"))
+        unit = int(own[0]) + max(n - 1, 0)
+        if unit != self.unit:
+            self.unit = unit
+            self.begin = self.filter.frame_index - round((self._source - float(units.start[unit])) / self._step)
 
-    @property
-    def sample_rate(self) -> float:
-        """Samples of the recording per second."""
-        return self._step * self.decoder.rate
+    def _keep_beat(self, phase: float | None) -> None:
+        """Dance faster or slower, so that the unit keeps to the leader's beats as far as these are trusted."""
+        units, unit = self.filter.units, self.unit
+        own = units.rate / self.filter.rate
+        self._step = own
+        if phase is not None:
+            share = (self._source - float(units.start[unit])) / float(units.length[unit])
+            late = float(off_beat(phase - share))
+            limit = self._stretch / float(units.seconds[unit])
+            self._step = own * (1.0 + self.filter.beat_trust * min(max(late, -limit), limit))
 
-    def _next_unit(self) -> UnitHypothesis | None:
-        """Return the unit to switch to now, or None.
-
-        In the first half of a unit this is the best guess if it is better than the current one by SWITCH_MARGIN; after
-        that the unit is final until the next one begins.
-        """
-        if self.unit < 0:
-            return self.decoder.best_hypothesis()
-        frames = float(self.decoder.units.length[self.unit]) / self._step
-        seen = (self.decoder.frame_index - self.begin) / frames
-        mended = seen <= DECISION_SHARE + SLACK
-        guess = self.decoder.best_hypothesis(self.begin - round((1.0 - SUCCESSOR_SHARE) * frames) if mended else
-                                  self.begin + round(SUCCESSOR_SHARE * frames))  # fmt: skip
-        if guess is None or (guess.unit, guess.begin) == (self.unit, self.begin):
+    def _next_moment(self, phase: float | None) -> int | None:
+        """Return the moment to go on from, None for that of the present recording."""
+        reader, model = self.filter, self.filter.model
+        row = self._row if self.has_pose else -1
+        cost = reader.moment_costs(row)
+        if phase is not None and reader.beat_trust > 0.0:
+            away = np.abs(off_beat(model.moments.phase - phase)) * reader.units.seconds[model.moments.unit]
+            cost += OFF_BEAT_COST * reader.beat_trust * np.maximum(away - self.window, 0.0)
+        best = int(np.argmin(np.where(model.remaining >= RUN_OUT_MOMENTS, cost, cost + EARLY_END)))
+        if row < 0 or model.remaining[row] < 2:
+            return best
+        if self._age < MIN_SECONDS or best == row:
             return None
-        if guess.begin >= self.begin + SUCCESSOR_SHARE * frames:
-            return guess if guess.progress >= MIN_SHARE else None
-        margin = (
-            SWITCH_MARGIN * self.decoder.point_count * max(1.0 - (seen - MIN_SHARE) / (DECISION_SHARE - MIN_SHARE), 0.0)
-        )
-        better = guess.score + margin < self.decoder.unit_score(self.unit, self.begin)
-        return guess if guess.progress <= DECISION_SHARE + SLACK and better else None
+        share = (self._source - float(reader.units.start[self.unit])) / float(reader.units.length[self.unit]) % 1.0
+        near = min(share, 1.0 - share) <= BOUNDARY_SHARE
+        margin = BOUNDARY_MARGIN if near else SWITCH_MARGIN
+        return best if cost[best] + margin < cost[row] else None
 
-    def _switch(self, guess: UnitHypothesis) -> None:
-        if self.unit < 0:
-            self._set_unit(guess)
-            expected = self.decoder.expected_root() or (guess.turn * self._recorded_root[0] + guess.shift, guess.turn)
-            self._floor_transform.align(*self._recorded_root, *expected)
+    @property
+    def _row(self) -> int:
+        """The moment that is danced now."""
+        first, stop = self.filter.model.rows_of[self._example].tolist()
+        sample = self.filter.model.moments.sample[first:stop]
+        row = int(np.searchsorted(sample, self._source + 0.5 * self._step, side="right")) - 1
+        return int(first) + max(row, 0)
+
+    def _switch(self, moment: int) -> None:
+        if not self.has_pose:
+            self._set_moment(moment)
+            self._floor_transform.align(*self._recorded_root, *self.filter.expected_root())
             return
         self._floor_transform.freeze()
         place, speed = self._pose_and_rates(self._source)
         bent = self._remaining_offset(0.0)
         stood = self._current_root(bent[0])
-        self._set_unit(guess)
+        self._set_moment(moment)
         self._floor_transform.align(*self._recorded_root, *stood)
         new_place, new_speed = self._pose_and_rates(self._source)
         offset = np.empty_like(self._offset)
@@ -214,19 +265,22 @@ class LivePartner:
         offset[1:] = quaternion.to_rotation_vector(quaternion.mul(quaternion.inverse(new_place[1]), old))
         self._speed = speed + bent[1] - new_speed
         self._offset, self._age = offset, 0.0
-        self._floor_transform.drift(self._recorded_root[0], 1.0 / self.decoder.rate)
+        self._floor_transform.drift(self._recorded_root[0], 1.0 / self.filter.rate)
 
-    def _set_unit(self, guess: UnitHypothesis) -> None:
-        self.decisions.append((guess.unit, guess.begin, guess.progress))
-        self.unit, self.begin, self._step = guess.unit, guess.begin, guess.step
-        self._source = (
-            float(self.decoder.units.start[guess.unit]) + (self.decoder.frame_index - guess.begin) * guess.step
-        )
+    def _set_moment(self, moment: int) -> None:
+        moments = self.filter.model.moments
+        since = self.filter.frames_since_moment * self.filter.units.rate / self.filter.rate
+        self._example, self._source = int(moments.example[moment]), float(moments.sample[moment]) + since
+        self.unit = -1
+        self._update_unit()
+        units = self.filter.units
+        share = (self._source - float(units.start[self.unit])) / float(units.length[self.unit])
+        self.decisions.append((self.unit, self.begin, share))
 
     @property
     def _recorded_root(self) -> tuple[complex, complex]:
         """The hips and facing in the current recording."""
-        return self.decoder.recorded_root(self.unit, self._source)
+        return self.filter.recorded_root(self._example, self._source)
 
     def _current_root(self, bent: Float64) -> tuple[complex, complex]:
         """Return the follower's hips on the floor and their facing."""
@@ -237,12 +291,28 @@ class LivePartner:
         facing = facing / abs(facing) if abs(facing) > 1e-9 else complex(1.0)
         return complex(root[2] + bent[0, 2], root[0] + bent[0, 0]), facing
 
+    def _update_hands(self) -> None:
+        """Hold the hands that probably hold now."""
+        held = self.filter.expected[HOLDS].reshape(2, 2)
+        found = [NOBODY, NOBODY]
+        for side in range(2):
+            now, likely = self.hands[side], int(np.argmax(held[:, side]))
+            keeps = now != NOBODY and held[now, side] >= RELEASE_HOLD
+            takes = held[likely, side] > TAKE_HOLD
+            if keeps and not (takes and held[likely, side] > held[now, side] + TAKE_HOLD - RELEASE_HOLD):
+                found[side] = now
+            elif takes:
+                found[side] = likely
+        if found[0] == found[1] != NOBODY:  # a leader's hand holds one hand
+            found[int(held[found[0], 0] >= held[found[0], 1])] = NOBODY
+        self.hands = found[0], found[1]
+
     def _pose_and_rates(self, source: float) -> tuple[tuple[Float64, Float64], Float64]:
         """Return root and rotations of the unit at a sample of its recording, and their rates [1/s]."""
         here, rotation = self._sample_pose(source)
         there, other = self._sample_pose(source + self._step, 1.0)
         turn = quaternion.to_rotation_vector(quaternion.mul(quaternion.inverse(rotation), other))
-        speed = np.concatenate(((there - here)[None], turn)) * self.decoder.rate
+        speed = np.concatenate(((there - here)[None], turn)) * self.filter.rate
         return (here, rotation), np.asarray(speed, np.float64)
 
     def _sample_pose(self, source: float, placed: float = 0.0) -> tuple[Float64, Float64]:
@@ -250,7 +320,7 @@ class LivePartner:
 
         M is taken at the share `placed` between the last frame and this one.
         """
-        clip = self.decoder.units.examples[int(self.decoder.units.example[self.unit])].follower
+        clip = self.filter.units.examples[self._example].follower
         source = min(max(source, 0.0), clip.sample_count - 1.0)
         low = min(int(source), clip.sample_count - 2)
         w = source - low
@@ -266,7 +336,7 @@ class LivePartner:
 
     def _contact(self, part: float) -> Bool:
         """Return the recording's foot contacts `part` of a frame after the latest one, (2,)."""
-        clip = self.decoder.units.examples[int(self.decoder.units.example[self.unit])].follower
+        clip = self.filter.units.examples[self._example].follower
         return np.asarray(clip.contact[min(max(round(self._source + self._step * part), 0), clip.sample_count - 1)])
 
     def _remaining_offset(self, ahead: float) -> tuple[Float64, Float64]:
@@ -283,17 +353,32 @@ class LivePartner:
         """Move towards the expected position, and away from the leader if too near."""
         place, facing = self._recorded_root
         here = self._floor_transform.turn * place + self._floor_transform.shift
-        expected = self.decoder.expected_root()
-        if expected is None:
-            expected = here, self._floor_transform.turn * facing
-        free = self.decoder.keep_distance(here)
-        wanted = self.decoder.keep_distance(expected[0] + free - here), expected[1]
+        expected = self.filter.expected_root()
+        free = self.filter.keep_distance(here)
+        near = self._reach_hands(*expected)
+        wanted = self.filter.keep_distance(near + free - here), expected[1]
         stands = bool(self._contact(0.0).any())
         self._floor_transform.follow(place, facing, wanted, dt, standing=stands, too_near=free != here)
 
+    def _reach_hands(self, place: complex, facing: complex) -> complex:
+        """Return `place`, moved until the leader's hands that are held are within an arm's reach."""
+        held = self.filter.expected[HOLDS].reshape(2, 2)
+        for side, hand in enumerate(self.hands):
+            point = None if hand == NOBODY else self.filter.point(2 + hand)
+            if point is None:
+                continue
+            shoulder = place + facing * (1j if side == 0 else -1j) * SHOULDER_WIDTH
+            away, fall = point[0] - shoulder, SHOULDER_HEIGHT - point[1]
+            reach = max(ARM_REACH**2 - fall**2, 0.0) ** 0.5
+            far = abs(away)
+            if reach < far < reach + MAX_REACH_STEP:
+                sure = min(max((float(held[hand, side]) - TAKE_HOLD) / (SURE_HOLD - TAKE_HOLD), 0.0), 1.0)
+                place += away * (sure * (far - reach) / far)
+        return place
+
     def pose(self, ahead: float = 0.0) -> LivePose:
         """Return the pose `ahead` [s] after the latest frame, at most one frame; valid only if `has_pose`."""
-        part = ahead * self.decoder.rate
+        part = ahead * self.filter.rate
         root, rotation = self._sample_pose(self._source + self._step * part, part)
         offset, _ = self._remaining_offset(ahead)
         bent = quaternion.mul(rotation, quaternion.from_rotation_vector(offset[1:]))

@@ -13,10 +13,11 @@ from live.motion import quaternion
 from live.motion.partner.path_leader import MIN_SPEED
 from live.motion.partner.point_clouds import hip_projections
 from live.motion.partner.units import Units
-from live.motion.partner_live.online_decoder import OnlineDecoder
+from live.motion.partner_live.follower_filter import FollowerFilter
 from live.motion.partner_live.online_player import LivePartner
 from live.motion.partner_live.stage_partner_kernels import local_to_world, world_to_local
 from live.motion.pose.foot_lock import LEG_JOINTS, FootLock
+from live.motion.pose.foot_lock_kernels import HELD, SHIFT_X, SHIFT_Z
 from live.motion.pose.pose_pipeline import ClipStore, PosePipeline
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
@@ -32,12 +33,11 @@ FACING_SMOOTHING: Final = 0.2
 """Share of the error by which a path's facing approaches its direction per frame."""
 RECORDING_RATE: Final = 60.0
 """Approximate sample rate of recordings in beats [Hz]."""
+STEP_DISTANCE: Final = 0.3
+"""A standing foot so far from its place in the recording [m] steps there if the other one stands ..."""
+ARRIVAL_DISTANCE: Final = 0.05
+"""... until it is as near as this."""
 _PARENTS: Final = np.array(SKELETON.parents, np.int32)
-_SHARED_ATTRIBUTES: Final = (
-    "units", "_stretches", "_first", "_offset", "_real", "_imaginary", "_heights", "_control", "_control_height",
-    "_record_first", "_record_stop", "_head", "_head_height", "_root", "_facing",
-)  # fmt: skip
-"""Attributes of a reader that depend only on the examples and never change; all others belong to one leader."""
 
 
 def frames_per_beat(tempo: float, rate: float = RATE) -> int:
@@ -48,17 +48,18 @@ def frames_per_beat(tempo: float, rate: float = RATE) -> int:
 class PartnerExamples:
     """Immutable examples in beats with an unused reader, shared by all leaders."""
 
-    def __init__(self, units: Units, *, unit_beats: int, per_beat: int, tempo: float, stretch: float, k: float) -> None:
-        """`units` in beats (`retime_to_beats`, at `tempo` [bpm]), read `per_beat` times per beat; `k` for that rate."""
+    def __init__(self, units: Units, *, unit_beats: int, per_beat: int, tempo: float, stretch: float) -> None:
+        """`units` in beats (`retime_to_beats`, at `tempo` [bpm]), read `per_beat` times per beat."""
         self.units, self.unit_beats, self.per_beat = units, unit_beats, per_beat
         self.period = 60.0 / tempo
         self.stretch = stretch
-        self.decoder = OnlineDecoder(units, rate=self.per_beat / self.period, stretch=stretch, k=k)
+        self.filter = FollowerFilter(units, rate=self.per_beat / self.period)
 
     def new_partner(self) -> LivePartner:
         """Return a new partner without input."""
-        shared = [getattr(self.decoder, name) for name in _SHARED_ATTRIBUTES if hasattr(self.decoder, name)]
-        return LivePartner(copy.deepcopy(self.decoder, {id(value): value for value in shared}))
+        shared = (self.filter.units, self.filter.model)
+        own = copy.deepcopy(self.filter, {id(value): value for value in shared})
+        return LivePartner(own, stretch=self.stretch)
 
 
 class LeaderReader:
@@ -84,8 +85,8 @@ class LeaderReader:
         """Label of a unit that was decided at the latest frame; else empty."""
         self._reported = (-1, -1)
         self._facing = complex(1.0)
-        self._points: Complex128 = np.zeros(lore.decoder.point_count, np.complex128)
-        self._heights: Float64 = np.zeros(lore.decoder.point_count)
+        self._points: Complex128 = np.zeros(lore.filter.point_count, np.complex128)
+        self._heights: Float64 = np.zeros(lore.filter.point_count)
 
     @property
     def answering(self) -> bool:
@@ -123,30 +124,34 @@ class LeaderReader:
         return 0.0 if self.frame_index is None else self._frame_position(danced) - self.frame_index
 
     def process_frame(self, floor: Complex128, height: Float64, danced: float, window: float) -> None:
-        """Process the leader's points (P,) [m] after `danced` beats; units begin within `window` [s] of their lines."""
+        """Process the leader's points (P,) [m] after `danced` beats; units begin within `window` [s] of their lines.
+
+        The hips must be seen; hands and feet that are not, are not a number.
+        """
         lore = self.examples
         line = int(np.floor(self._frame_position(danced)))
         passed = 1 if self.frame_index is None else line - self.frame_index
         self.frame_index, self.decided_label = line, ""
-        whole = bool(np.isfinite(floor).all() and np.isfinite(height).all())
-        moved = whole and max(float(np.abs(floor - self._points).max()), float(np.abs(height - self._heights).max()))
-        self.still_frames = 0.0 if moved > MIN_MOVEMENT else self.still_frames + passed
+        whole = bool(np.isfinite(floor[:2]).all() and np.isfinite(height[:2]).all())
+        seen = np.isfinite(floor) & np.isfinite(height) & np.isfinite(self._points) & np.isfinite(self._heights)
+        moved = max(
+            float(np.abs(floor - self._points)[seen].max(initial=0.0)),
+            float(np.abs(height - self._heights)[seen].max(initial=0.0)),
+        )
+        self.still_frames = 0.0 if whole and moved > MIN_MOVEMENT else self.still_frames + passed
         if not whole:
             return
         self._points, self._heights = floor, height
+        self.partner.window = window
         for n in range(passed):
             place = (line - passed + 1 + n - self._shift) / lore.per_beat / lore.unit_beats
-            away = abs(place - round(place)) * lore.unit_beats * lore.period
-            self.partner.process_frame(
-                floor, height, boundary=away <= max(window, 0.51 * lore.period / lore.per_beat),
-                unit_frames=float(lore.unit_beats * lore.per_beat),
-            )  # fmt: skip
+            self.partner.process_frame(floor, height, place % 1.0)
         if self.answering:
             self._update_poses(goes_on=passed == 1 and self.has_answer and not self.partner.decisions)
             self._report()
 
     def path_cloud(self, place: Float32, velocity: Float32, row: int) -> tuple[Complex128, Float64]:
-        """Return the decoder's input for an agent's path: shadows of hips that face the direction of motion (H019).
+        """Return the filter's input for an agent's path: shadows of hips that face the direction of motion (H019).
 
         While the agent stands the facing is kept.
         """
@@ -177,11 +182,12 @@ class LeaderReader:
         partner = self.partner
         if (partner.unit, partner.begin) == self._reported:
             return
-        units = self.examples.units
-        seen = (partner.decoder.frame_index - partner.begin) / max(self.examples.unit_beats * self.examples.per_beat, 1)
-        if seen >= REPORT_SHARE:
+        frames = max(self.examples.unit_beats * self.examples.per_beat, 1)
+        unit, begin = self._reported
+        if (partner.filter.frame_index - partner.begin) / frames >= REPORT_SHARE:
             self._reported = partner.unit, partner.begin
-            self.decided_label = units.label(partner.unit)
+            if unit != partner.unit or partner.begin - begin > REPORT_SHARE * frames:  # else it is only placed anew
+                self.decided_label = self.examples.units.label(partner.unit)
 
 
 class FollowerFootLock:
@@ -191,17 +197,26 @@ class FollowerFootLock:
         self.lock = FootLock(count)
         self._leg_position: Float32 = np.zeros((count, len(LEG_JOINTS), 3), np.float32)
         self._contact: Bool = np.zeros((count, 2), np.bool_)
+        self.stepping: Bool = np.zeros((count, 2), np.bool_)
+        """Feet that stand in the recording but step, because they are too far from their place there, (A, 2)."""
         self._pipeline = PosePipeline(0)
 
     def tick(self, rows: Int32, position: Float32, contact: Bool, dt: float) -> None:
         """Advance by `dt` [s]: unlocked poses `position` (n, J, 3) and `contact` (n, 2) of the dancers `rows` (n,).
 
-        All other dancers' feet are released.
+        All other dancers' feet are released. A foot that is too far from its place steps there, one at a time.
         """
         self._contact[:] = False
         self._contact[rows] = contact
         self._leg_position[rows] = position[:, LEG_JOINTS]
+        wanted = self._contact.copy()
+        self._contact &= ~self.stepping
         self.lock.tick(self._leg_position, self._contact, dt)
+        far = np.hypot(self.lock.state[:, :, SHIFT_X], self.lock.state[:, :, SHIFT_Z])
+        held = self.lock.state[:, :, HELD] > 0.0
+        lost = wanted & ~held & (far > ARRIVAL_DISTANCE)
+        nearest = held[:, ::-1] & (far > STEP_DISTANCE) & (far >= far[:, ::-1])
+        self.stepping = lost | (wanted & nearest)
 
     def apply(self, rows: Int32, position: Float32, rotation: Float32, age: float) -> None:
         """Lock the feet of the dancers `rows` (n,) in poses (A, J, 3) and (A, J, 4), world, `age` [s] after a tick."""

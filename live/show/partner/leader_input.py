@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 
 from live.base.arrays import Bool, Float32, Float64, Int32
-from live.motion.partner.point_clouds import END_JOINTS
+from live.motion.partner.point_clouds import LEADER_JOINTS
 from live.motion.partner_live.stage_partner import LeaderReader
 from live.show.partner.partner_pairs import Pair, PartnerSettings
 
@@ -80,7 +80,7 @@ class LeaderReaders:
         rows = np.array([key[1] for key in now if not settings[key[0]].by_path], np.int32)
         if len(rows):
             position, _ = poses_of(rows)
-            points = position[:, END_JOINTS].astype(np.float64)
+            points = position[:, LEADER_JOINTS].astype(np.float64)
         n = 0
         for key in now:
             read, leader, one = self.readers[key], key[1], settings[key[0]]

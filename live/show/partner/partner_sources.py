@@ -7,7 +7,6 @@ from live.base.errors import PersonError, error_context
 from live.graph.step_library import StepLibrary
 from live.library.partner_pairs import add_found_holds, read_pairs
 from live.motion.partner.evaluation import HoldCriterion
-from live.motion.partner.partner_synthesis import CONTINUITY, RATE, WALK_CONTINUITY, WALK_RATE
 from live.motion.partner.sketched_examples import sketched_pairs, sketched_walks
 from live.motion.partner.units import Units, retime_to_beats
 from live.motion.partner_live.stage_partner import PATH_RATE, RECORDING_RATE, PartnerExamples, frames_per_beat
@@ -70,13 +69,11 @@ def _load_examples(section: PartnerSection, patch: Patch, path: Path, library: S
     units, unit_beats = _units(section, path, library)
     if units.count < MIN_UNITS:
         raise PersonError(f"{units.count} unit; there is nothing to choose from with fewer than two", "more examples")
-    rate, k = (WALK_RATE, WALK_CONTINUITY) if section.led_by_path else (RATE, CONTINUITY)
     per_beat = frames_per_beat(tempo, PATH_RATE) if section.led_by_path else frames_per_beat(tempo)
     timed = retime_to_beats(
         units, unit_beats=unit_beats, samples=frames_per_beat(tempo, RECORDING_RATE), period=60.0 / tempo
     )
-    k *= per_beat * tempo / 60.0 / rate
-    return PartnerExamples(timed, unit_beats=unit_beats, per_beat=per_beat, tempo=tempo, stretch=section.stretch, k=k)
+    return PartnerExamples(timed, unit_beats=unit_beats, per_beat=per_beat, tempo=tempo, stretch=section.stretch)
 
 
 def _steps(section: PartnerSection, library: StepLibrary) -> list[StepClip]:

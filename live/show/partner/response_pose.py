@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Float32, Float64, Int32
-from live.motion.partner_live.hand_holds import HoldRequest, held_hands
+from live.motion.partner_live.hand_holds import HoldRequest
 from live.motion.partner_live.stage_partner import FollowerFootLock
 from live.motion.partner_live.stage_partner_kernels import blend_answers
 from live.motion.skeleton import SKELETON
@@ -86,7 +86,7 @@ def active_holds(
     A dancer at an own place, or led by a path, stands elsewhere than the examples' follower and holds no hands.
     """
     return [
-        HoldRequest(pair.leader, pair.follower, held_hands(leaders.reader(pair).partner), settings[pair.partner].hands)
+        HoldRequest(pair.leader, pair.follower, leaders.reader(pair).partner.hands, settings[pair.partner].hands)
         for pair in pairs
         if weight[pair.follower] > 0.0 and not pair.own_place
     ]

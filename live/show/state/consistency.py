@@ -32,12 +32,9 @@ from live.show.state.constants import attribute_at
 from live.show.state.kind import MAX_MAGNITUDE
 
 Array = npt.NDArray[Any]
-
-_INDICES: Final = ("_first", "_offset", "_record_first", "_record_stop")
 _OF_READERS: Final = (
-    "_x", "_x_height", "_score", "_end", "_cell", "_before", "_real", "_imaginary", "_heights", "_work", "_control",
-    "_control_height", "_head", "_head_height", "_root", "_facing", "_step", "_sums", "_squares", "_input_sum",
-    "_input_square", "_frames", "_value", "_expected", "_shortest_units", "_longest_units",
+    "_x", "_x_height", "posterior", "_now", "_soon", "_feature", "_near_square", "_square", "_scratch", "_cost",
+    "expected",
 )  # fmt: skip
 
 
@@ -174,9 +171,11 @@ def subgroups(value: Subgroups) -> bool:
 
 
 def read_leader(value: LeaderReader) -> bool:
-    """Whether the decoder has the same units and array sizes as that of its examples."""
-    reader, like = value.partner.decoder, value.examples.decoder
-    same = (
-        all(attribute_at(reader, name) is attribute_at(like, name) for name in _INDICES) and reader.units is like.units
-    )
-    return same and all(attribute_at(reader, name).shape == attribute_at(like, name).shape for name in _OF_READERS)
+    """Whether the filter has the same model and array sizes as that of its examples."""
+    reader, like = value.partner.filter, value.examples.filter
+    same = reader.model is like.model and reader.units is like.units
+    example = attribute_at(value.partner, "_example")
+    known = -1 <= example < len(like.units.examples) and -1 <= value.partner.unit < like.units.count
+    sized = all(attribute_at(reader, name).shape == attribute_at(like, name).shape for name in _OF_READERS)
+    hands = all(-1 <= hand <= 1 for hand in value.partner.hands)
+    return bool(same and known and sized and hands and reader.posterior.min() >= 0.0)

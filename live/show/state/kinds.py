@@ -13,8 +13,8 @@ from live.control.events.events import EVENT_TYPES
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.selector import StepSelector
 from live.motion.cloth.spring_rig import SpringRig
-from live.motion.partner.time_scaled_units import Stretches
 from live.motion.partner.units import Units
+from live.motion.partner_live.follower_model import FollowerModel
 from live.motion.partner_live.stage_partner import PartnerExamples
 from live.motion.pose.pose_pipeline import PoseSkeleton
 from live.motion.texture.live_bank import TextureBank
@@ -61,6 +61,7 @@ CONSTANT_KINDS: Final[dict[str, type]] = {
     "constant-at-section": AtSection,
     "constant-choosing": StepSelector,
     "constant-cue-section": CueSection,
+    "constant-follower-model": FollowerModel,
     "constant-foresight": StepCosts,
     "constant-improvise-section": ImproviseSection,
     "constant-lore": PartnerExamples,
@@ -75,7 +76,6 @@ CONSTANT_KINDS: Final[dict[str, type]] = {
     "constant-signal-section": SignalSection,
     "constant-spring-cast": SpringCast,
     "constant-spring-rig": SpringRig,
-    "constant-stretches": Stretches,
     "constant-table": ImproviseTable,
     "constant-texture-bank": TextureBank,
     "constant-units": Units,

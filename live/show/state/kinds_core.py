@@ -53,8 +53,8 @@ from live.clock.tap_tempo import TapTempo
 from live.clock.timeline import Grid, Timeline
 from live.graph.search.sequence_spec import SequenceEntry
 from live.motion.cloth.garment_batch import GarmentBatch
+from live.motion.partner_live.follower_filter import FollowerFilter
 from live.motion.partner_live.hand_holds import LiveHandHolds
-from live.motion.partner_live.online_decoder import OnlineDecoder
 from live.motion.partner_live.online_player import FloorTransform, LivePartner
 from live.motion.partner_live.stage_partner import FollowerFootLock, LeaderReader
 from live.motion.pose.foot_lock import CutFootLift, FootLock
@@ -243,15 +243,14 @@ KINDS: Final = [
         turn:complex shift:complex _last_turn:complex _last_shift:complex _speed:complex _turning:float
     """),
     Kind("live-partner", LivePartner, """
-        decoder:live-reader unit:int begin:int decisions:list[tuple[int,int,float]] _step:float _source:float
-        _floor_transform:placing _offset:f8 _speed:f8 _age:float
+        filter:live-reader window:float _stretch:float unit:int begin:int decisions:list[tuple[int,int,float]]
+        hands:tuple[int,int] _example:int _step:float _source:float _floor_transform:placing _offset:f8 _speed:f8
+        _age:float
     """),
-    Kind("live-reader", OnlineDecoder, """
-        units:constant-units rate:float k:float _stretches:constant-stretches _longest:int _ring:int _at:int _x:c16
-        _x_height:f8 _score:f8~ _end:f8~ _cell:i8 _before:i8 _first:i8 _offset:i8 _real:f8 _imaginary:f8 _heights:f8
-        _work:f8 _control:c16 _control_height:f8 _record_first:i8 _record_stop:i8 _head:c16 _head_height:f8 _root:c16
-        _facing:c16 min_distance:float _step:f8 _sums:c16 _squares:f8 _input_sum:c16 _input_square:f8 _frames:f8
-        _value:f8~ _expected:c16 _shortest_units:f8 _longest_units:f8
+    Kind("live-reader", FollowerFilter, """
+        units:constant-units rate:float model:constant-follower-model _ring:int _at:int _x:c16~ _x_height:f8~
+        posterior:f8 _now:f8 _soon:f8 _feature:f8~ _near_square:f8 _square:f8 _scratch:f8 _cost:f8~ expected:f8
+        _beat_evidence:float unsure:float nearest:float place:complex facing:complex min_distance:float
     """),
     Kind("holding", LiveHandHolds, """
         leader:i4 hand:i4 closed:f8 reachable:b1 palm_distance:f8 missed_count:int _release_time:f8 _leader_palm:f4
@@ -262,9 +261,11 @@ KINDS: Final = [
     Kind("read-leader", LeaderReader, """
         examples:constant-lore _shift:float partner:live-partner frame_index:int|none still_frames:float root:f4
         contact:b1 answer_rotation:f4 has_answer:bool held:bool decided_label:str _reported:tuple[int,int]
-        _facing:complex _points:c16 _heights:f8
+        _facing:complex _points:c16~ _heights:f8~
     """, is_consistent=whole.read_leader),
-    Kind("standing", FollowerFootLock, "lock:foot-lock _leg_position:f4 _contact:b1 _pipeline:pose-pipeline"),
+    Kind("standing", FollowerFootLock, """
+        lock:foot-lock _leg_position:f4 _contact:b1 stepping:b1 _pipeline:pose-pipeline
+    """),
     Kind("inertia", Inertialization, "difference:f4 cut_time:f8~ age:f4 any_fading:bool"),
     Kind("landing", CutFootLift, "lift:f4"),
     Kind("foot-lock", FootLock, "state:f4"),

@@ -36,4 +36,7 @@ def made_units(seed: int, count: int, rate: float = 60.0, seconds: tuple[float, 
     cuts = np.concatenate(([3.0], 3.0 + np.cumsum(lengths)))
     samples = int(cuts[-1]) + 4
     control, target = made_cloud(chance, samples, rate), made_cloud(chance, samples, rate)
-    return cut_units([Example("made", control, target, standing(samples, rate), cuts, np.zeros(0))])
+    order = [0, 1, *range(4)]  # two of the points lead as hips, too
+    leader = Cloud(np.ascontiguousarray(control.floor[:, order]), np.ascontiguousarray(control.height[:, order]), rate)
+    follower = standing(samples, rate)
+    return cut_units([Example("made", control, target, follower, cuts, np.zeros(0), leader=leader)])

@@ -1,50 +1,48 @@
-"""Tests of hands held in a unit: from just before a hold to its end, within the unit, and on past its end."""
-
-from types import SimpleNamespace
+"""Tests of the hands that a live follower holds: those that probably hold, one hand for each, without flicker."""
 
 import numpy as np
 import pytest
 
 from live.motion.partner.units import Hold
-from live.motion.partner_live.hand_holds import HOLD_LEAD_TIME, NOBODY, held_hands
+from live.motion.partner_live.follower_filter import FollowerFilter
+from live.motion.partner_live.follower_moments import HOLDS
+from live.motion.partner_live.online_player import NOBODY, RELEASE_HOLD, TAKE_HOLD, LivePartner
+from tests.motion.partner_live.led_pairs import follow, led_pair
 
-HOLDS = (Hold(0, 1, 120.0, 150.0), Hold(1, 0, 170.0, 400.0), Hold(1, 1, 240.0, 300.0))
-
-
-def hands_at_sample(place: float, *, known: bool = True, holds: tuple[Hold, ...] = HOLDS) -> tuple[int, int]:
-    """Hands held at a sample of a recording at 60 Hz, in a unit from sample 100 to 200."""
-    units = SimpleNamespace(
-        examples=[SimpleNamespace(holds=holds)],
-        example=np.array([0]),
-        start=np.array([100.0]),
-        length=np.array([100.0]),
-    )
-    reader = SimpleNamespace(units=units)
-    return held_hands(SimpleNamespace(has_pose=known, unit=0, sample=place, sample_rate=60.0, decoder=reader))  # type: ignore[arg-type]
+BETWEEN = 0.5 * (TAKE_HOLD + RELEASE_HOLD)
 
 
-@pytest.mark.parametrize(
-    ("place", "hands"),
-    [
-        (120.0 - 60.0 * HOLD_LEAD_TIME - 1.0, (NOBODY, NOBODY)),
-        (120.0 - 60.0 * HOLD_LEAD_TIME, (NOBODY, 0)),
-        (135.0, (NOBODY, 0)),
-        (150.0, (1, 0)),  # the second hold is within its lead time
-        (151.0, (1, NOBODY)),
-        (199.0, (1, NOBODY)),
-        (230.0, (1, NOBODY)),  # past the end of the unit the hold continues; later holds of the recording do not count
-    ],
-)
-def test_hold_counts_from_lead_time_to_its_end(place: float, hands: tuple[int, int]) -> None:
-    assert hands_at_sample(place) == hands
+@pytest.fixture(scope="module")
+def partner() -> LivePartner:
+    return LivePartner(FollowerFilter(led_pair(61)[1], rate=30.0))
 
 
-def test_no_hand_is_held_without_pose_or_holds() -> None:
-    assert hands_at_sample(135.0, known=False) == (NOBODY, NOBODY)
-    assert hands_at_sample(135.0, holds=()) == (NOBODY, NOBODY)
+def hands_after(partner: LivePartner, *likely: tuple[float, float, float, float]) -> tuple[int, int]:
+    """The held hands after these probabilities: the leader's left with left and right, his right with both."""
+    partner.hands = (NOBODY, NOBODY)
+    for values in likely:
+        partner.filter.expected[HOLDS] = values
+        partner._update_hands()
+    return partner.hands
 
 
-def test_hand_keeps_hold_until_it_ends() -> None:
-    holds = (Hold(0, 1, 110.0, 150.0), Hold(1, 1, 151.0, 200.0))
-    assert hands_at_sample(149.0, holds=holds) == (NOBODY, 0)
-    assert hands_at_sample(151.0, holds=holds) == (NOBODY, 1)
+def test_likely_hold_is_taken_and_kept_until_unlikely(partner: LivePartner) -> None:
+    assert hands_after(partner, (0.0, 0.9, 0.0, 0.0)) == (NOBODY, 0)
+    assert hands_after(partner, (0.0, BETWEEN, 0.0, 0.0)) == (NOBODY, NOBODY)
+    assert hands_after(partner, (0.0, 0.9, 0.0, 0.0), (0.0, BETWEEN, 0.0, 0.0)) == (NOBODY, 0)
+    assert hands_after(partner, (0.0, 0.9, 0.0, 0.0), (0.0, 0.9 * RELEASE_HOLD, 0.0, 0.0)) == (NOBODY, NOBODY)
+
+
+def test_each_hand_holds_one_hand(partner: LivePartner) -> None:
+    assert hands_after(partner, (0.9, 0.0, 0.0, 0.8)) == (0, 1)
+    assert hands_after(partner, (0.9, 0.8, 0.0, 0.0)) == (0, NOBODY)
+    assert hands_after(partner, (0.7, 0.8, 0.0, 0.0)) == (NOBODY, 0)
+
+
+def test_recorded_holds_are_held_when_the_leader_dances_as_recorded() -> None:
+    """One hold of three seconds, in the middle of twelve: it is held then, and not for long at any other time."""
+    leader, units = led_pair(62, 720, (Hold(0, 1, 240.0, 420.0),))
+    held = np.array([partner.hands[1] == 0 for partner in follow(leader, units)])
+    time = np.arange(len(held)) / 30.0
+    assert held[(time > 4.3) & (time < 6.7)].mean() > 0.9
+    assert held[(time < 3.5) | (time > 7.5)].mean() < 0.1

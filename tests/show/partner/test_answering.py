@@ -53,7 +53,7 @@ def test_follower_moves_to_leader_and_answers_on_beat() -> None:
     for _ in range(round(8.5 / TICK)):
         parts.append(run(show, TICK))
         if read.frame_index is not None and read.partner.has_pose:
-            frames = read.frame_index - (read.partner.decoder.frame_index - read.partner.begin)
+            frames = read.frame_index - (read.partner.filter.frame_index - read.partner.begin)
             begun.append(frames / read.examples.per_beat)
     lines, start = np.unique(begun)[1:], np.concatenate(parts)
     assert len(lines) > 5
@@ -111,7 +111,7 @@ def test_rendering_changes_nothing_and_snapshot_continues_bit_identically() -> N
     bank = again.dancers.partner_response.bank  # type: ignore[union-attr]
     assert bank is bank_of(ON_PLACE)
     assert (
-        next(iter(again.dancers.partner_response.leaders.readers.values())).partner.decoder.units
+        next(iter(again.dancers.partner_response.leaders.readers.values())).partner.filter.units
         is bank.example_sets[0].units
     )  # type: ignore[union-attr]
     assert len(data) < 150_000

@@ -1,0 +1,203 @@
+"""Causal filter: reads a leader frame by frame and says where the follower is, and at which recorded moments (H024)."""
+
+from typing import Final
+
+import numpy as np
+
+from live.base.arrays import Complex128, Float64
+from live.motion.partner.units import Units
+from live.motion.partner_live.follower_kernels import (
+    advance_posterior,
+    danced_costs,
+    posterior_means,
+    regress,
+    square_distances,
+    write_features,
+)
+from live.motion.partner_live.follower_model import (
+    CHANGE_WEIGHT,
+    JUMP_PROBABILITY,
+    KERNEL_WIDTH,
+    SEEN_WIDTH,
+    SHOWN_COLUMNS,
+    SHOWN_WEIGHTS,
+    FollowerModel,
+    beat_density,
+    learn_follower,
+)
+from live.motion.partner_live.follower_moments import FACING, TARGET_COLUMNS, leader_frame
+
+IMPROBABILITY: Final = 0.02
+"""Cost [m²] of dancing a moment whose probability is 1/e of the most probable one's, ..."""
+MAX_IMPROBABILITY: Final = 6.0
+"""... which grows up to this many times."""
+OUTSIDE_COST: Final = 0.1
+"""Cost of a moment before the first unit of its recording or after the last [m²]: the recording only runs out there."""
+SURE_LIKENESS: Final = 0.3
+LOST_LIKENESS: Final = 0.12
+"""If no moment is as like the leader as this, the follower is unsure, and from here on lost ..."""
+UNSURE_SECONDS: Final = 0.6
+"""... with this time constant [s]."""
+BASIC_COST: Final = 0.3
+"""Cost of a moment away from the basic step for a follower who is lost, times its square distance [m²]."""
+BEAT_MEMORY: Final = 0.97
+"""Share of the evidence for the beats that is left after a moment, ..."""
+MAX_BEAT_EVIDENCE: Final = 4.0
+"""... and its limit: a logarithm of odds."""
+NEAREST_PERCENTILE: Final = 1.0
+"""Percentile of the recorded distances to the leader that defines the minimum distance."""
+
+
+class FollowerFilter:
+    """Filter of one leader. Deterministic; one call per frame, bounded memory."""
+
+    def __init__(self, units: Units, *, rate: float) -> None:
+        """`rate` [Hz] of the frames."""
+        self.units, self.rate = units, rate
+        self.model: FollowerModel = learn_follower(units, rate)
+        points = units.examples[0].live_control.floor.shape[1]
+        ring, count = int(self.model.lags[-1]) + 1, self.model.count
+        self._ring = ring
+        self._at = -1
+        self._x, self._x_height = np.zeros((ring, points), np.complex128), np.zeros((ring, points))
+        self.posterior: Float64 = np.full(count, 1.0 / count)
+        """Probability of each moment, (M,)."""
+        self._now, self._soon = np.zeros(TARGET_COLUMNS), np.zeros(TARGET_COLUMNS)
+        self._feature = np.zeros(len(self.model.scale))
+        self._near_square, self._square, self._scratch = np.zeros(count), np.zeros(count), np.zeros(count)
+        self._cost = np.zeros(count)
+        self.expected: Float64 = np.zeros(TARGET_COLUMNS)
+        """The follower as expected now, in the frame of the leader's hips; columns as in `follower_model`."""
+        self._beat_evidence = 0.0
+        self.unsure = 0.0
+        """How much a safe basic step is danced instead, because the leader does what no example has, 0 to 1."""
+        self.nearest = 0.0
+        """How like the leader is to the most similar recorded moment, 0 to 1."""
+        self.place, self.facing = complex(0.0), complex(1.0)
+        """The leader's hips on the floor and their facing."""
+        self.min_distance = 0.0
+        """Minimum distance of the follower's hips from the leader's [m]; 0 without a second body."""
+        if points > 2:
+            apart = np.hypot(self.model.moments.target[:, 0], self.model.moments.target[:, 2])
+            self.min_distance = float(np.percentile(apart, NEAREST_PERCENTILE))
+
+    @property
+    def frame_index(self) -> int:
+        """Number of the latest frame, -1 before the first."""
+        return self._at
+
+    @property
+    def point_count(self) -> int:
+        """Number of points of the leader's cloud."""
+        return int(self._x.shape[1])
+
+    def point(self, index: int) -> tuple[complex, float] | None:
+        """Return a point of the leader's cloud on the floor and its height [m], None where it is not seen."""
+        slot = self._at % self._ring
+        if index >= self.point_count or not np.isfinite(self._x[slot, index]):
+            return None
+        return complex(self._x[slot, index]), float(self._x_height[slot, index])
+
+    @property
+    def frames_since_moment(self) -> int:
+        """Frames since the posterior was advanced, 0 in the frame in which it is."""
+        return self._at % self.model.stride
+
+    def process_frame(self, floor: Complex128, height: Float64, phase: float | None = None) -> None:
+        """Process the leader's next frame, points (P,) [m]; the hips must be finite, other points may be missing.
+
+        `phase`: share of a unit that has passed by the leader's beats, None if they are unknown.
+        """
+        self._at += 1
+        at, model = self._at, self.model
+        slot = at % self._ring
+        self._x[slot], self._x_height[slot] = floor, height
+        place, facing = leader_frame(self._x[slot])
+        self.place, self.facing = complex(place), complex(facing)
+        write_features(at, max(0, at - self._ring + 1), self._x, self._x_height, model.lags, self._feature)
+        self._feature *= model.scale
+        square_distances(self._feature, model.rows, model.share, model.near, self._near_square, self._square)
+        if self.frames_since_moment == 0:
+            self._advance(phase)
+            posterior_means(
+                self.posterior, model.moments.target, model.moments.follows, FACING.start, self._now, self._soon
+            )
+        self.nearest = regress(self._square, KERNEL_WIDTH, model.weights, model.mean, self.expected)
+        part = self.frames_since_moment / model.stride
+        filtered = (1.0 - part) * self._now + part * self._soon
+        self.expected += filtered
+        self.expected *= 0.5
+        lost = min(max((SURE_LIKENESS - self.nearest) / (SURE_LIKENESS - LOST_LIKENESS), 0.0), 1.0)
+        if self.point_count > 2:
+            self.unsure += (lost - self.unsure) * (1.0 - float(np.exp(-1.0 / (self.rate * UNSURE_SECONDS))))
+
+    def _advance(self, phase: float | None) -> None:
+        """Advance the posterior by a moment, and believe the beats as far as they make what is seen likelier."""
+        model = self.model
+        density = np.zeros(0)
+        if phase is not None and model.beat_sharpness > 0.0:
+            density = beat_density(model.moments.phase - phase, model.beat_sharpness)
+        evidence = advance_posterior(
+            self.posterior, model.moments.follows, model.jump_to, model.jump_share, JUMP_PROBABILITY, self._near_square,
+            SEEN_WIDTH, density, self.beat_trust, self._scratch,
+        )  # fmt: skip
+        if len(density):
+            said = BEAT_MEMORY * self._beat_evidence + float(np.log(max(evidence, 1e-6)))
+            self._beat_evidence = min(max(said, -MAX_BEAT_EVIDENCE), MAX_BEAT_EVIDENCE)
+
+    @property
+    def beat_trust(self) -> float:
+        """Probability that the leader dances on the given beats, 0 to 1; 0 where beats do not help to predict."""
+        return float(1.0 / (1.0 + np.exp(-self._beat_evidence))) if self.model.beat_sharpness > 0.0 else 0.0
+
+    @property
+    def change(self) -> Float64:
+        """How the filter expects `expected` to change until the next moment, (TARGET_COLUMNS,)."""
+        return np.asarray(self._soon - self._now)
+
+    def moment_costs(self, row: int) -> Float64:
+        """Return what it costs to go on from each moment [m²], (M,), if the moment `row` is danced now; -1: none is.
+
+        Costs are how far the follower there is from the expected one, how unlike the body is, and how improbable.
+        """
+        model, columns = self.model, list(SHOWN_COLUMNS)
+        own = model.body[:, row] if row >= 0 else np.zeros(0)
+        danced_costs(
+            self.expected[columns] * SHOWN_WEIGHTS, self.change[columns] * SHOWN_WEIGHTS * CHANGE_WEIGHT, model.shown,
+            np.ascontiguousarray(own), model.body, self._cost,
+        )  # fmt: skip
+        worth = np.log(np.maximum(self.posterior / self.posterior.max(), 1e-12))
+        self._cost += BASIC_COST * self.unsure * model.basic_square
+        self._cost += IMPROBABILITY * np.minimum(-worth, MAX_IMPROBABILITY)
+        self._cost[(model.moments.phase < 0.0) | (model.moments.phase >= 1.0)] += OUTSIDE_COST
+        self._cost[model.moments.mirrored] = np.inf
+        return self._cost
+
+    def recorded_root(self, example: int, sample: float) -> tuple[complex, complex]:
+        """Return the recorded follower's hips on the floor and their facing at a sample of a recording."""
+        root, front = self.model.roots[example], self.model.facings[example]
+        place = min(max(sample, 0.0), len(root) - 1.0)
+        low = min(int(place), max(len(root) - 2, 0))
+        high, w = min(low + 1, len(root) - 1), place - low
+        facing = complex((1.0 - w) * front[low] + w * front[high])
+        here = complex((1.0 - w) * root[low] + w * root[high])
+        return here, facing / abs(facing) if abs(facing) > 1e-9 else complex(1.0)
+
+    def expected_root(self) -> tuple[complex, complex]:
+        """Return the follower's expected hip position on the floor and facing (unit complex number)."""
+        values = self.expected
+        facing = complex(*values[FACING])
+        facing = facing / abs(facing) if abs(facing) > 1e-9 else complex(1.0)
+        place, u = complex(values[0], values[2]), self.unsure
+        if u > 0.0:
+            place += u * (self.model.basic[0] - place)
+            facing *= complex(np.exp(1j * u * np.angle(self.model.basic[1] / facing)))
+        return self.place + self.facing * place, self.facing * facing
+
+    def keep_distance(self, place: complex) -> complex:
+        """Return `place`, moved away from the leader to the minimum distance if it is too near."""
+        if self.min_distance <= 0.0:
+            return place
+        away = place - self.place
+        far = abs(away)
+        return place if far >= self.min_distance or far < 1e-9 else self.place + away * (self.min_distance / far)
