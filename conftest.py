@@ -8,9 +8,13 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-import pytest
-from hypothesis import HealthCheck, settings
+from live.base.system.blas_threads import use_one_blas_thread
+
+use_one_blas_thread()  # several processes share the cores: threads that wait for each other take most of the time
+
+import numpy as np  # noqa: E402
+import pytest  # noqa: E402
+from hypothesis import HealthCheck, settings  # noqa: E402
 
 ROOT = Path(__file__).resolve().parent
 SHARED = ROOT.parent / "shared"

@@ -80,7 +80,7 @@ def test_follower_is_written_frame_by_frame_with_report(pair_files: PairFiles, t
     assert lines[1].endswith(told["units"][0]["unit"])
 
 
-def test_online_mode_reports_decision_time_and_frame_time(pair_files: PairFiles, tmp_path: Path) -> None:
+def test_online_mode_reports_frame_time_and_changes(pair_files: PairFiles, tmp_path: Path) -> None:
     out, report = tmp_path / "out.bvh", tmp_path / "report.json"
     partner(
         leader=pair_files.leader,
@@ -92,9 +92,8 @@ def test_online_mode_reports_decision_time_and_frame_time(pair_files: PairFiles,
         report=report,
     )
     told = json.loads(report.read_text())
-    assert 0.0 < told["live"]["committed_at"]["median"] <= 0.5
     assert told["live"]["frame_ms"]["p50"] > 0.0
-    assert 0.0 <= told["live"]["agreement"] <= 1.0
+    assert 0.0 < told["live"]["changes_per_s"] < 5.0
     assert out.stat().st_size > 1000
 
 
