@@ -234,6 +234,11 @@ def _environment(module: str, name: str, constants: list[str]) -> Any:
     return made
 
 
+_libraries: Final[list[CPUCodeLibrary]] = []
+"""Libraries of all kernels that were loaded, also of those whose loading failed halfway: LLVM keeps a module for good,
+and asks its library for code when it next compiles."""
+
+
 def _from_bytes(kernel: Kernel, data: bytes) -> tuple[CompileResult, bytes]:
     """Make a compiled kernel from what `_to_bytes` gave; return it and the bitcode for other kernels.
 
@@ -253,6 +258,7 @@ def _from_bytes(kernel: Kernel, data: bytes) -> tuple[CompileResult, bytes]:
     context = kernel.targetctx
     rtsys.initialize(context)
     library: CPUCodeLibrary = context.codegen().create_library(known["name"])
+    _libraries.append(library)
     library.enable_object_caching()
     library._set_compiled_object(code)
     library._finalize_final_module()

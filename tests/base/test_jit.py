@@ -108,6 +108,35 @@ def test_a_damaged_kernel_is_compiled_again(tmp_path: Path, damage: str) -> None
     assert run_damper(tmp_path)[:3] == ["True", "True", value]
 
 
+HALFWAY = """
+import gc
+from numba.core.codegen import JITCodeLibrary
+from live.base.scalar_kernels import damper
+finish = JITCodeLibrary._finalize_specific
+def fail(library):
+    if "damper" in library.name:
+        raise MemoryError
+    finish(library)
+JITCodeLibrary._finalize_specific = fail
+failed = damper.load()
+JITCodeLibrary._finalize_specific = finish
+gc.collect()
+print(failed, damper.load(), damper(0.25, 1.5, 0.3, 0.1))
+"""
+
+
+@compiled_only
+def test_loading_that_fails_halfway_does_not_disturb_the_next_one(tmp_path: Path) -> None:
+    """LLVM has the module by then, and asks its owner for code when it next compiles."""
+    value = run_damper(tmp_path)[2]
+    done = subprocess.run(
+        [sys.executable, "-c", HALFWAY], capture_output=True, text=True, check=True,
+        env={**os.environ, "LIVE_CACHE_DIR": str(tmp_path)},
+    )  # fmt: skip
+    assert done.stdout.split() == ["False", "True", value]
+    assert done.stderr == ""
+
+
 @compiled_only
 def test_code_from_disk_can_be_called_by_kernels_that_are_compiled(tmp_path: Path) -> None:
     """A kernel that calls another is compiled in a process that has the other one from disk."""
