@@ -1,7 +1,7 @@
 """Simplification of characters by vertex clustering (Rossignac and Borrel 1993), with the place of each cell that fits
 the planes of its triangles best (Lindstrom 2000, Out-of-core simplification): means alone would thin limbs.
 
-Cells are smaller at head, hands and feet. All vertices in a cell share a position, but only connected ones share
+Cells are smaller at trunk, head, hands and feet. All vertices in a cell share a position, but only connected ones share
 texture coordinates, so the surface does not tear and no colour crosses a seam.
 """
 
@@ -13,7 +13,16 @@ import numpy as np
 from live.base.arrays import Float64, Int64
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 
-_DETAIL_FACTORS: Final = {"head": 2.0, "Hand": 1.7, "Toes": 1.5, "Foot": 1.3, "neck": 1.3}
+_DETAIL_FACTORS: Final = {
+    "head": 2.0,
+    "Hand": 1.7,
+    "hips": 1.3,
+    "spine": 1.3,
+    "hest": 1.3,
+    "Toes": 1.5,
+    "Foot": 1.3,
+    "neck": 1.3,
+}
 _ITERATIONS: Final = 14
 _SMALLEST: Final = 0.002
 _LARGEST: Final = 0.25
@@ -93,7 +102,8 @@ def _detail_factor(name: str) -> float:
 def _level(
     position: Float64, main: Int64, island: Int64, triangle: Int64, finer: Float64, size: float
 ) -> SimplifiedMesh:
-    grid = np.floor(position * finer / size).astype(np.int64) + 4096
+    # a cell's middle is in the plane x = 0, or the last bits there would decide which cell a vertex is in
+    grid = np.floor(position * finer / size + np.array([0.5, 0.0, 0.0])).astype(np.int64) + 4096
     key = ((grid[:, 0] * 8192 + grid[:, 1]) * 8192 + grid[:, 2]) * JOINT_COUNT + main
     cell = np.unique(key, return_inverse=True)[1].reshape(-1)
     both, group = np.unique(cell * (int(island.max()) + 1) + island, return_inverse=True)
