@@ -16,7 +16,7 @@ from typing import Any, Final
 
 import numpy as np
 
-from live.app.services.listening_socket import listening_socket
+from live.app.services.listening_socket import page_socket
 from live.base.errors import PersonError
 from live.control.web.http_protection import BACKLOG
 from live.control.web.studio_server import Frames, StudioServer
@@ -181,12 +181,7 @@ def serve_labels(desk: LabelDesk, where: tuple[str, int], key: str) -> None:
             return await asyncio.to_thread(desk.answer, text)
 
     async def run() -> None:
-        try:
-            listening = listening_socket(where, BACKLOG, resumes=False)
-        except (OSError, OverflowError) as error:
-            words = f"--web {where[0]}:{where[1]}: nobody can listen there: {error}"
-            raise PersonError(words, "another port: --web 8011") from None
-        with listening:
+        with page_socket(where, BACKLOG) as listening:
             server = StudioServer(listening, key, desk.facts, LABEL_PATH, take, max_bytes=MAX_BYTES)
             await server.run_until(asyncio.get_running_loop().create_future())
 

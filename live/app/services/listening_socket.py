@@ -2,6 +2,7 @@
 
 import socket
 
+from live.base.errors import PersonError
 from live.base.system.channel import create_server
 
 
@@ -15,3 +16,12 @@ def listening_socket(where: tuple[str, int], backlog: int, *, resumes: bool) -> 
     if not resumes and where[1]:
         socket.create_server(where, family=family, backlog=1).close()  # never share a foreign program's port
     return create_server(where, family=family, backlog=backlog)
+
+
+def page_socket(where: tuple[str, int], backlog: int) -> socket.socket:
+    """Return a listening socket for a page of the studio; PersonError if nobody can listen there."""
+    try:
+        return listening_socket(where, backlog, resumes=False)
+    except (OSError, OverflowError) as error:
+        words = f"--web {where[0]}:{where[1]}: nobody can listen there: {error}"
+        raise PersonError(words, "another port: --web 8011") from None

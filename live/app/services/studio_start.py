@@ -6,7 +6,7 @@ from typing import Annotated, Any, Final
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
-from live.app.services.listening_socket import listening_socket
+from live.app.services.listening_socket import page_socket
 from live.app.services.new_show import MAX_DANCERS, examples, make_show
 from live.base.errors import PersonError
 from live.control.web.http_protection import BACKLOG
@@ -92,12 +92,7 @@ def choose_show(folder: Path, wanted: str, where: tuple[str, int], key: str) -> 
     facts = start_facts(folder, wanted)
 
     async def run() -> str:
-        try:
-            listening = listening_socket(where, BACKLOG, resumes=False)
-        except (OSError, OverflowError) as error:
-            words = f"--web {where[0]}:{where[1]}: nobody can listen there: {error}"
-            raise PersonError(words, "another port: --web 8011") from None
-        with listening:
+        with page_socket(where, BACKLOG) as listening:
             return await StartServer(listening, key, facts, lambda values: chosen_show(folder, facts, values)).run()
 
     return asyncio.run(run())
