@@ -31,7 +31,9 @@ from live.motion.partner.evaluation import (
     wrong_facing,
 )
 from live.motion.partner.partner_synthesis import SearchSettings, find_partner, shown_beats
+from live.motion.partner.point_clouds import leader_cloud
 from live.motion.partner.units import Hold, cut_units
+from live.motion.partner_live.follower_filter import expected_follower
 from live.motion.partner_live.live_partner import evaluate_live
 from live.motion.quality.metrics import beat_offsets
 from live.motion.skeleton import SKELETON
@@ -158,10 +160,11 @@ def _one(known: PartnerExamples, take: int, tally: Tally) -> None:
     out, led = Take(leader, real, examples[take].holds), joint_positions(leader)
     beats = examples[take].beats / leader.sample_rate
     search = SearchSettings()
-    found = find_partner(leader, x, units, search)
+    expected = expected_follower(leader_cloud(leader), units)
+    found = find_partner(leader, x, units, search, expected=expected)
     tally.add("search", found.clip, found.answer.clip.contact, out)
     on_beat = replace(search, beats=beats)
-    locked = find_partner(leader, x, units, on_beat)
+    locked = find_partner(leader, x, units, on_beat, expected=expected)
     tally.add("search, on the beat", locked.clip, locked.answer.clip.contact, out)
     period, first = float(np.diff(beats).mean()), float(beats[0])
     for name, one in (("search", found), ("search, on the beat", locked)):
@@ -203,7 +206,8 @@ def followed_rows(known: PartnerExamples, takes: tuple[int, ...]) -> list[Row]:
         last = (real.sample_count - 1.0) / real.sample_rate
         search = SearchSettings(beats=lines.beats(last))
         x, out = examples[take].control, Take(lead.clip, real, examples[take].holds)
-        found = find_partner(lead.clip, x, units, search)
+        expected = expected_follower(leader_cloud(lead.clip), units)
+        found = find_partner(lead.clip, x, units, search, expected=expected)
         tally.add("search", found.clip, found.answer.clip.contact, out)
         live, told = evaluate_live(lead.clip, x, units, search, time.thread_time)
         tally.add("live", live.clip, live.clip.contact, out)

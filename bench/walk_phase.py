@@ -1,5 +1,6 @@
 """Walks by example: whether sharp turns of the path come on the foot on which they were recorded (H018)."""
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -8,10 +9,7 @@ from live.cli.bench import Row
 from live.library.partner_pairs import Side, read_side
 from live.motion.clip import Clip, clip_part
 from live.motion.partner.partner_synthesis import (
-    WALK_CONTINUITY,
-    WALK_RATE,
-    WALK_STRETCH,
-    SearchSettings,
+    WALK_SEARCH,
     find_partner,
 )
 from live.motion.partner.path_leader import MAX_DISTANCE, frenet_cloud
@@ -85,7 +83,5 @@ def _strides(clip: Clip) -> Example:
 
 
 def _answer(asked: Clip, control: Cloud, units: Units) -> Clip:
-    search = SearchSettings(
-        rate=WALK_RATE, stretch=WALK_STRETCH, k=WALK_CONTINUITY, max_path_distance=MAX_DISTANCE, hold_hands=False
-    )
+    search = replace(WALK_SEARCH, max_path_distance=MAX_DISTANCE)
     return find_partner(asked, control, units, search).clip

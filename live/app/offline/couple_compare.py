@@ -28,8 +28,9 @@ from live.motion.partner.couple_comparison import (
 from live.motion.partner.couple_states import PATTERN_BEATS, TRANSITION_BEATS, recognise_states, transitions
 from live.motion.partner.notation import CountNotation, notate, notation_text
 from live.motion.partner.partner_synthesis import PartnerResult, SearchSettings, find_partner
-from live.motion.partner.point_clouds import ends_cloud
+from live.motion.partner.point_clouds import ends_cloud, leader_cloud
 from live.motion.partner.units import Units, cut_units
+from live.motion.partner_live.follower_filter import expected_follower
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,7 +135,8 @@ def _answer(known: PartnerExamples, take: int, labels: PatternLabels, options: C
 
         found, _ = evaluate_live(leader, ends_cloud(leader), units, search, time.thread_time)
     else:
-        found = find_partner(leader, ends_cloud(leader), units, search)
+        expected = expected_follower(leader_cloud(leader), units)
+        found = find_partner(leader, ends_cloud(leader), units, search, expected=expected)
     last = min(leader.sample_count, found.clip.sample_count) - 1.0
     cuts = transition_cuts(example.beats, last, first=options.first - 1, beats_each=TRANSITION_BEATS)
     dances = []

@@ -26,16 +26,15 @@ from live.motion.clip import Clip, read_clip
 from live.motion.formats.bvh_writer import write_bvh
 from live.motion.formats.file_error import MotionFileError
 from live.motion.partner.partner_synthesis import (
-    WALK_CONTINUITY,
-    WALK_RATE,
-    WALK_STRETCH,
+    WALK_SEARCH,
     SearchSettings,
     find_partner,
 )
 from live.motion.partner.path_leader import MAX_DISTANCE
-from live.motion.partner.point_clouds import ends_cloud
+from live.motion.partner.point_clouds import ends_cloud, leader_cloud
 from live.motion.partner.transcription import transcribe, transcript_text
 from live.motion.partner.units import BEATS_OF_UNIT, beat_samples, remove_duplicates
+from live.motion.partner_live.follower_filter import expected_follower
 from live.motion.retarget.body_tracks import body_tracks
 
 MIN_FRAMES: Final = 8
@@ -65,7 +64,8 @@ def run_partner(options: PartnerOptions) -> None:
 
         found, timing = evaluate_live(clip, x, units, search, time.thread_time)
     else:
-        found, timing = find_partner(clip, x, units, search, time.perf_counter), {}
+        expected = None if walks else expected_follower(leader_cloud(clip), units)
+        found, timing = find_partner(clip, x, units, search, time.perf_counter, expected=expected), {}
     out = _resample_to_leader(found.clip, led)
     write_atomically(write_bvh(out, rate=None).encode(), options.out, "--out")
     told = (
@@ -111,11 +111,7 @@ def likely_fps(header: float, known: PartnerExamples) -> float:
 
 
 def _search(options: PartnerOptions, led: LeaderMotion, known: PartnerExamples, walks: bool) -> SearchSettings:
-    default = (
-        SearchSettings(rate=WALK_RATE, stretch=WALK_STRETCH, k=WALK_CONTINUITY, max_path_distance=MAX_DISTANCE)
-        if walks
-        else SearchSettings()
-    )
+    default = replace(WALK_SEARCH, max_path_distance=MAX_DISTANCE) if walks else SearchSettings()
     search = replace(
         default,
         rate=default.rate if options.rate is None else options.rate,

@@ -5,6 +5,7 @@ multiplication by e^(i yaw). The fit here handles one window at a time; it is th
 products that handle all windows at once.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -63,6 +64,15 @@ class Cloud:
     def transformed(self, turn: complex, shift: complex) -> "Cloud":
         """Return the cloud rotated about the vertical by the unit complex number `turn`, then moved by `shift` [m]."""
         return Cloud(turn * self.floor + shift, self.height, self.rate)
+
+
+def joined_clouds(parts: Sequence[Cloud]) -> Cloud:
+    """Return one cloud with the points of all `parts`, which have the same times."""
+    return Cloud(
+        np.ascontiguousarray(np.concatenate([one.floor for one in parts], axis=1)),
+        np.ascontiguousarray(np.concatenate([one.height for one in parts], axis=1)),
+        parts[0].rate,
+    )
 
 
 def cloud_of(positions: npt.NDArray[np.floating], rate: float) -> Cloud:

@@ -1,10 +1,12 @@
 """Causal filter: reads a leader frame by frame and says where the follower is, and at which recorded moments (H024)."""
 
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
 
 from live.base.arrays import Complex128, Float64
+from live.motion.partner.point_clouds import LEADER_JOINTS, Cloud, cloud_of
 from live.motion.partner.units import Units
 from live.motion.partner_live.follower_kernels import (
     advance_posterior,
@@ -25,7 +27,7 @@ from live.motion.partner_live.follower_model import (
     beat_density,
     learn_follower,
 )
-from live.motion.partner_live.follower_moments import FACING, TARGET_COLUMNS, leader_frame
+from live.motion.partner_live.follower_moments import FACING, JOINT_COLUMNS, TARGET_COLUMNS, leader_frame
 
 IMPROBABILITY: Final = 0.02
 """Cost [m²] of dancing a moment whose probability is 1/e of the most probable one's, ..."""
@@ -201,3 +203,24 @@ class FollowerFilter:
         away = place - self.place
         far = abs(away)
         return place if far >= self.min_distance or far < 1e-9 else self.place + away * (self.min_distance / far)
+
+
+EXPECTED_RATE: Final = 30.0
+"""Frames per second at which a whole leader is read [Hz]."""
+
+
+def expected_follower(leader: Cloud, units: Units) -> Cloud:
+    """Return where the hip joints, hands and feet of the follower of a whole leader are expected, (T, 6).
+
+    `leader` (T, 6): hip joints, hands and feet. The filter looks back only.
+    """
+    known = FollowerFilter(units, rate=EXPECTED_RATE)
+    thin = leader.resampled(EXPECTED_RATE)
+    places = np.zeros((thin.count, len(LEADER_JOINTS), 3))
+    for n in range(thin.count):
+        known.process_frame(thin.floor[n], thin.height[n])
+        joints = known.expected[:JOINT_COLUMNS].reshape(-1, 3)[list(LEADER_JOINTS)]
+        place = known.place + known.facing * (joints[:, 0] + 1j * joints[:, 2])
+        places[n] = np.stack((place.imag, joints[:, 1], place.real), axis=1)
+    at = np.arange(leader.count) * (EXPECTED_RATE / leader.rate)
+    return replace(cloud_of(places, EXPECTED_RATE).at(np.asarray(at, np.float64)), rate=leader.rate)

@@ -1,13 +1,12 @@
 """H018: the phase of the step is not in the control, yet sharp turns come on the foot on which they were recorded."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from live.motion.partner.partner_synthesis import (
-    WALK_CONTINUITY,
-    WALK_RATE,
-    WALK_STRETCH,
-    SearchSettings,
+    WALK_SEARCH,
     find_partner,
 )
 from live.motion.partner.path_leader import frenet_cloud
@@ -67,9 +66,7 @@ def test_turns_of_an_answer_come_on_the_recorded_foot_whenever_the_path_turns() 
         clock = np.arange(round(seconds * RATE)) / RATE
         path = frenet_cloud(clock, places(made, clock), RATE)
         uninformed = walk("steady", made, seconds)
-        search = SearchSettings(
-            rate=WALK_RATE, stretch=WALK_STRETCH, k=WALK_CONTINUITY, max_path_distance=0.12, hold_hands=False
-        )
+        search = replace(WALK_SEARCH, max_path_distance=0.12)
         answered.append(phase_at_turns(find_partner(uninformed, path, units, search).clip, path))
         steady.append(phase_at_turns(uninformed, path))
     found, other = pooled(answered), pooled(steady)
