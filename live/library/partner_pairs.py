@@ -133,12 +133,12 @@ class PartnerExamples:
     followers: tuple[RecordedSide, ...]
 
 
-def read_pairs(toml: Path, *, style: str | None = None) -> PartnerExamples:
+def read_pairs(toml: Path, *, style: str | None = None, text: str | None = None) -> PartnerExamples:
     """Read all pairs of a file, or those of a style (H025); PersonError with file, line and field for anything invalid.
 
-    Pairs without a style are of every style.
+    Pairs without a style are of every style. `text`: what the file held, if not what it holds now.
     """
-    wanted, fail = _parse_pairs(toml)
+    wanted, fail = _parse_pairs(toml, pairs_text(toml) if text is None else text)
     examples, leaders, followers = [], [], []
     for n, pair in _pairs_of_style(wanted, style, fail):
         where: KeyPath = ("pair", n)
@@ -177,16 +177,20 @@ def _pairs_of_style(
     ]
 
 
-def _parse_pairs(toml: Path) -> tuple[PairsFile, Callable[[KeyPath, str], PersonError]]:
+def pairs_text(toml: Path) -> str:
+    """Return the text of a file of pairs; PersonError if it cannot be read, or is too long."""
     try:
         held = read_regular_file(toml, MAX_BYTES)
         if len(held) > MAX_BYTES:
             raise PersonError(f"{toml}: more than {MAX_BYTES} bytes")
-        text = held.decode("utf-8-sig")
+        return held.decode("utf-8-sig")
     except OSError as error:
         raise PersonError(f"cannot read the pairs {toml}: {error.strerror}", "--examples PAIRS.toml") from None
     except UnicodeDecodeError as error:
         raise PersonError(f"{toml}: not a text in UTF-8 (byte {error.start})") from None
+
+
+def _parse_pairs(toml: Path, text: str) -> tuple[PairsFile, Callable[[KeyPath, str], PersonError]]:
     try:
         data = parse_toml(text)
     except tomllib.TOMLDecodeError as error:

@@ -1,4 +1,4 @@
-"""Commands of partner responses: values, leaders, followers and paths."""
+"""Commands of partner responses: values, styles, leaders, followers and paths."""
 
 from typing import Annotated
 
@@ -36,6 +36,14 @@ class SetPartner(ControlEvent):
     parameter: str
     """`on`, `amount`, `hands`, or `window`: the largest shift of units from the beat [s]."""
     value: Annotated[float, Argument.number("its value", 0, 1)]
+    partner: PartnerName = "*"
+
+
+@command("/dance/partner/style", "musician", value=1)
+class StylePartner(ControlEvent):
+    """Followers dance only as examples of this style do, and as those without one; "" is all examples."""
+
+    style: Annotated[str, Argument.label("a style of the pairs in the examples; empty: all", default="")] = ""
     partner: PartnerName = "*"
 
 

@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from live.base.arrays import Complex128, Float64
+from live.base.arrays import Bool, Complex128, Float64, Int64
 from live.motion.partner.point_clouds import LEADER_JOINTS, Cloud, cloud_of
 from live.motion.partner.units import Units
 from live.motion.partner_live.follower_kernels import (
@@ -46,17 +46,27 @@ BEAT_MEMORY: Final = 0.97
 """Share of the evidence for the beats that is left after a moment, ..."""
 MAX_BEAT_EVIDENCE: Final = 4.0
 """... and its limit: a logarithm of odds."""
+LOST_SHARE: Final = 0.01
+"""Least part of the posterior that another model's moments get, all together."""
 NEAREST_PERCENTILE: Final = 1.0
-"""Percentile of the recorded distances to the leader that defines the minimum distance."""
+"""Percentile of the recorded distances to the leader that defines the minimum distance, ..."""
+KEY_RANGE: Final = 1 << 40
+TRUSTED_WEIGHT: Final = 0.5
+"""... in recordings of at least this weight."""
+
+
+def _moment_keys(example: Int64, sample: Float64, mirrored: Bool) -> Int64:
+    """Return a number for each moment by which it is found in another model, (M,); samples count to a thousandth."""
+    return np.asarray((2 * example + mirrored) * KEY_RANGE + np.round(sample * 1000.0).astype(np.int64), np.int64)
 
 
 class FollowerFilter:
     """Filter of one leader. Deterministic; one call per frame, bounded memory."""
 
-    def __init__(self, units: Units, *, rate: float) -> None:
-        """`rate` [Hz] of the frames."""
+    def __init__(self, units: Units, *, rate: float, weighs: bool = True) -> None:
+        """`rate` [Hz] of the frames; `weighs`: see `learn_follower`."""
         self.units, self.rate = units, rate
-        self.model: FollowerModel = learn_follower(units, rate)
+        self.model: FollowerModel = learn_follower(units, rate, weighs=weighs)
         points = units.examples[0].live_control.floor.shape[1]
         ring, count = int(self.model.lags[-1]) + 1, self.model.count
         self._ring = ring
@@ -80,7 +90,9 @@ class FollowerFilter:
         self.min_distance = 0.0
         """Minimum distance of the follower's hips from the leader's [m]; 0 without a second body."""
         if points > 2:
-            apart = np.hypot(self.model.moments.target[:, 0], self.model.moments.target[:, 2])
+            trusted = self.model.example_weight[self.model.moments.example] >= TRUSTED_WEIGHT
+            target = self.model.moments.target[trusted if trusted.any() else slice(None)]
+            apart = np.hypot(target[:, 0], target[:, 2])
             self.min_distance = float(np.percentile(apart, NEAREST_PERCENTILE))
 
     @property
@@ -111,27 +123,70 @@ class FollowerFilter:
         `phase`: share of a unit that has passed by the leader's beats, None if they are unknown.
         """
         self._at += 1
-        at, model = self._at, self.model
-        slot = at % self._ring
+        model, slot = self.model, self._at % self._ring
         self._x[slot], self._x_height[slot] = floor, height
         place, facing = leader_frame(self._x[slot])
         self.place, self.facing = complex(place), complex(facing)
-        write_features(at, max(0, at - self._ring + 1), self._x, self._x_height, model.lags, self._feature)
-        self._feature *= model.scale
-        square_distances(self._feature, model.rows, model.share, model.near, self._near_square, self._square)
+        self._look()
         if self.frames_since_moment == 0:
             self._advance(phase)
             posterior_means(
                 self.posterior, model.moments.target, model.moments.follows, FACING.start, self._now, self._soon
             )
-        self.nearest = regress(self._square, KERNEL_WIDTH, model.weights, model.mean, self.expected)
-        part = self.frames_since_moment / model.stride
-        filtered = (1.0 - part) * self._now + part * self._soon
-        self.expected += filtered
-        self.expected *= 0.5
+        self._expect()
         lost = min(max((SURE_LIKENESS - self.nearest) / (SURE_LIKENESS - LOST_LIKENESS), 0.0), 1.0)
         if self.point_count > 2:
             self.unsure += (lost - self.unsure) * (1.0 - float(np.exp(-1.0 / (self.rate * UNSURE_SECONDS))))
+
+    def _look(self) -> None:
+        """Compare what the leader does with all moments."""
+        at, model = self._at, self.model
+        write_features(at, max(0, at - self._ring + 1), self._x, self._x_height, model.lags, self._feature)
+        self._feature *= model.scale
+        square_distances(self._feature, model.rows, model.share, model.near, self._near_square, self._square)
+
+    def _expect(self) -> None:
+        """Write the mean of both predictions to `expected`."""
+        model = self.model
+        self.nearest = regress(self._square, KERNEL_WIDTH, model.weights, model.mean, self.expected)
+        part = self.frames_since_moment / model.stride
+        self.expected += (1.0 - part) * self._now + part * self._soon
+        self.expected *= 0.5
+
+    def take_over(self, other: "FollowerFilter") -> None:
+        """Continue after the latest frame of `other`, which reads the same leader with another model.
+
+        What it saw and thinks of the beats is kept; its posterior, as far as both have learnt from the same recordings.
+        Raises ValueError for a filter of another rate or other points.
+        """
+        if (other.rate, other.point_count, other._ring) != (self.rate, self.point_count, self._ring):
+            raise ValueError("a filter of the same rate and of as many points expected")
+        self._at = other._at
+        self._x[:], self._x_height[:] = other._x, other._x_height
+        self._beat_evidence, self.unsure = other._beat_evidence, other.unsure
+        self.place, self.facing = other.place, other.facing
+        self.posterior[:] = self._known_probabilities(other)
+        if self._at >= 0:
+            self._look()
+            model = self.model
+            posterior_means(
+                self.posterior, model.moments.target, model.moments.follows, FACING.start, self._now, self._soon
+            )
+            self._expect()
+
+    def _known_probabilities(self, other: "FollowerFilter") -> Float64:
+        """Return the posterior of `other` at this model's moments; what is left is spread over all of them, (M,)."""
+        mine, theirs = self.model.moments, other.model.moments
+        number = {one.name: n for n, one in enumerate(self.units.examples)}
+        names = np.array([number.get(one.name, -1) for one in other.units.examples])
+        own = _moment_keys(mine.example, mine.sample, mine.mirrored)
+        order = np.argsort(own, kind="stable")
+        keys = _moment_keys(names[theirs.example], theirs.sample, theirs.mirrored)
+        at = order[np.minimum(np.searchsorted(own[order], keys), len(own) - 1)]
+        found = (own[at] == keys) & (names[theirs.example] >= 0)
+        known = np.zeros(len(own))
+        np.add.at(known, at[found], other.posterior[found])
+        return np.asarray(known + max(1.0 - float(known.sum()), LOST_SHARE) / len(own))
 
     def _advance(self, phase: float | None) -> None:
         """Advance the posterior by a moment, and believe the beats as far as they make what is seen likelier."""
@@ -171,6 +226,7 @@ class FollowerFilter:
         worth = np.log(np.maximum(self.posterior / self.posterior.max(), 1e-12))
         self._cost += BASIC_COST * self.unsure * model.basic_square
         self._cost += IMPROBABILITY * np.minimum(-worth, MAX_IMPROBABILITY)
+        self._cost += model.example_cost
         self._cost[(model.moments.phase < 0.0) | (model.moments.phase >= 1.0)] += OUTSIDE_COST
         self._cost[model.moments.mirrored] = np.inf
         return self._cost

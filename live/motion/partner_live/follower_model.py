@@ -14,6 +14,7 @@ import numpy as np
 
 from live.base.arrays import Complex128, Float64, Int32, Int64
 from live.motion.partner.units import Units
+from live.motion.partner_live.example_weights import example_gains, judged_rows, weights_of_gains
 from live.motion.partner_live.follower_kernels import (
     advance_posterior,
     solve_positive,
@@ -79,6 +80,10 @@ BODY_CHANGE_WEIGHT: Final = 0.2
 SHOWN_WEIGHTS: Final = np.array((PLACE_WEIGHT, PLACE_WEIGHT, FACING_WEIGHT, FACING_WEIGHT, *(12 * (ENDS_WEIGHT,))))
 
 
+EXAMPLE_COST: Final = 0.1
+"""Cost of dancing a moment of a take whose weight is 1/e [m²]."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class FollowerModel:
     """What is learnt from the moments."""
@@ -121,6 +126,10 @@ class FollowerModel:
     roots: tuple[Complex128, ...]
     facings: tuple[Complex128, ...]
     """The follower's hips and facing in each recording, see `root_track`."""
+    example_weight: Float64
+    """How much each recording counts, (E,), see `example_weights`."""
+    example_cost: Float64
+    """What it costs to dance each moment because of that [m²], (M,)."""
 
     @property
     def count(self) -> int:
@@ -128,10 +137,11 @@ class FollowerModel:
         return len(self.moments.sample)
 
 
-def learn_follower(units: Units, rate: float) -> FollowerModel:
+def learn_follower(units: Units, rate: float, *, weighs: bool = True) -> FollowerModel:
     """Return what is learnt from the examples of `units`, for a leader who is read at `rate` [Hz].
 
-    Raises ValueError for a leader's cloud that does not begin with the hips.
+    Unless it `weighs` them, all recordings count alike. Raises ValueError for a leader's cloud that does not begin with
+    the hips.
     """
     if units.examples[0].live_control.floor.shape[1] not in (2, 6):
         raise ValueError("two hip joints, or hip joints, hands and feet expected")
@@ -141,11 +151,13 @@ def learn_follower(units: Units, rate: float) -> FollowerModel:
         joined_moments([read_moments(units, n, rate, stride, lags) for n in range(len(units.examples))])
     )
     count = len(moments.sample)
+    example_weight = _example_weights(moments, len(units.examples)) if weighs else np.ones(len(units.examples))
     if 2 * count <= MAX_MOMENTS and _mirror_helps(moments):
         moments = joined_moments([moments, mirror_moments(moments)])
     features = _scale_features(moments.feature)
-    weights, mean = _regression(features, moments.target)
-    jump_to, jump_share = _jumps(moments)
+    weight = example_weight[moments.example]
+    weights, mean = _regression(features, moments.target, weight)
+    jump_to, jump_share = _weighted_jumps(*_jumps(moments), weight)
     shown, body = _shown(moments)
     basic, basic_square = _basic(moments)
     tracks = [root_track(one.follower) for one in units.examples]
@@ -154,7 +166,29 @@ def learn_follower(units: Units, rate: float) -> FollowerModel:
         jump_share, shown, body, _remaining(moments.follows), _beat_sharpness(moments), basic, basic_square,
         _limits(moments.example[:count], len(units.examples)), _limits(units.example, len(units.examples)),
         tuple(one for one, _ in tracks), tuple(one for _, one in tracks),
+        example_weight, -EXAMPLE_COST * np.log(weight),
     )  # fmt: skip
+
+
+def _example_weights(moments: Moments, count: int) -> Float64:
+    """Return the weights of `count` recordings from their `moments`, none of them mirrored, (count,)."""
+    weight, rows = np.ones(count), judged_rows(moments.example)
+    if rows is None:
+        return weight
+    judged = np.isin(np.arange(len(moments.sample)), rows)
+    seen = selected_moments(moments, judged)
+    features = _scale_features(seen.feature)
+    kernel = _similarity(features, features.rows)
+    kernel[np.diag_indices(len(kernel))] += RIDGE
+    gains = example_gains(kernel, np.ascontiguousarray(seen.target[:, :JOINT_COLUMNS]), seen.example)
+    weight[np.unique(seen.example)] = weights_of_gains(gains)
+    return weight
+
+
+def _weighted_jumps(to: Int32, share: Float64, weight: Float64) -> tuple[Int32, Float64]:
+    """Return the jumps with probabilities that also follow the `weight` (M,) of the moments to which they lead."""
+    weighted = share * weight[to]
+    return to, rounded(weighted / weighted.sum(axis=1, keepdims=True))
 
 
 def _limits(example: Int64, count: int) -> Int64:
@@ -193,10 +227,12 @@ def _similarity(features: _Features, rows: Float64) -> Float64:
     return np.asarray(np.exp(kernel / (-2.0 * KERNEL_WIDTH**2)))
 
 
-def _regression(features: _Features, target: Float64) -> tuple[Float64, Float64]:
+def _regression(features: _Features, target: Float64, weight: Float64 | None = None) -> tuple[Float64, Float64]:
+    """Return weights and constant term of the regression; moments with a `weight` (M,) below 1 are trusted less."""
+    weight = np.ones(len(target)) if weight is None else weight
     kernel = _similarity(features, features.rows)
-    kernel[np.diag_indices(len(kernel))] += RIDGE
-    mean = rounded(target.mean(axis=0))
+    kernel[np.diag_indices(len(kernel))] += RIDGE / weight
+    mean = rounded((target * weight[:, None]).sum(axis=0) / weight.sum())
     weights = np.ascontiguousarray(target - mean)
     solve_positive(kernel, weights)
     return rounded(weights), mean

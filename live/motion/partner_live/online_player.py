@@ -14,93 +14,10 @@ import numpy.typing as npt
 
 from live.base.arrays import Bool, Float64
 from live.motion import quaternion
+from live.motion.clip import Clip
+from live.motion.partner_live.floor_transform import FloorTransform
 from live.motion.partner_live.follower_filter import FollowerFilter
 from live.motion.partner_live.follower_moments import HOLDS
-
-FREE_TIME_CONSTANT: Final = 0.3
-"""Time constant [s] of moving to the expected position while no foot stands."""
-STANDING_TIME_CONSTANT: Final = 0.5
-"""The same while a foot stands."""
-SPEED_TIME_CONSTANT: Final = 0.05
-"""Time constant [s] of the speed of that correction."""
-MAX_SPEED: Final = 1.5
-"""Maximum speed of the correction [m/s], added to the recorded motion: twice as fast away from a leader who is too near
-..."""
-STANDING_SCALE: Final = 0.4
-"""... and scaled by this while a foot stands."""
-TURN_TIME_CONSTANT: Final = 0.06
-"""Time constant [s] of turning to the expected facing, about the ball of a foot, too; ..."""
-MAX_TURN_RATE: Final = 9.0
-"""... and its maximum speed [rad/s], twice as fast if the leader is too near."""
-
-
-class FloorTransform:
-    """The rigid motion M of a recording and its rate of change. Plain values."""
-
-    def __init__(self) -> None:
-        self.turn, self.shift = complex(1.0), complex(0.0)
-        """M: a point z + i x of the recording lies at turn * point + shift."""
-        self._last_turn, self._last_shift = self.turn, self.shift
-        self._speed, self._turning = complex(0.0), 0.0
-
-    def align(self, root: complex, facing: complex, place: complex, front: complex) -> None:
-        """Set M so that the recording's hips at `root` lie at `place` and their `facing` points to `front`.
-
-        Its rate of change is kept.
-        """
-        self.turn = front / facing
-        self.turn /= abs(self.turn)
-        self.shift = place - self.turn * root
-        self.freeze()
-
-    def freeze(self) -> None:
-        """Keep M constant until the next `follow`."""
-        self._last_turn, self._last_shift = self.turn, self.shift
-
-    def follow(
-        self,
-        root: complex,
-        facing: complex,
-        wanted: tuple[complex, complex],
-        dt: float,
-        *,
-        standing: bool,
-        too_near: bool,
-    ) -> None:
-        """Advance M by `dt` [s] towards hips at `root` with `facing` at the `wanted` position and facing.
-
-        The rotation is about the hips, so that the follower does not swing around. It is slow while a foot is
-        `standing`, but never if the follower is `too_near` to the leader.
-        """
-        slow = standing and not too_near
-        seconds, eased = (
-            STANDING_TIME_CONSTANT if slow else FREE_TIME_CONSTANT,
-            1.0 - float(np.exp(-dt / SPEED_TIME_CONSTANT)),
-        )
-        share = STANDING_SCALE if slow else 2.0 if too_near else 1.0
-        here = self.turn * root + self.shift
-        away = float(np.angle(wanted[1] / (self.turn * facing)))
-        speed, turning = (wanted[0] - here) / seconds, away / TURN_TIME_CONSTANT
-        speed *= min(1.0, share * MAX_SPEED / max(abs(speed), 1e-9))
-        limit = MAX_TURN_RATE * (2.0 if too_near else 1.0)
-        turning = min(max(turning, -limit), limit)
-        self._speed += eased * (speed - self._speed)
-        self._turning += eased * (turning - self._turning)
-        self.drift(root, dt)
-
-    def drift(self, root: complex, dt: float) -> None:
-        """Advance M by `dt` [s] at its current rate, hips at `root`."""
-        self.freeze()
-        here = self.turn * root + self.shift
-        turned = self.turn * np.exp(1j * self._turning * dt)
-        self.turn = complex(turned / abs(turned))
-        self.shift = complex(here + self._speed * dt - self.turn * root)
-
-    def interpolate(self, part: float) -> tuple[complex, complex]:
-        """Return M at `part` of the interval from the last frame to this one, as turn and shift."""
-        turn = self._last_turn * np.exp(1j * part * float(np.angle(self.turn / self._last_turn)))
-        return complex(turn), self._last_shift + part * (self.shift - self._last_shift)
-
 
 SWITCH_MARGIN: Final = 0.15
 """Another moment must cost less by this [m²] ..."""
@@ -146,6 +63,27 @@ class LivePose:
     """Local rotations (J, 4)."""
     contact: Bool
     """(2,)"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class LeftMotion:
+    """What is danced when a recording is left."""
+
+    pose: tuple[Float64, Float64]
+    """Root and rotations of the recording, placed on the floor ..."""
+    speed: Float64
+    """... and their rates."""
+    offset: tuple[Float64, Float64]
+    """What is left of the last blend, and its rate."""
+    root: tuple[complex, complex]
+    """The follower's hips on the floor and their facing."""
+
+
+def same_motion(one: Clip, other: Clip) -> bool:
+    """Whether two clips hold the same motion, bit by bit."""
+    return one is other or all(
+        np.array_equal(getattr(one, name), getattr(other, name)) for name in ("root_position", "rotation", "contact")
+    )
 
 
 def off_beat(phase: npt.NDArray[np.float64] | float) -> npt.NDArray[np.float64]:
@@ -200,6 +138,29 @@ class LivePartner:
         """Whether there is a pose yet."""
         return self._example >= 0
 
+    def continue_with(self, reader: FollowerFilter) -> None:
+        """Follow the same leader with an unused filter of another model (another style, other examples).
+
+        The recording that is danced goes on if the new model has it; else the follower blends into the moment that fits
+        best. Raises ValueError as `FollowerFilter.take_over` does.
+        """
+        reader.take_over(self.filter)
+        if not self.has_pose:
+            self.filter = reader
+            return
+        clip, samples = self.filter.units.examples[self._example].follower, self.filter.units.rate
+        for n, one in enumerate(reader.units.examples):
+            if reader.units.rate == samples and same_motion(one.follower, clip):
+                self.filter, self._example, self.unit = reader, n, -1
+                self._update_unit()
+                return
+        self._floor_transform.rewind()
+        left = self._leave()
+        self.filter = reader
+        self._set_moment(self._cheapest(reader.moment_costs(-1)))
+        self._blend_from(left)
+        self._floor_transform.drift(self._recorded_root[0], 1.0 / reader.rate)
+
     def _update_unit(self) -> None:
         """Count on in the units of the recording."""
         units = self.filter.units
@@ -229,7 +190,7 @@ class LivePartner:
         if phase is not None and reader.beat_trust > 0.0:
             away = np.abs(off_beat(model.moments.phase - phase)) * reader.units.seconds[model.moments.unit]
             cost += OFF_BEAT_COST * reader.beat_trust * np.maximum(away - self.window, 0.0)
-        best = int(np.argmin(np.where(model.remaining >= RUN_OUT_MOMENTS, cost, cost + EARLY_END)))
+        best = self._cheapest(cost)
         if row < 0 or model.remaining[row] < 2:
             return best
         if self._age < MIN_SECONDS or best == row:
@@ -238,6 +199,10 @@ class LivePartner:
         near = min(share, 1.0 - share) <= BOUNDARY_SHARE
         margin = BOUNDARY_MARGIN if near else SWITCH_MARGIN
         return best if cost[best] + margin < cost[row] else None
+
+    def _cheapest(self, cost: Float64) -> int:
+        """Return the moment that costs least, (M,), of those that are followed by enough others."""
+        return int(np.argmin(np.where(self.filter.model.remaining >= RUN_OUT_MOMENTS, cost, cost + EARLY_END)))
 
     @property
     def _row(self) -> int:
@@ -252,12 +217,21 @@ class LivePartner:
             self._set_moment(moment)
             self._floor_transform.align(*self._recorded_root, *self.filter.expected_root())
             return
-        self._floor_transform.freeze()
-        place, speed = self._pose_and_rates(self._source)
-        bent = self._remaining_offset(0.0)
-        stood = self._current_root(bent[0])
+        left = self._leave()
         self._set_moment(moment)
-        self._floor_transform.align(*self._recorded_root, *stood)
+        self._blend_from(left)
+        self._floor_transform.drift(self._recorded_root[0], 1.0 / self.filter.rate)
+
+    def _leave(self) -> "LeftMotion":
+        """Return the motion that is danced now, to blend from it."""
+        self._floor_transform.freeze()
+        bent = self._remaining_offset(0.0)
+        return LeftMotion(*self._pose_and_rates(self._source), bent, self._current_root(bent[0]))
+
+    def _blend_from(self, left: "LeftMotion") -> None:
+        """Begin the recording where the follower stands who leaves another one; the difference fades out."""
+        place, speed, bent = left.pose, left.speed, left.offset
+        self._floor_transform.align(*self._recorded_root, *left.root)
         new_place, new_speed = self._pose_and_rates(self._source)
         offset = np.empty_like(self._offset)
         offset[0] = place[0] + bent[0][0] - new_place[0]
@@ -265,7 +239,6 @@ class LivePartner:
         offset[1:] = quaternion.to_rotation_vector(quaternion.mul(quaternion.inverse(new_place[1]), old))
         self._speed = speed + bent[1] - new_speed
         self._offset, self._age = offset, 0.0
-        self._floor_transform.drift(self._recorded_root[0], 1.0 / self.filter.rate)
 
     def _set_moment(self, moment: int) -> None:
         moments = self.filter.model.moments

@@ -4,6 +4,7 @@ The follower's standing feet are locked like those of all other dancers (T050, K
 """
 
 import copy
+from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
@@ -12,7 +13,7 @@ from live.base.arrays import Bool, Complex128, Float32, Float64, Int32
 from live.motion import quaternion
 from live.motion.partner.path_leader import MIN_SPEED
 from live.motion.partner.point_clouds import hip_projections
-from live.motion.partner.units import Units
+from live.motion.partner.units import Units, cut_units
 from live.motion.partner_live.follower_filter import FollowerFilter
 from live.motion.partner_live.online_player import LivePartner
 from live.motion.partner_live.stage_partner_kernels import local_to_world, world_to_local
@@ -45,31 +46,77 @@ def frames_per_beat(tempo: float, rate: float = RATE) -> int:
     return max(4, round(rate * 60.0 / tempo))
 
 
-class PartnerExamples:
-    """Immutable examples in beats with an unused reader, shared by all leaders."""
+ALL_STYLES: Final = ""
+"""Style of a follower who dances as any of the examples."""
 
-    def __init__(self, units: Units, *, unit_beats: int, per_beat: int, tempo: float, stretch: float) -> None:
-        """`units` in beats (`retime_to_beats`, at `tempo` [bpm]), read `per_beat` times per beat."""
+
+def style_key(style: str) -> str:
+    """Return a style as it is compared: without spaces around, capitals do not matter."""
+    return style.strip().casefold()
+
+
+class PartnerExamples:
+    """Immutable examples in beats with an unused reader for each style, shared by all leaders."""
+
+    def __init__(
+        self,
+        units: Units,
+        *,
+        unit_beats: int,
+        per_beat: int,
+        tempo: float,
+        stretch: float,
+        styles: Sequence[str] = (),
+    ) -> None:
+        """`units` in beats (`retime_to_beats`, at `tempo` [bpm]), read `per_beat` times per beat. `styles`: that of
+        each example, empty for one of every style (H025). Raises ValueError for a style with fewer than two units."""
         self.units, self.unit_beats, self.per_beat = units, unit_beats, per_beat
         self.period = 60.0 / tempo
         self.stretch = stretch
-        self.filter = FollowerFilter(units, rate=self.per_beat / self.period)
+        self.styles: tuple[str, ...] = tuple(style_key(one) for one in styles) or ("",) * len(units.examples)
+        """Style of each example."""
+        rate = self.per_beat / self.period
+        self.filters = {ALL_STYLES: FollowerFilter(units, rate=rate)}
+        """What is learnt from the examples of each style and from those without one, and from all of them."""
+        for name in sorted({*self.styles} - {ALL_STYLES}):
+            own = cut_units([one for one, its in zip(units.examples, self.styles, strict=True) if its in ("", name)])
+            if own.count < 2:
+                raise ValueError(
+                    f"style {name!r}: {own.count} unit; there is nothing to choose from with fewer than two"
+                )
+            alike = len(own.examples) == len(units.examples)
+            self.filters[name] = self.filters[ALL_STYLES] if alike else FollowerFilter(own, rate=rate)
 
-    def new_partner(self) -> LivePartner:
-        """Return a new partner without input."""
-        shared = (self.filter.units, self.filter.model)
-        own = copy.deepcopy(self.filter, {id(value): value for value in shared})
-        return LivePartner(own, stretch=self.stretch)
+    @property
+    def filter(self) -> FollowerFilter:
+        """The unused reader that has learnt from all examples."""
+        return self.filters[ALL_STYLES]
+
+    def fits(self, other: "PartnerExamples") -> bool:
+        """Whether a follower of `other` can go on with these examples: both are read in the same frames."""
+        points = self.filter.point_count, other.filter.point_count
+        return (self.per_beat, self.period, self.unit_beats) == (other.per_beat, other.period, other.unit_beats) and (
+            points[0] == points[1]
+        )
+
+    def new_filter(self, style: str) -> FollowerFilter:
+        """Return a new filter of a style, without input; KeyError for a style that no example has."""
+        like = self.filters[style]
+        return copy.deepcopy(like, {id(value): value for value in (like.units, like.model)})
+
+    def new_partner(self, style: str = ALL_STYLES) -> LivePartner:
+        """Return a new partner of a style, without input; KeyError for a style that no example has."""
+        return LivePartner(self.new_filter(style), stretch=self.stretch)
 
 
 class LeaderReader:
     """Reads one leader; `root` and `answer_rotation` are the follower's poses now, half a frame later and a frame
     later."""
 
-    def __init__(self, lore: PartnerExamples, shift: float = 0.0) -> None:
+    def __init__(self, lore: PartnerExamples, shift: float = 0.0, style: str = ALL_STYLES) -> None:
         """The frames are offset by `shift` (0 to 1) of a frame, so that leaders are not all read at once."""
-        self.examples, self._shift = lore, shift
-        self.partner = lore.new_partner()
+        self.examples, self._shift, self.style = lore, shift, style
+        self.partner = lore.new_partner(style)
         self.frame_index: int | None = None
         """Number of the latest frame, counted in the leader's danced beats; None before the first."""
         self.still_frames = 0.0
@@ -93,6 +140,20 @@ class LeaderReader:
         """Whether there is a current answer."""
         return self.partner.has_pose and not self.held
 
+    def continue_with(self, lore: PartnerExamples, style: str) -> None:
+        """Answer from other examples, or in another style, from now on, without a jump.
+
+        Raises KeyError for a style that no example has, ValueError for examples that do not fit (`fits`).
+        """
+        if lore is self.examples and lore.filters[style] is lore.filters[self.style]:
+            self.style = style
+            return
+        told, begin = (self.partner.unit, self.partner.begin) == self._reported, self.partner.begin
+        self.partner.continue_with(lore.new_filter(style))
+        goes_on = told and begin == self.partner.begin
+        self.examples, self.style = lore, style
+        self._reported = (self.partner.unit, begin) if goes_on else (-1, -1)
+
     def hold(self, frames: float) -> None:
         """Forget the input; hold the last answer, `frames` after its frame, until `release`."""
         begin, t = (1, 2.0 * frames - 1.0) if frames >= 0.5 else (0, 2.0 * frames)
@@ -101,7 +162,7 @@ class LeaderReader:
             self.answer_rotation[begin], self.answer_rotation[begin + 1], np.full(JOINT_COUNT, t)
         )
         self.partner, self.frame_index, self.still_frames, self._reported = (
-            self.examples.new_partner(),
+            self.examples.new_partner(self.style),
             None,
             0.0,
             (-1, -1),

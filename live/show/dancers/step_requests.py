@@ -109,6 +109,9 @@ class StepRequests:
         value = event.value >= 0.5 if event.parameter == "on" else event.value
         answering.set_value(event.partner, event.parameter, value)
 
+    def _style_partner(self, event: events.StylePartner) -> None:
+        self._partner_response().set_style(event.partner, event.style)
+
     def _pair_partner(self, event: events.PairPartner) -> None:
         answering = self._partner_response()
         if event.role not in ("leader", "follower"):
@@ -163,6 +166,7 @@ class StepRequests:
         events.StepNow: _step_now,
         events.SetSequence: _set_sequence,
         events.SetPartner: _set_partner,
+        events.StylePartner: _style_partner,
         events.WalkOn: _walk_on,
         events.PairPartner: _pair_partner,
         events.SetFacing: _set_facing,

@@ -42,10 +42,23 @@ class LeaderReaders:
         self.unit_count = 0
         """Total number of danced units."""
         self._new_labels: list[str] = []
+        self._styles: list[str] = []
 
     def reader(self, pair: Pair) -> LeaderReader:
         """Return the reader of a pair's leader."""
         return self.readers[pair.partner, pair.leader]
+
+    def set_examples(self, bank: "ExampleBank", styles: Sequence[str]) -> None:
+        """Answer from the examples of this bank from now on, and each partner in its own of `styles`, which exists.
+
+        Raises ValueError if the examples are read in other frames; then nothing has changed.
+        """
+        for key, read in self.readers.items():
+            if not bank.example_sets[key[0]].fits(read.examples):
+                raise ValueError("the new examples are led in another way")
+        self._bank, self._styles = bank, list(styles)
+        for key, read in self.readers.items():
+            read.continue_with(bank.example_sets[key[0]], styles[key[0]])
 
     def update(self, pairs: Iterable[Pair], leaving: Iterable[Pair]) -> None:
         """Read the leaders of `pairs`, keep those of pairs that are `leaving`, and drop all others."""
@@ -55,7 +68,7 @@ class LeaderReaders:
             del self.readers[key]
         for key in sorted(wanted - set(self.readers)):
             self.readers[key] = LeaderReader(
-                self._bank.example_sets[key[0]], (len(self.readers) * FRAME_PHASE_STEP) % 1.0
+                self._bank.example_sets[key[0]], (len(self.readers) * FRAME_PHASE_STEP) % 1.0, self._styles[key[0]]
             )
 
     def read_due(

@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from live.base.errors import PersonError, error_context
+from live.motion.partner_live.stage_partner import ALL_STYLES, style_key
 from live.show.group.casting import Casting
 from live.show.patch.patch import Patch
 
@@ -32,6 +33,8 @@ class PartnerSettings:
     place: str | None = None
     hands: float = 1.0
     """Weight of holding hands where the examples do."""
+    style: str = ALL_STYLES
+    """Style of the examples that is danced, as `style_key` writes it."""
 
     @property
     def by_path(self) -> bool:
@@ -55,7 +58,15 @@ def partner_settings(patch: Patch) -> list[PartnerSettings]:
     """Return the partner settings of a patch."""
     return [
         PartnerSettings(
-            one.name, one.leader, one.follower, one.on, one.amount, min(one.window, one.stretch), one.place, one.hands
+            one.name,
+            one.leader,
+            one.follower,
+            one.on,
+            one.amount,
+            min(one.window, one.stretch),
+            one.place,
+            one.hands,
+            style_key(one.style or ALL_STYLES),
         )
         for one in patch.partner
     ]

@@ -14,11 +14,11 @@ import numpy as np
 from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.errors import PersonError
 from live.motion.partner_live.hand_holds import LiveHandHolds
-from live.motion.partner_live.stage_partner import LeaderReader
+from live.motion.partner_live.stage_partner import ALL_STYLES, LeaderReader, style_key
 from live.motion.pose.hand_hold import HeldArms
 from live.show.dancers.variation import Variation
 from live.show.group.casting import Casting
-from live.show.partner.example_bank import ExampleBank
+from live.show.partner.example_bank import ExampleBank, check_styles
 from live.show.partner.leader_input import LeaderReaders, PoseSource, Tracks
 from live.show.partner.partner_pairs import (
     Pair,
@@ -69,7 +69,7 @@ class PartnerResponse:
     def apply_patch(self, fresh: "PartnerResponse") -> None:
         """Adopt the partner tables of an edited patch; live settings stay for unchanged tables.
 
-        The example bank is fixed at the start (`edit.fitted` ensures that).
+        Which examples there are does not change by that (`split_deferred` ensures that).
         """
         for index, (old, new) in enumerate(zip(self._patch_settings, fresh._patch_settings, strict=True)):
             if old != new:
@@ -77,14 +77,57 @@ class PartnerResponse:
         self._patch_settings = fresh._patch_settings
         self.refresh_pairs()
 
+    def facts(self) -> list[dict[str, object]]:
+        """Return style and styles of each partner, and how much each example counts, where some count less than 1."""
+        return [
+            {
+                "name": one.name,
+                "style": one.style,
+                "styles": [name for name in self.bank.example_sets[n].filters if name != ALL_STYLES],
+                "weights": {name: value for name, value in self.bank.weights(n).items() if value < 1.0},
+            }
+            for n, one in enumerate(self.settings)
+        ]
+
     # -- pairs ---------------------------------------------------------------------------------------------------
 
     def apply_settings(self, settings: list[PartnerSettings]) -> None:
         """Apply these settings; on PersonError nothing changes."""
         pairs = leaders_first(build_pairs(settings, self._casting))
         check_pairs(settings, pairs)
+        check_styles(settings, self.bank)
         self.settings = settings
+        self.leaders.set_examples(self.bank, [one.style for one in settings])
         self._set_pairs(pairs)
+
+    def set_style(self, name: str, style: str) -> None:
+        """Dance in a style of the examples, "" for all; raises PersonError if nobody called `name` has it.
+
+        If `name` is all partners, those who do not have the style keep theirs.
+        """
+        found, wanted = self.find(name), style_key(style)
+        having = [index for index in found if wanted in self.bank.example_sets[index].filters]
+        if name.strip() not in ("", "*") or not having:
+            having = found
+        self.apply_settings([replace(one, style=wanted) if n in having else one for n, one in enumerate(self.settings)])
+
+    def set_bank(self, bank: ExampleBank) -> list[str]:
+        """Answer from other examples from now on; return what partners lose by it, in words.
+
+        A style that they do not have any more is left for all. Raises ValueError if the examples do not fit.
+        """
+        lost = [one.style not in lore.filters for one, lore in zip(self.settings, bank.example_sets, strict=True)]
+        told = [
+            f"partner {one.name!r}: no example has the style {one.style!r} any more; all are danced"
+            for one, gone in zip(self.settings, lost, strict=True)
+            if gone
+        ]
+        settings = [
+            replace(one, style=ALL_STYLES) if gone else one for one, gone in zip(self.settings, lost, strict=True)
+        ]
+        self.leaders.set_examples(bank, [one.style for one in settings])
+        self.bank, self.settings = bank, settings
+        return told
 
     def refresh_pairs(self) -> None:
         """Form the pairs again after groups changed; on an error the old pairs stay."""

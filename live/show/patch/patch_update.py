@@ -80,7 +80,7 @@ def split_deferred(new: Patch, current: Patch) -> tuple[Patch, tuple[str, ...]]:
 
 def _example_settings(patch: Patch) -> list[tuple[object, ...]]:
     """The settings of each partner's examples, which are read when a show starts."""
-    keys = "name", "examples", "style", "steps", "stretch", "unit_beats", "led_by_path", "hold_limits"
+    keys = "name", "examples", "steps", "stretch", "unit_beats", "led_by_path", "hold_limits"
     return [tuple(getattr(one, key) for key in keys) for one in patch.partner]
 
 

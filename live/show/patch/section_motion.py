@@ -67,7 +67,8 @@ class PartnerSection(Section):
     """A TOML file of pairs (`live docs partners`), looked up in the patch's folder, then in the project's patches; left
     out: the steps of the show, each paired with the step that fits it best."""
     style: Annotated[str, Field(min_length=1, max_length=64)] | None = None
-    """Of `examples`, only pairs of this style and those without one are danced; left out: all."""
+    """Of `examples`, only pairs of this style and those without one are danced; left out: all.
+    `/dance/partner/style` changes it."""
     steps: Annotated[tuple[Annotated[str, Field(min_length=1, max_length=100)], ...], Field(max_length=100)] = ()
     """Which of the show's steps to use without `examples`; left out: all, or `walk` along a path."""
     on: bool = True

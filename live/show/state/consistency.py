@@ -172,7 +172,9 @@ def subgroups(value: Subgroups) -> bool:
 
 def read_leader(value: LeaderReader) -> bool:
     """Whether the filter has the same model and array sizes as that of its examples."""
-    reader, like = value.partner.filter, value.examples.filter
+    if value.style not in value.examples.filters:
+        return False
+    reader, like = value.partner.filter, value.examples.filters[value.style]
     same = reader.model is like.model and reader.units is like.units
     example = attribute_at(value.partner, "_example")
     known = -1 <= example < len(like.units.examples) and -1 <= value.partner.unit < like.units.count

@@ -53,9 +53,10 @@ from live.clock.tap_tempo import TapTempo
 from live.clock.timeline import Grid, Timeline
 from live.graph.search.sequence_spec import SequenceEntry
 from live.motion.cloth.garment_batch import GarmentBatch
+from live.motion.partner_live.floor_transform import FloorTransform
 from live.motion.partner_live.follower_filter import FollowerFilter
 from live.motion.partner_live.hand_holds import LiveHandHolds
-from live.motion.partner_live.online_player import FloorTransform, LivePartner
+from live.motion.partner_live.online_player import LivePartner
 from live.motion.partner_live.stage_partner import FollowerFootLock, LeaderReader
 from live.motion.pose.foot_lock import CutFootLift, FootLock
 from live.motion.pose.hand_hold import HandHolds
@@ -249,7 +250,7 @@ KINDS: Final = [
     """),
     Kind("live-reader", FollowerFilter, """
         units:constant-units rate:float model:constant-follower-model _ring:int _at:int _x:c16~ _x_height:f8~
-        posterior:f8 _now:f8 _soon:f8 _feature:f8~ _near_square:f8 _square:f8 _scratch:f8 _cost:f8~ expected:f8
+        posterior:f8* _now:f8 _soon:f8 _feature:f8~ _near_square:f8* _square:f8* _scratch:f8* _cost:f8*~ expected:f8
         _beat_evidence:float unsure:float nearest:float place:complex facing:complex min_distance:float
     """),
     Kind("holding", LiveHandHolds, """
@@ -261,7 +262,7 @@ KINDS: Final = [
     Kind("read-leader", LeaderReader, """
         examples:constant-lore _shift:float partner:live-partner frame_index:int|none still_frames:float root:f4
         contact:b1 answer_rotation:f4 has_answer:bool held:bool decided_label:str _reported:tuple[int,int]
-        _facing:complex _points:c16~ _heights:f8~
+        _facing:complex _points:c16~ _heights:f8~ style:str
     """, is_consistent=whole.read_leader),
     Kind("standing", FollowerFootLock, """
         lock:foot-lock _leg_position:f4 _contact:b1 stepping:b1 _pipeline:pose-pipeline

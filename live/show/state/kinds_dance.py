@@ -60,7 +60,7 @@ KINDS: Final = [
     Kind("anchor", DriftCorrection, "offset:tuple[float,float] difference:tuple[float,float] _mean:tuple[float,float]"),
     Kind("answer-leaders", LeaderReaders, """
         _bank:constant-answer-bank readers:dict[tuple[int,int],read-leader] recent_units:list[tuple[int,str,str]]
-        unit_count:int _new_labels:list[str]
+        unit_count:int _new_labels:list[str] _styles:list[str]
     """),
     Kind("answer-poses", ResponsePoses, """
         _leaders:answer-leaders _path:taken-along foot_lock:standing _offsets:f4 _parents:i4(joint)

@@ -84,6 +84,7 @@ KINDS: Final = [
     """),
     Kind("answer-pairs.asked", AnswerPairsAsked, """
         name:str leader:str follower:str on:bool amount:float window:float place:str|none hands:float
+        style:str
     """),
     Kind("answer-pairs.pair", Pair, "partner:int leader:int follower:int own_place:bool"),
     Kind("audience", Audience, """

@@ -144,7 +144,10 @@ class Status:
             **(
                 {}
                 if show.dancers.partner_response is None
-                else {"hands": show.dancers.partner_response.hand_holds.statistics()}
+                else {
+                    "hands": show.dancers.partner_response.hand_holds.statistics(),
+                    "partners": show.dancers.partner_response.facts(),
+                }
             ),
             "why": show.explain_choice(),
             "division": part_facts(show),

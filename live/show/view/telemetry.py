@@ -188,8 +188,9 @@ class CurrentValues:
         keys: dict[str, Callable[[PartnerSettings], ArgumentValue]] = {
             "on": lambda one: one.on, "amount": lambda one: _round(one.amount),
             "stretch": lambda one: _round(one.window), "hands": lambda one: _round(one.hands),
+            "style": lambda one: one.style,
         }  # fmt: skip
-        nobody: dict[str, ArgumentValue] = {"on": False, "amount": 0.0, "stretch": 0.0, "hands": 0.0}
+        nobody: dict[str, ArgumentValue] = {"on": False, "amount": 0.0, "stretch": 0.0, "hands": 0.0, "style": ""}
         return {
             f"/dance/partner/{key}": tuple((one.name, (tell(one),)) for one in asked) or (("", (nobody[key],)),)
             for key, tell in keys.items()

@@ -43,6 +43,7 @@ def every_control():
             ["fs", "0.25", "duet"],
             events.SetPartner(parameter="hands", value=0.25, partner="duet", **STAMP),
         ),
+        "/dance/partner/style": (["ss", "soft", "duet"], events.StylePartner(style="soft", partner="duet", **STAMP)),
         "/dance/partner/path": (
             ["ffsi", "1.5", "-0.5", "walk", "1"],
             events.WalkOn(x=1.5, z=-0.5, partner="walk", anew=True, **STAMP),

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from live.motion.partner.point_clouds import leader_cloud
+from live.motion.partner_live.floor_transform import MAX_SPEED, MAX_TURN_RATE, FloorTransform
 from live.motion.partner_live.follower_filter import FollowerFilter
 from live.motion.partner_live.follower_kernels import ANYWHERE, EXACT_GAIN, EXACT_WIDTH, GO_ON, SKIP, STAY
 from live.motion.partner_live.follower_model import JUMP_PROBABILITY, KERNEL_WIDTH, RIDGE, SEEN_WIDTH
 from live.motion.partner_live.follower_moments import root_track
-from live.motion.partner_live.online_player import MAX_SPEED, MAX_TURN_RATE, FloorTransform
 from tests.motion.partner_live.led_pairs import led_pair
 
 RATE = 30.0

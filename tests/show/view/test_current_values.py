@@ -15,7 +15,7 @@ ELSEWHERE = {"/dance/click", "/dance/latency/input", "/dance/latency/output", "/
              "/dance/status/document_log", "/dance/status/next"}  # fmt: skip
 SLOW = {"/dance/stage", "/dance/clock/metre", "/dance/clock/source", "/dance/output/fade"}
 REFUSED = {"/dance/motion/texture"}  # in a show without recordings
-REFUSED |= {f"/dance/partner/{key}" for key in ("on", "amount", "stretch", "hands")}  # in one without partners
+REFUSED |= {f"/dance/partner/{key}" for key in ("on", "amount", "stretch", "hands", "style")}  # in one without partners
 
 
 def different_value(control: Control, now: tuple) -> tuple:
