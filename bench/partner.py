@@ -31,8 +31,8 @@ from live.motion.partner.evaluation import (
     wrong_facing,
 )
 from live.motion.partner.partner_synthesis import SearchSettings, find_partner, shown_beats
-from live.motion.partner.point_clouds import leader_cloud
-from live.motion.partner.units import Hold, cut_units
+from live.motion.partner.point_clouds import ends_cloud, leader_cloud
+from live.motion.partner.units import Example, Hold, cut_units
 from live.motion.partner_live.follower_filter import expected_follower
 from live.motion.partner_live.live_partner import evaluate_live
 from live.motion.quality.metrics import beat_offsets
@@ -59,7 +59,8 @@ def _partners(full: bool, shared: Path | None) -> list[Row]:
         return [Row("salsa, leave one take out", None, "m")]
     known, followed = _read(_pairs(shared, takes, known=True)), _read(_pairs(shared, takes, known=False))
     left_out = tuple(range(len(takes))) if full else QUICK
-    return [*rows_of(known, left_out), *followed_rows(followed, left_out)]
+    spoiled = spoiled_rows(known, left_out) if full else []
+    return [*rows_of(known, left_out), *followed_rows(followed, left_out), *spoiled]
 
 
 def _read(pairs: str) -> PartnerExamples:
@@ -229,6 +230,61 @@ def followed_rows(known: PartnerExamples, takes: tuple[int, ...]) -> list[Row]:
         Row(f"{words} live, joint error over the search's",
             100.0 * (tally.mean("live", "joint_m") / tally.mean("search", "joint_m") - 1.0), "%", 15.0),
         Row(f"{words} live, foot slide", slid["live"], "m/s", slid["the real one"] + 0.03, peers=slid),
+    ]  # fmt: skip
+
+
+LATE = 3.0
+"""A follower who is later than the leader by this [s] spoils a take."""
+
+
+def _late(example: Example) -> Example:
+    """The take with a follower who is late; her last seconds come first."""
+    clip = example.follower
+    count = round(LATE * clip.sample_rate)
+    moved = {name: np.roll(getattr(clip, name), count, axis=0) for name in ("root_position", "rotation", "contact")}
+    follower = replace(clip, **moved)
+    return replace(example, name=f"{example.name}, late", follower=follower, target=ends_cloud(follower), holds=())
+
+
+def _exchanged(example: Example, other: Example) -> Example:
+    """The take with the follower of another one, who stands still at the end if hers is shorter."""
+    at = np.minimum(np.arange(example.follower.sample_count), other.follower.sample_count - 1)
+    moved = {name: getattr(other.follower, name)[at] for name in ("root_position", "rotation", "contact")}
+    follower = replace(example.follower, **moved)
+    return replace(example, name=f"{example.name}, exchanged", follower=follower, target=ends_cloud(follower), holds=())
+
+
+def spoiled_rows(known: PartnerExamples, takes: tuple[int, ...]) -> list[Row]:
+    """A spoiled take more among the examples (H026): the next one's follower is late, or is that of another take."""
+    examples = known.units.examples
+    errors: dict[str, list[float]] = {}
+    for take in takes:
+        others = [one for n, one in enumerate(examples) if n != take]
+        spoilt = (take + 1) % len(examples)
+        lead, real = known.leaders[take], known.followers[take].clip
+        assert lead is not None  # pairs with leaders
+        search = SearchSettings(beats=examples[take].beats / real.sample_rate)
+        for words, more in (
+            ("no spoiled take", []),
+            ("a late follower", [_late(examples[spoilt])]),
+            ("another take's follower", [_exchanged(examples[spoilt], examples[(spoilt + 3) % len(examples)])]),
+        ):
+            units = cut_units([*others, *more])
+            for weighs in (True, False):
+                live, _ = evaluate_live(lead.clip, examples[take].control, units, search, weighs=weighs)
+                found = follower_errors(
+                    joint_positions(live.clip), joint_positions(real), joint_positions(lead.clip), real.sample_rate
+                )
+                errors.setdefault(f"{words}, {'weighed' if weighs else 'all alike'}", []).append(found.joint_m)
+    mean = {name: float(np.mean(values)) for name, values in errors.items()}
+    return [
+        Row(f"salsa, live, {words}: joint error", mean[f"{words}, weighed"], "m", bar,
+            peers={"all examples alike": mean[f"{words}, all alike"]})
+        for words, bar in (
+            ("no spoiled take", None),
+            ("a late follower", mean["a late follower, all alike"]),
+            ("another take's follower", mean["another take's follower, all alike"]),
+        )
     ]  # fmt: skip
 
 

@@ -29,6 +29,7 @@ from live.control.worker_thread import WorkerThread
 from live.show.background_work import import_late_modules
 from live.show.engine import Engine
 from live.show.loader import LoadedShow
+from live.show.partner.example_updates import ExamplesWatch
 from live.show.patch.hot_reload import PatchWatch
 from live.show.selection.library_watch import LibraryWatch
 from live.show.show import Show
@@ -95,6 +96,7 @@ def make_notifier(
     midi: "MidiService | None",
     watch: PatchWatch,
     library: LibraryWatch | None,
+    examples: ExamplesWatch | None,
     *,
     journal: Callable[[], str] = lambda: "",
     extra_refusals: Sequence[Callable[[], str]] = (),
@@ -121,6 +123,9 @@ def make_notifier(
     if library is not None:
         refusals.append(lambda: library.problem)
         others.append(lambda: library.last_change)
+    if examples is not None:
+        refusals.append(lambda: examples.problem)
+        others.append(lambda: examples.last_change)
 
     def say(line: str) -> None:
         console.print(line, style="yellow", soft_wrap=True, markup=False)
@@ -215,16 +220,18 @@ class Session:
         if self._kernels.compiles:
             self.engine.holding = lambda: self._kernels.compiles
             self.status.notices.append(lambda: self._kernels.notice)
-        self._watch, library = make_file_watches(loaded, show, post=self.inbox.put, now=self.clock.now)
+        self._watch, library, examples = make_file_watches(loaded, show, post=self.inbox.put, now=self.clock.now)
         self.status.extra_figures["patch"] = self._watch.status
+        if examples is not None:
+            self.status.extra_figures["examples"] = examples.facts
         self.document = beside.add_document(self._watch, loaded)
         beside.add_web(loaded, self.document, beside.add_next_formations())
         self._services = beside.services
         self.status.notices.append(lambda: self._watch.problem)
         self.status.notices.append(self._records.problem)
         self.notifier = make_notifier(
-            show, self.osc, self._audio.input_source, midi, self._watch, library, journal=self._records.problem,
-            extra_refusals=self._services.refusals,
+            show, self.osc, self._audio.input_source, midi, self._watch, library, examples,
+            journal=self._records.problem, extra_refusals=self._services.refusals,
         )  # fmt: skip
 
     @property

@@ -14,7 +14,7 @@ from typing import Any, Final
 
 from live.clock.ticks import TICK
 from live.control.events.event import ControlEvent
-from live.control.events.events import PatchChanged, StepsAdded, StepsChanged, TicksSkipped
+from live.control.events.events import ExamplesChanged, PatchChanged, StepsAdded, StepsChanged, TicksSkipped
 from live.rehearse.failure import DIFFERENT_STATE, Failure
 from live.show.journal.journal import event_line
 from live.show.journal.journal_reader import Journal, read_journal
@@ -30,7 +30,7 @@ from live.show.state.snapshot import Snapshotter, restore
 Entry = tuple[int, ControlEvent]
 """An event, and the tick after which it was applied."""
 
-CHANGE_EVENTS: Final = (PatchChanged, StepsAdded, StepsChanged)
+CHANGE_EVENTS: Final = (PatchChanged, StepsAdded, StepsChanged, ExamplesChanged)
 TIME_FIELDS: Final = ("time", "beat_time")
 """Fields of events that hold a time of the show [s]: they are shifted with the event."""
 BREAKER_PREFIX: Final = "Breaker"

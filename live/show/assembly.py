@@ -71,6 +71,7 @@ def assemble(
     selector: StepSelector | None = None,
     bank: TextureBank | None = None,
     answers: ExampleBank | None = None,
+    later_answers: Mapping[str, ExampleBank] | None = None,
     springs: Mapping[str, SpringRig] | None = None,
     begin: bool = True,
 ) -> Show:
@@ -78,8 +79,8 @@ def assemble(
 
     `seed` and `tempo` [bpm] override the patch's; `reserve`: clips that events may add, by name; `selector`: the
     selector prepared for the graph, if there is one; `bank`: motion for texturing upper bodies; `answers`: examples for
-    partner responses; `springs`: those of characters, by name. Without `begin` no measure
-    begins, because a state will be restored.
+    partner responses, and `later_answers` those that events may have taken over, by digest; `springs`: those of
+    characters, by name. Without `begin` no measure begins, because a state will be restored.
 
     Raises UnknownStep for a step the library lacks, PersonError for what else is impossible.
     """
@@ -132,7 +133,7 @@ def assemble(
     )  # fmt: skip
     hot_swap = HotSwap(
         patch, graph, dancers, scheduler, motion, refusals, assemble=assemble, seed=seed,
-        answers=answers or ExampleBank(()), reserve=reserve,
+        answers=answers or ExampleBank(()), reserve=reserve, later_answers=later_answers,
     )  # fmt: skip
     hot_swap.parts = (
         casting, reactions, score_runner, motion, variation, dancers, scheduler, interrupts, commands, mocap, desk,

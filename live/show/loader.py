@@ -13,6 +13,7 @@ from typing import Any, Final
 from live.base.errors import PersonError, error_context
 from live.base.jit import KERNEL_SET
 from live.base.stage_snapshot import Scene
+from live.control.events.events import ExamplesChanged
 from live.graph.build.metric import Metric
 from live.graph.motion_graph import MotionGraph, build_graph
 from live.graph.search.sequence import parse_sequence
@@ -33,6 +34,7 @@ from live.show.dancers.character_casting import (
 )
 from live.show.dancers.character_springs import SpringCast
 from live.show.partner.example_bank import ExampleBank
+from live.show.partner.example_updates import former_texts, later_banks
 from live.show.partner.partner_sources import load_example_bank
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import read_sources
@@ -142,6 +144,8 @@ class LoadedShow:
     """Motion for texturing upper bodies, if the patch names recordings."""
     answers: ExampleBank | None = None
     """Examples for partner responses, if the patch has any."""
+    later_answers: Mapping[str, ExampleBank] = field(default_factory=dict)
+    """Examples that events of a replay have taken over, by digest."""
     springs: Mapping[str, SpringRig] = field(default_factory=dict)
     """Springs of the patch's characters that can be drawn, by name."""
     sources: TomlSources | None = None
@@ -168,7 +172,7 @@ class LoadedShow:
         try:
             return assemble(
                 self.patch, self.graph, seed=seed, tempo=tempo, reserve=self.reserve, bank=self.bank,
-                answers=self.answers, springs=self.springs, begin=begin,
+                answers=self.answers, later_answers=self.later_answers, springs=self.springs, begin=begin,
             )  # fmt: skip
         except UnknownStep as error:
             raise PersonError(f"{self.place_text(error.place)}: {error}") from None
@@ -301,12 +305,14 @@ def load_from_patch(
     names: Sequence[str] = (),
     former: Mapping[str, StepClip] | None = None,
     tempo: ShowTempo = NO_TEMPO,
+    changed_pairs: Sequence[ExamplesChanged] = (),
 ) -> LoadedShow:
     """Load the show of a patch that was read already; file names are resolved relative to `path`.
 
     Recorded steps get the forms that fit the show's tempo (`motion/editing/tempo_forms.py`). Clips whose `clip_key` is
     in `reserved` are kept in reserve. For a replay: `names` lists the initial clips (later files are ignored), and
-    `former` holds the former content of changed files.
+    `former` holds the former content of changed files, and `changed_pairs` are the events that changed files of pairs:
+    the show begins with what these held before, and has learnt from what they held later.
     """
     read = read_clips(patch, path, recordings)
     formed = tempo_forms(read, tempo.span(patch))
@@ -340,10 +346,12 @@ def load_from_patch(
     if recordings is not None:
         patch = with_connected_steps(patch, graph)
     _refuse_other_metres(patch, path, clips)
-    bank, answers = load_texture_bank(patch, path), load_example_bank(patch, path, library)
+    bank = load_texture_bank(patch, path)
+    answers = load_example_bank(patch, path, library, texts=former_texts(changed_pairs))
+    later = {} if answers is None else later_banks(changed_pairs, answers, patch, path, library)
     springs = character_springs(patch, path)
     notes = formed.notes + SpringCast.of(springs, bodies_of(patch), patch.dancer_count).notes()
-    return LoadedShow(path, patch, graph, recordings, reserve, bank, answers, springs, tempo=tempo, notes=notes)
+    return LoadedShow(path, patch, graph, recordings, reserve, bank, answers, later, springs, tempo=tempo, notes=notes)
 
 
 def _graph_of(library: StepLibrary, patch: Patch) -> MotionGraph:

@@ -23,8 +23,8 @@ from live.supervisor.watchdog import overload
 
 ENDS_WITHIN: Final = 0.2
 """Seconds within which a process ends after its channel has closed."""
-STEP_EVENTS: Final = ('"StepsAdded"', '"StepsChanged"')
-"""Events that an engine can apply only if it has loaded the steps after them."""
+STEP_EVENTS: Final = ('"StepsAdded"', '"StepsChanged"', '"ExamplesChanged"')
+"""Events that an engine can apply only if it has loaded the steps and examples after them."""
 RETRY_DELAY: Final = 0.2
 """Seconds until the next attempt if the system has no resources for an engine: no engine runs meanwhile."""
 CALM_RESTART_DELAY: Final = 5.0

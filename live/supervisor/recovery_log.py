@@ -14,7 +14,7 @@ from live.show.journal.journal_writer import SNAPSHOT_SUFFIX, JournalFile, move_
 from live.show.journal.line_writer import UnfinishedFile, WriteProgress
 from live.show.journal.skipped_events import SINCE_KEY, SKIPPED_KEY, drop_last_events
 
-PATCH_EVENTS: Final = ("PatchChanged", "StepsAdded", "StepsChanged")
+PATCH_EVENTS: Final = ("PatchChanged", "StepsAdded", "StepsChanged", "ExamplesChanged")
 """Events after which a snapshot can be read only by a process that has applied them."""
 TICK: Final = '{"tick":'
 KEY_WITHIN: Final = 48

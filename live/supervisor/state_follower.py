@@ -13,7 +13,15 @@ from typing import Any, Final
 from live.base.compression import decompress_text
 from live.clock.ticks import TICK
 from live.control.events.event_json import event_from_json
-from live.control.events.events import ControlEvent, PatchChanged, SetLatency, StepsAdded, StepsChanged, TicksSkipped
+from live.control.events.events import (
+    ControlEvent,
+    ExamplesChanged,
+    PatchChanged,
+    SetLatency,
+    StepsAdded,
+    StepsChanged,
+    TicksSkipped,
+)
 from live.show.journal.replay import ReplayError, load_from_header
 from live.show.journal.skipped_events import SKIPPED_KEY, can_be_skipped
 from live.show.loader import LoadedShow
@@ -29,6 +37,7 @@ from live.supervisor.supervisor_link import describe_error
 MAX_ARRIVALS: Final = 256
 """Ticks whose arrival is remembered: some seconds, in which clocks do not drift apart."""
 Line = dict[str, Any]
+FileChange = StepsAdded | StepsChanged | ExamplesChanged
 
 
 class TickFailed(Exception):
@@ -53,6 +62,7 @@ class StateFollower:
         self._heartbeat, self._log = heartbeat, RecoveryLog()
         self._pending: deque[Line] = deque()
         self._since_snapshot: deque[Line] = deque()  # lines since the last snapshot, for a repair
+        self._coming: tuple[Line, ...] = ()  # lines of `run`, which are not pending
         self._measures = 0
         self.header: Line = {}
         self.show: Show | None = None
@@ -128,7 +138,8 @@ class StateFollower:
         """Current patch and steps."""
         if self.show is None:
             return self._loaded
-        return replace(self._loaded, patch=self.show.patch, graph=self.show.graph)
+        answers = None if self._loaded.answers is None else self.show.hot_swap.answers
+        return replace(self._loaded, patch=self.show.patch, graph=self.show.graph, answers=answers)
 
     @property
     def pending(self) -> list[Line]:
@@ -159,12 +170,14 @@ class StateFollower:
 
         No line is pending afterwards.
         """
+        self._coming = tuple(lines)
         self._pending.clear()
         self._measures = 0
-        for value in lines:
+        for value in self._coming:
             self._measures += "measure" in value
             self._run(value)
         self._run_to(self._ensure_started(), until)
+        self._coming = ()
 
     def reset_to(self, show: Show | None, tick: int) -> None:
         """Continue from `show` as it was after `tick`; None: nothing of it has been run."""
@@ -245,7 +258,7 @@ class StateFollower:
         if self.show is not None and not self._diverged:
             return
         try:
-            self._load_initial(self._later_step_changes())
+            self._load_initial(self._later_changes())
             self._set_show(restore(self._loaded, base64.b64decode(value["snapshot"])))
         except (SnapshotError, ReplayError, ValueError) as error:
             self.problem = str(error)
@@ -261,7 +274,7 @@ class StateFollower:
 
     def _ensure_started(self) -> Show:
         if self.show is None:
-            self._load_initial(self._later_step_changes())
+            self._load_initial(self._later_changes())
             try:
                 show = self._loaded.start(seed=self.header["seed"], tempo=self.header["tempo"])
             except (KeyError, TypeError, ValueError, AttributeError, OverflowError) as error:
@@ -303,29 +316,32 @@ class StateFollower:
                 assert isinstance(changed, PatchChanged)
                 yield Patch.model_validate_json(decompress_text(changed.patch), context=PATCH_CHECKS)
 
-    def _later_step_changes(self) -> list[StepsAdded | StepsChanged]:
-        """Return the later changes of the steps, which must not be loaded from the start."""
-        events = (value["event"] for value in self._pending if "event" in value)
-        kinds = (StepsAdded.__name__, StepsChanged.__name__)
+    def _later_changes(self) -> list[FileChange]:
+        """Return the later changes of steps and examples, which must not be loaded from the start."""
+        events = (value["event"] for value in (*self._coming, *self._pending) if "event" in value)
+        kinds = (StepsAdded.__name__, StepsChanged.__name__, ExamplesChanged.__name__)
         found = []
         for told in events:
             with contextlib.suppress(ValueError, TypeError):  # it is counted when it is run
                 event = event_from_json(told) if isinstance(told, dict) and told.get("type") in kinds else None
-                if isinstance(event, StepsAdded | StepsChanged):
+                if isinstance(event, FileChange):
                     found.append(event)
         return found
 
-    def _load_initial(self, later: list[StepsAdded | StepsChanged]) -> None:
-        """Load the patch and steps with which the show began."""
+    def _load_initial(self, later: list[FileChange]) -> None:
+        """Load the patch, steps and examples with which the show began."""
         header, loaded = self.header, self._loaded
         if not isinstance(header.get("patch"), dict) or not isinstance(header.get("steps_hash"), str):
             raise ReplayError("its first line does not hold a whole show")
         same = header["steps_hash"] == library_hash(loaded.graph.library)
+        answers = None if loaded.answers is None else loaded.answers.digest()
+        same = same and header.get("partner") == answers
         if same and not later and header["patch"] == loaded.patch.to_json_values():
             return
         added = (event.clips.split("\n") for event in later if isinstance(event, StepsAdded))
         changed = (event for event in later if isinstance(event, StepsChanged))
-        self._loaded = load_from_header(header | {"patch_path": str(loaded.path)}, added, changed)
+        examples = [event for event in later if isinstance(event, ExamplesChanged)]
+        self._loaded = load_from_header(header | {"patch_path": str(loaded.path)}, added, changed, examples)
 
 
 def is_event(value: Line) -> bool:

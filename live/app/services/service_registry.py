@@ -15,6 +15,7 @@ from live.control.events.events import ControlEvent
 from live.control.registry.control import ArgumentValue
 from live.control.registry.registry import Changes
 from live.show.loader import LoadedShow
+from live.show.partner.example_updates import ExamplesWatch
 from live.show.patch.hot_reload import PatchWatch
 from live.show.selection.library_watch import LibraryWatch
 from live.show.show import Show
@@ -153,14 +154,18 @@ def _milliseconds(latencies: Latencies, what: str) -> float | None:
 
 def make_file_watches(
     loaded: LoadedShow, show: Show, *, post: Callable[[ControlEvent], None], now: Callable[[], float]
-) -> tuple[PatchWatch, LibraryWatch | None]:
-    """Return watches on the patch and, if its steps are in a folder, on the steps.
+) -> tuple[PatchWatch, LibraryWatch | None, ExamplesWatch | None]:
+    """Return watches on the patch and, if its steps are in a folder, on the steps, and on files of pairs if it has any.
 
-    The patch watch runs the other one. Steps recorded during the show are added to it.
+    The patch watch runs the others. Steps recorded during the show are added to it.
     """
     folder, library = loaded.steps_folder, None
     if folder is not None:
         library = LibraryWatch(
             folder, show.graph, offer=show.hot_swap.offer_graph, post=post, now=now, read=loaded.read_steps
         )
-    return PatchWatch(loaded, show, post=post, now=now, library=library), library
+    examples, bank = None, show.hot_swap.answers
+    if bank.texts:
+        offer = show.hot_swap.offer_examples
+        examples = ExamplesWatch(loaded.path, loaded.graph.library, bank, offer=offer, post=post, now=now)
+    return PatchWatch(loaded, show, post=post, now=now, library=library, examples=examples), library, examples

@@ -58,6 +58,21 @@ class StepsChanged(ControlEvent):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
+class ExamplesChanged(ControlEvent):
+    """Files of pairs of partners were edited; from the next measure line on followers dance from them.
+
+    The event contains the files, so that a replay needs the recordings only.
+    """
+
+    was: str
+    """What each edited file held, by its name in the patch, as JSON, possibly compressed."""
+    now: str
+    """What each holds now, likewise."""
+    bank: str
+    """Hash of all examples with them."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
 class TicksSkipped(ControlEvent):
     """Number of ticks left out because the machine stalled."""
 

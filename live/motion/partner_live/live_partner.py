@@ -25,16 +25,22 @@ LIVE_RATE: Final = 30.0
 
 
 def evaluate_live(
-    leader: Clip, x: Cloud, units: Units, search: SearchSettings, clock: Callable[[], float] = no_clock
+    leader: Clip,
+    x: Cloud,
+    units: Units,
+    search: SearchSettings,
+    clock: Callable[[], float] = no_clock,
+    *,
+    weighs: bool = True,
 ) -> tuple[PartnerResult, dict[str, Any]]:
     """Return the follower as generated live, feet locked and hands held as on the stage, and times.
 
     `x` (T, P) is the leader's cloud at the rate of the clip, of which a path's is read. `clock` [s] measures the time
-    per frame.
+    per frame. Unless it `weighs` them, all examples count alike.
     """
     stages = StageTimer(clock)
     with stages("learning"):
-        partner = LivePartner(FollowerFilter(units, rate=LIVE_RATE))
+        partner = LivePartner(FollowerFilter(units, rate=LIVE_RATE, weighs=weighs))
     body = x if partner.filter.point_count == x.floor.shape[1] else leader_cloud(leader)
     thin = body.resampled(LIVE_RATE)
     phase = None if search.beats is None or len(search.beats) < 3 else _unit_phase(search.beats, thin.count)
@@ -67,6 +73,10 @@ def evaluate_live(
                 "p50": float(np.percentile(spent, 50) * 1000.0), "p99": float(np.percentile(spent, 99) * 1000.0),
             },
             "changes_per_s": reading.count / (thin.count / LIVE_RATE),
+            "example_weights": {
+                one.name: round(float(weight), 3)
+                for one, weight in zip(units.examples, partner.filter.model.example_weight, strict=True)
+            },
         }
     }  # fmt: skip
     return PartnerResult(held, made, reading, reading, stages.seconds), figures

@@ -1,7 +1,7 @@
 """Replay of a journal from its beginning or from a snapshot, with a comparison of every measure's state hash."""
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
@@ -9,7 +9,14 @@ from typing import Any, Final
 from live.base.compression import decompress_text
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
-from live.control.events.events import ControlEvent, PatchChanged, StepsAdded, StepsChanged, TicksSkipped
+from live.control.events.events import (
+    ControlEvent,
+    ExamplesChanged,
+    PatchChanged,
+    StepsAdded,
+    StepsChanged,
+    TicksSkipped,
+)
 from live.graph.library_insert import insert_clips
 from live.library.clip_text import clips_from_text
 from live.motion.step_clip import StepClip
@@ -20,9 +27,9 @@ from live.show.loader import LoadedShow, load_from_patch
 from live.show.patch.patch import Patch
 from live.show.patch.patch_update import rebuilt_graph
 from live.show.patch_checks.patch_check import PATCH_CHECKS
-from live.show.selection.graph_update import clip_key, library_hash, steps_hash, updated_graph
+from live.show.selection.graph_update import clip_key, library_hash, updated_graph
 from live.show.show import Show, apply_safely
-from live.show.state.snapshot import SnapshotError, patch_hash, restore, snapshot_header
+from live.show.state.snapshot import SnapshotError, origin_hashes, restore, snapshot_header
 
 
 class ReplayError(Exception):
@@ -40,14 +47,19 @@ class ReplayStart:
 def load_journal(journal: Journal) -> LoadedShow:
     """Load the initial patch and steps of a journal, with later steps in reserve; ReplayError as above."""
     changed = (row.event for row in journal.lines_containing('"StepsChanged"') if isinstance(row.event, StepsChanged))
-    return load_from_header(journal.header, _added(journal), changed)
+    pairs = (row.event for row in journal.lines_containing('"ExamplesChanged"'))
+    examples = [event for event in pairs if isinstance(event, ExamplesChanged)]
+    return load_from_header(journal.header, _added(journal), changed, examples)
 
 
 def load_from_header(
-    header: dict[str, Any], added: Iterable[list[str]], changed: Iterable[StepsChanged] = ()
+    header: dict[str, Any],
+    added: Iterable[list[str]],
+    changed: Iterable[StepsChanged] = (),
+    examples: Sequence[ExamplesChanged] = (),
 ) -> LoadedShow:
-    """Load a show from a journal's header, the clip keys of each StepsAdded and all StepsChanged events; ReplayError
-    as above."""
+    """Load a show from a journal's header, the clip keys of each StepsAdded, and all StepsChanged and ExamplesChanged
+    events; ReplayError as above."""
     try:
         patch = Patch.model_validate(header["patch"], context=PATCH_CHECKS)
         path = Path(header["patch_path"])
@@ -61,7 +73,9 @@ def load_from_header(
     try:
         later = frozenset(key for keys in added for key in keys)
         names, was = [str(name) for name in header.get("steps", ())], _original_clips(changed)
-        loaded = load_from_patch(patch, path, recordings=recordings, reserved=later, names=names, former=was)
+        loaded = load_from_patch(
+            patch, path, recordings=recordings, reserved=later, names=names, former=was, changed_pairs=examples
+        )
     except (PersonError, ValueError, TypeError, OSError) as error:
         raise ReplayError(str(error)) from None
     found = library_hash(loaded.graph.library)
@@ -122,7 +136,7 @@ def _restored(journal: Journal, loaded: LoadedShow, data: bytes) -> ReplayStart:
     """Return the start at a snapshot, with the patch and steps of that time."""
     facts = snapshot_header(data)
     for event in _changes(journal):
-        if (facts["steps_hash"], facts["patch_hash"]) == (steps_hash(loaded.graph), patch_hash(loaded.patch)):
+        if all(facts.get(key) == found for key, found, _ in origin_hashes(loaded)):
             break
         try:
             loaded = _apply_change(loaded, event)
@@ -132,7 +146,7 @@ def _restored(journal: Journal, loaded: LoadedShow, data: bytes) -> ReplayStart:
 
 
 def _apply_change(loaded: LoadedShow, event: ControlEvent) -> LoadedShow:
-    """Return the loaded show after an event that changed its patch or steps; ValueError for a damaged event."""
+    """Return the loaded show after an event that changed its patch, steps or examples; ValueError for a damaged one."""
     match event:
         case StepsAdded():
             clips = [loaded.reserve[key] for key in event.clips.split("\n") if key in loaded.reserve]
@@ -143,14 +157,16 @@ def _apply_change(loaded: LoadedShow, event: ControlEvent) -> LoadedShow:
         case PatchChanged():
             patch = Patch.model_validate_json(decompress_text(event.patch), context=PATCH_CHECKS)
             return replace(loaded, patch=patch, graph=rebuilt_graph(loaded.graph, loaded.patch, patch))
+        case ExamplesChanged() if event.bank in loaded.later_answers:
+            return replace(loaded, answers=loaded.later_answers[event.bank])
         case _:
             return loaded
 
 
 def _changes(journal: Journal) -> Iterator[ControlEvent]:
-    """Yield the events that changed patch or steps, in order."""
-    for row in journal.lines_containing('"StepsAdded"', '"StepsChanged"', '"PatchChanged"'):
-        if isinstance(row.event, StepsAdded | StepsChanged | PatchChanged):
+    """Yield the events that changed patch, steps or examples, in order."""
+    for row in journal.lines_containing('"StepsAdded"', '"StepsChanged"', '"PatchChanged"', '"ExamplesChanged"'):
+        if isinstance(row.event, StepsAdded | StepsChanged | PatchChanged | ExamplesChanged):
             yield row.event
 
 

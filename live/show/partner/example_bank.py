@@ -18,6 +18,7 @@ class ExampleBank:
         """`texts`: the files of pairs that were read, by their names in the patch."""
         self.example_sets = example_sets
         self.texts = dict(texts)
+        self._digest = ""
 
     @property
     def labels(self) -> frozenset[str]:
@@ -26,6 +27,10 @@ class ExampleBank:
 
     def digest(self) -> str:
         """Return a short hash of all motion in it, and of the styles."""
+        self._digest = self._digest or self._hash()
+        return self._digest
+
+    def _hash(self) -> str:
         found = hashlib.blake2b(digest_size=8)
         for lore in self.example_sets:
             found.update(f"{lore.per_beat} {lore.unit_beats} {lore.stretch:g} {lore.units.count}".encode())

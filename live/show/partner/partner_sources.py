@@ -39,7 +39,8 @@ def load_example_bank(
     files.
 
     `texts`: what files of pairs held, by their names in the patch, if not what they hold now. `former`: a bank of the
-    same partners; what it has learnt from files with the same text is used again. Slow: it learns.
+    same partners; what it has learnt from files with the same text is used again, and whether the patch fits the new
+    one is not checked. Slow: it learns.
     """
     if not patch.partner:
         return None
@@ -68,12 +69,13 @@ def load_example_bank(
                 )
         lores.append(made[key])
     bank = ExampleBank(tuple(lores), {name: text for name, text in read.items() if name in _named(patch)})
-    check_styles(partner_settings(patch), bank)
-    _check_reactions(patch, bank)
+    if former is None:
+        check_styles(partner_settings(patch), bank)
+        check_reactions(patch, bank)
     return bank
 
 
-def _check_reactions(patch: Patch, bank: ExampleBank) -> None:
+def check_reactions(patch: Patch, bank: ExampleBank) -> None:
     """Raise PersonError for a reaction to a unit that no examples contain."""
     for index, one in enumerate(patch.react):
         name = (one.on or "").casefold()

@@ -22,6 +22,7 @@ from live.show.background_work import short_switch_interval
 from live.show.dancers.character_casting import check_characters
 from live.show.group.stage_check import refusal, stage_faults
 from live.show.loader import LoadedShow, adapt_edited_patch
+from live.show.partner.example_updates import ExamplesWatch
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import custom_pass_files, patch_files, read_sources
 from live.show.patch.patch_update import PreparedPatch, changed_fields, fresh_show, patch_version, split_deferred
@@ -56,7 +57,8 @@ class Candidate:
 
 
 class PatchWatch:
-    """Watches the files of one patch and, with `library`, its step folder in the same thread."""
+    """Watches the files of one patch and, with `library` and `examples`, its step folder and its files of pairs in the
+    same thread."""
 
     def __init__(
         self,
@@ -66,10 +68,11 @@ class PatchWatch:
         post: Callable[[ControlEvent], None],
         now: Callable[[], float],
         library: LibraryWatch | None = None,
+        examples: ExamplesWatch | None = None,
     ) -> None:
         """`post` receives the event that requests the new patch, with the time `now()`."""
         self._loaded, self._show, self._post, self._now = loaded, show, post, now
-        self._library = library
+        self._library, self._examples = library, examples
         self._patch, self._graph = show.patch, show.graph
         self._last_written = self._patch  # as last written, including keys that wait for the next start
         if library is not None:
@@ -135,6 +138,8 @@ class PatchWatch:
 
     def poll(self, *, with_library: bool = True) -> bool:
         """Poll the files once, with `with_library` the step folder too; return True if a patch was offered."""
+        if with_library and self._examples is not None:
+            self._examples.poll(self._patch)
         joined = with_library and self._library is not None and self._library.poll()
         stamp = file_stamp(self._loaded.path)
         settled, self._last_stamp = stamp == self._last_stamp, stamp

@@ -1,8 +1,8 @@
-"""Exchange of graph and patch while a show runs.
+"""Exchange of graph, patch and partners' examples while a show runs.
 
-Another thread prepares the new graph, or a fresh show of the new patch; the running show then takes over from it. Both
-shows have the same parts in the same order. A part with data from the patch implements `apply_patch(fresh)`; attributes
-that hold the patch itself are replaced by the new patch.
+Another thread prepares the new graph or examples, or a fresh show of the new patch; the running show then takes over
+from it. Both shows have the same parts in the same order. A part with data from the patch implements
+`apply_patch(fresh)`; attributes that hold the patch itself are replaced by the new patch.
 """
 
 from collections.abc import Callable, Mapping
@@ -13,6 +13,7 @@ from live.control.events.event import ControlEvent
 from live.graph.motion_graph import MotionGraph
 from live.motion.step_clip import StepClip
 from live.show.desk.refusals import Refusals
+from live.show.partner.example_updates import ExampleUpdates
 from live.show.patch.patch import Patch
 from live.show.patch.patch_update import PatchUpdates, PreparedPatch
 from live.show.selection.graph_update import GraphUpdates
@@ -48,7 +49,7 @@ class FreshShow(Protocol):
 class HotSwap:
     """Patch and graph of one show, and those that will replace them, while no next measure is decided."""
 
-    EVENTS = (events.StepsAdded, events.StepsChanged, events.PatchChanged)
+    EVENTS = (events.StepsAdded, events.StepsChanged, events.PatchChanged, events.ExamplesChanged)
 
     def __init__(
         self,
@@ -63,8 +64,10 @@ class HotSwap:
         seed: int,
         answers: "ExampleBank",
         reserve: Mapping[str, StepClip] | None,
+        later_answers: Mapping[str, "ExampleBank"] | None = None,
     ) -> None:
-        """`assemble` builds a show, with `seed` and `answers`; `reserve`: clips that events may add, by name."""
+        """`assemble` builds a show, with `seed` and `answers`; `reserve`: clips that events may add, by name;
+        `later_answers`: examples that events may have taken over, by digest."""
         self.patch = patch
         """The patch in force."""
         self.graph = graph
@@ -75,19 +78,24 @@ class HotSwap:
         """The parts of the show with data from the patch, outermost first."""
         self.graph_updates = GraphUpdates(reserve, refusals)
         self.patch_updates = PatchUpdates(refusals)
+        self.example_updates = ExampleUpdates(later_answers, refusals)
+        self._refusals = refusals
         self._dancers, self._scheduler, self._motion = dancers, scheduler, motion
         self._seed = seed
         self._assemble: Callable[..., FreshShow] | None = assemble
 
-    def resume(self, fresh: "HotSwap", reserve: Mapping[str, StepClip]) -> None:
-        """Take from an unused show what a snapshot lacks. `reserve`: clips that events may add, by name."""
+    def resume(
+        self, fresh: "HotSwap", reserve: Mapping[str, StepClip], later_answers: Mapping[str, "ExampleBank"]
+    ) -> None:
+        """Take from an unused show what a snapshot lacks; clips and examples for later events as at the beginning."""
         self._assemble = fresh._assemble
         self.graph_updates.set_reserve(reserve)
+        self.example_updates.set_reserve(later_answers)
 
     @property
     def at_rest(self) -> bool:
-        """Whether neither a graph nor a patch waits."""
-        return self.graph_updates.at_rest and self.patch_updates.waiting is None
+        """Whether neither a graph nor a patch nor examples wait."""
+        return self.graph_updates.at_rest and self.patch_updates.waiting is None and self.example_updates.at_rest
 
     # -- preparation -------------------------------------------------------------------------------------------------
 
@@ -98,6 +106,10 @@ class HotSwap:
     def offer_patch(self, prepared: PreparedPatch) -> None:
         """Store a patch for the event PatchChanged that names its version. Thread: any."""
         self.patch_updates.offer(prepared)
+
+    def offer_examples(self, bank: "ExampleBank") -> None:
+        """Store examples for the event ExamplesChanged that names their digest. Thread: any."""
+        self.example_updates.offer(bank)
 
     @property
     def latest_graph(self) -> MotionGraph:
@@ -121,6 +133,8 @@ class HotSwap:
                 self.graph_updates.handle(event, self.graph)
             case events.PatchChanged():
                 self.patch_updates.request(event, self.make_show, self.patch, self.latest_graph)
+            case events.ExamplesChanged():
+                self.example_updates.handle(event)
 
     def tick(self, now: Now) -> None:
         """Exchange the patch if a new one waits, and the plan of the next measure can still be dropped."""
@@ -128,14 +142,16 @@ class HotSwap:
             self._apply_patch(now)
 
     def cross_measure_line(self, now: Now) -> None:
-        """Exchange graph and patch, if new ones wait."""
+        """Exchange graph, examples and patch, if new ones wait."""
         self._apply_graph()
+        self._apply_examples()
         self._apply_patch(now)
 
     def discard(self) -> None:
         """Discard what waits; its file has to be saved again."""
         self.patch_updates.discard()
         self.graph_updates.drop()
+        self.example_updates.drop()
 
     def _apply_patch(self, now: Now) -> None:
         fresh: FreshShow | None = self.patch_updates.pop_ready(self.patch, self._dancers.node)
@@ -162,6 +178,19 @@ class HotSwap:
         grown = self.graph_updates.pop(self._dancers)
         if grown is not None:
             self._set_graph(*grown)
+
+    def _apply_examples(self) -> None:
+        answering, bank = self._dancers.partner_response, self.example_updates.pop()
+        if bank is None or answering is None:
+            return
+        try:
+            lost = answering.set_bank(bank)
+        except ValueError as error:
+            self._refusals.add(f"examples: {error}")
+            return
+        self.answers = bank
+        for words in lost:
+            self._refusals.add(words)
 
     def _set_graph(self, graph: MotionGraph, choosing: "StepSelector") -> None:
         self.graph = graph

@@ -31,6 +31,7 @@ from live.show.frame import Frame
 from live.show.group.formations import Formations, NamedFormation
 from live.show.group.group_commands import GroupCommands
 from live.show.group.stage_area import StageArea
+from live.show.partner.example_updates import ExampleUpdates
 from live.show.partner.partner_pairs import Pair
 from live.show.partner.partner_pairs import PartnerSettings as AnswerPairsAsked
 from live.show.patch.patch_update import PatchUpdates
@@ -143,7 +144,7 @@ KINDS: Final = [
         patch:constant-patch graph:constant-motion-graph answers:constant-answer-bank
         parts:row[audience|casting|dancers|desk|directions|garments|group-controls|group-motion|interrupts|launcher|mocap|prompter|reactions|scheduler|seen|variation]
         graph_updates:new-steps patch_updates:reloading _dancers:dancers _scheduler:scheduler _motion:group-motion
-        _seed:int
+        example_updates:new-examples _refusals:refusals _seed:int
     """, factories={"_assemble": no_value}),
     Kind("garments", Garments, """
         _division:division _parameters:parameters _appearances:appearances _seed:int _bodies:row[str]
@@ -256,6 +257,9 @@ KINDS: Final = [
     """),
     Kind("measure-span", MeasureSpan, "number:int end:float _beats:float _anchor_beat:float _anchor_fraction:float"),
     Kind("mood", Mood, "_values:dict[str,float] _has_music:bool notes:event-NotesHeard|none"),
+    Kind("new-examples", ExampleUpdates, """
+        _refusals:refusals
+    """, factories={"_offered": dict, "_reserve": dict, "_next": no_value}),
     Kind("new-steps", GraphUpdates, """
         _refusals:refusals
     """, factories={"_offered": dict, "_reserve": dict, "_next": no_value}),

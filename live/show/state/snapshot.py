@@ -22,6 +22,7 @@ from live.clock.ticks import TICK
 from live.graph.motion_graph import MotionGraph
 from live.motion.skeleton import JOINT_COUNT
 from live.show.loader import LoadedShow
+from live.show.partner.example_bank import ExampleBank
 from live.show.patch.patch import Patch
 from live.show.score.subgroups import MAX_SUBGROUPS
 from live.show.selection.graph_update import steps_hash
@@ -35,8 +36,8 @@ from live.show.state.type_check import check_state
 
 Array = npt.NDArray[Any]
 
-FORMAT: Final = 7
-"""Format 1 was a pickle; formats 2 to 5 had other fields. These are refused."""
+FORMAT: Final = 8
+"""Format 1 was a pickle; formats 2 to 7 had other fields. These are refused."""
 CONSTANT_PATHS: Final = {
     "graph": "graph",
     "patch": "patch",
@@ -75,16 +76,25 @@ class SnapshotError(Exception):
 
 
 class _Origin:
-    """Graph and patch of snapshots, with their hashes."""
+    """Graph, patch and examples of snapshots, with their hashes."""
 
-    def __init__(self, graph: MotionGraph, patch: Patch) -> None:
-        self.graph, self.patch = graph, patch
+    def __init__(self, graph: MotionGraph, patch: Patch, answers: ExampleBank) -> None:
+        self.graph, self.patch, self.answers = graph, patch, answers
         self._hashes: dict[str, str] = {}
+
+    @property
+    def constants(self) -> tuple[MotionGraph, Patch, ExampleBank]:
+        """Graph, patch and examples: whether they are still those of a show."""
+        return self.graph, self.patch, self.answers
 
     def hashes(self) -> dict[str, str]:
         """Return the hashes, computed at the first call. Thread: any one."""
         if not self._hashes:
-            self._hashes = {"steps_hash": steps_hash(self.graph), "patch_hash": patch_hash(self.patch)}
+            self._hashes = {
+                "steps_hash": steps_hash(self.graph),
+                "patch_hash": patch_hash(self.patch),
+                "examples_hash": self.answers.digest(),
+            }
         return self._hashes
 
 
@@ -132,7 +142,7 @@ class Snapshotter:
 
     def _begin(self) -> None:
         show = self.show
-        self._origin = _Origin(show.graph, show.patch)
+        self._origin = _Origin(show.graph, show.patch, show.hot_swap.answers)
         self._constants = Constants(show, CONSTANT_PATHS, SCRATCH_PATHS, self._constants)
         self._writer = StateCapture(self._constants)
         self._variable = [attribute_at(show, path) for path in VARIABLE_PATHS]
@@ -145,7 +155,8 @@ class Snapshotter:
         show = self.show
         if not at_rest(show):
             return None
-        if show.graph is not self._origin.graph or show.patch is not self._origin.patch:
+        now = show.graph, show.patch, show.hot_swap.answers
+        if any(one is not other for one, other in zip(now, self._origin.constants, strict=True)):
             self._begin()
         try:
             written = self._writer.capture((show, tuple(array.copy() for array in self._variable)))
@@ -192,10 +203,7 @@ def restore(loaded: LoadedShow, data: bytes, *, fresh: Show | None = None) -> Sh
     the old show (`seed_tracker`) must be registered again.
     """
     facts = snapshot_header(data)
-    for key, found, words in (
-        ("steps_hash", steps_hash(loaded.graph), "steps"),
-        ("patch_hash", patch_hash(loaded.patch), "patch"),
-    ):
+    for key, found, words in origin_hashes(loaded):
         if facts.get(key) != found:
             raise SnapshotError(f"the snapshot is of other {words} ({facts.get(key)}) than those loaded ({found})")
     root = loaded.start(seed=facts["seed"], begin=False) if fresh is None else fresh
@@ -205,8 +213,17 @@ def restore(loaded: LoadedShow, data: bytes, *, fresh: Show | None = None) -> Sh
         raise SnapshotError(f"the snapshot cannot be read: {error}") from None
     for path, values in zip(VARIABLE_PATHS, variable, strict=True):
         attribute_at(root, path)[...] = values
-    show.hot_swap.resume(root.hot_swap, loaded.reserve)
+    show.hot_swap.resume(root.hot_swap, loaded.reserve, loaded.later_answers)
     return show
+
+
+def origin_hashes(loaded: LoadedShow) -> tuple[tuple[str, str, str], ...]:
+    """Return the hashes that a snapshot of a loaded show has in its header: key, value, and what it is of."""
+    return (
+        ("steps_hash", steps_hash(loaded.graph), "steps"),
+        ("patch_hash", patch_hash(loaded.patch), "patch"),
+        ("examples_hash", (loaded.answers or ExampleBank(())).digest(), "examples of partners"),
+    )
 
 
 def _unpacked(data: bytes, size: int) -> bytes:
