@@ -17,6 +17,7 @@ from live.library.capture_material import NO_BEAT_TAG, read_material
 from live.motion.clip import Clip, read_clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.quaternion import mean_rotation
+from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip
 from live.motion.texture.coordination import coordination_of, correlation
 from live.motion.texture.frequency_bands import columns_of, sample_clip, split_bands, tracks_of
@@ -29,6 +30,7 @@ from live.motion.texture.texture_synthesis import texture_sketch
 from live.motion.texture.upper_body_regression import UpperBodyRegression
 from live.show.dancers.live_texture import SWITCH_COST
 
+Float = npt.NDArray[np.floating]
 Float64 = npt.NDArray[np.float64]
 
 SETS: Final = {
@@ -63,6 +65,8 @@ FLOOR_DEG: Final = 0.01
 """A band with less is as good as still."""
 COORDINATED: Final = JOINT_GROUPS["shoulders"]
 """Joints whose band is correlated with the real one's."""
+ELBOWS_HANDS: Final = tuple(n for n, one in enumerate(UPPER) if SKELETON.names[one].endswith(("LowerArm", "Hand")))
+"""Rows of elbows and hands among the upper joints."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +79,9 @@ class Figures:
     """Mean difference of the levels of bands 2 to 6."""
     follows: float
     """Correlation of the arms' matched band with the real one's: how well they are in time."""
+    hands_follow: float
+    """The same of the places of elbows and hands, seen from the hips. Unlike angles, it does not depend on how bones
+    are twisted in a recording, nor on the axes of angles."""
     apart: float
     """Distance of the couplings of left and right arm, and of arms and steps, from the real ones: 0 to 2."""
 
@@ -279,6 +286,7 @@ def _rows(name: str, found: dict[str, list[Figures]]) -> list[Row]:
     rows = []
     for field, words, unit in (
         ("error_cm", "error", "cm"), ("spectrum_db", "spectrum", "dB"), ("follows", "arms in time", "correlation"),
+        ("hands_follow", "elbows and hands in time", "correlation"),
         ("apart", "coordination, distance from the real one", "0 to 2"),
     ):  # fmt: skip
         means = {k: float(np.mean([getattr(one, field) for one in v])) for k, v in found.items() if v}
@@ -291,26 +299,30 @@ def _rows(name: str, found: dict[str, list[Figures]]) -> list[Row]:
 
 
 def _figures(real: Clip, made: Clip, material: object, band: int) -> Figures:
-    a, b = (_upper(clip) for clip in (real, made))
+    a, b = (_upper(clip.rotation) for clip in (real, made))
     charts = material.charts  # type: ignore[attr-defined]
     columns = columns_of(UPPER)
-    levels, waves = [], []
+    levels, waves, hands = [], [], []
     for clip in (real, made):
-        tracks = tracks_of(sample_clip(clip), charts)
+        sampled = sample_clip(clip)
+        tracks = tracks_of(sampled, charts)
         bands = split_bands(tracks[:, columns], 6)
         levels.append(np.maximum(np.degrees(np.sqrt((bands[BANDS] ** 2).mean(axis=(1, 2)))), FLOOR_DEG))
         waves.append(split_bands(tracks[:, columns_of(COORDINATED)], band)[band - 1])
+        places = _upper(sampled.rotation)[:, ELBOWS_HANDS]
+        hands.append(split_bands(places.reshape(len(places), -1), band)[band - 1])
     return Figures(
         error_cm=100.0 * float(np.linalg.norm(a - b, axis=-1).mean()),
         spectrum_db=float(np.abs(20.0 * np.log10(levels[1] / levels[0])).mean()),
         follows=correlation(waves[0], waves[1]),
+        hands_follow=correlation(hands[0], hands[1]),
         apart=coordination_of(real, band).distance(coordination_of(made, band)),
     )
 
 
-def _upper(clip: Clip) -> Float64:
-    """Upper joints in the axes of the hips, (T, n, 3) [m]."""
-    rotation = clip.rotation.astype(np.float64)
+def _upper(rotations: Float) -> Float64:
+    """Upper joints in the axes of the hips, (T, n, 3) [m], of rotations (T, J, 4)."""
+    rotation = rotations.astype(np.float64)
     rotation[:, 0] = (1.0, 0.0, 0.0, 0.0)
     position, _ = forward_kinematics(np.zeros((len(rotation), 3)), rotation)
     return np.asarray(position[:, list(UPPER)])

@@ -114,8 +114,8 @@ def _say_what_is_told(console: Console, material: TextureCorpus, settings: Textu
             "there is only one choreography: its parts were left out, so other dances are told worse", style="yellow"
         )
     for name, share in regression.told_shares().items():
-        drivers = sorted({part.choice.drivers.name for part in regression.groups if part.name == name})
-        words = f"{share:.0%} of the movement is told by {' or '.join(drivers)}"
+        drivers = sorted({part.choices[0].drivers.name for part in regression.groups if part.name == name})
+        words = f"{share:.0%} of the movement is told, best by {' or '.join(drivers)}"
         if share <= 0.0:
             words = "legs and hips do not tell it, so it keeps the mean pose"
         console.print(f"{name}: {words}", markup=False)

@@ -18,11 +18,11 @@ from live.motion.clip import read_clip
 from live.motion.quaternion import mean_rotation
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.motion.step_clip import StepClip
+from live.motion.texture.driver_choice import GROUPS
 from live.motion.texture.frequency_bands import sample_clip
 from live.motion.texture.live_texture_kernels import DERIVATIVE, DIMENSIONS, PER_BEAT, SLOTS, UPPER_COUNT
 from live.motion.texture.take_splits import choreographies, find_copies
 from live.motion.texture.texture_settings import UPPER
-from live.motion.texture.upper_body_regression import GROUPS
 
 BEATS_AFTER: Final = 3
 """A fragment is chosen within its first beat and left within three beats, so its clip must last this long after it."""

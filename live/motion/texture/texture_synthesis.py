@@ -166,9 +166,10 @@ def _synthesize_path(
     joints = [*settings.synthesize, *settings.texture, *([SWAY] if 0 in settings.texture else [])]
     columns = columns_of(joints)
     tracks, made = corpus.tracks[:, columns], len(settings.synthesize)
+    told: Float64 | None = None
     if settings.learnt and made:
-        regression = corpus.regression(settings)
-        tracks[:, : 3 * made] = regression.residuals * np.repeat(regression.spreads(settings.spread), 3)
+        told = corpus.regression(settings).predict(sketched.sampled)
+        tracks[:, : 3 * made] = corpus.regression(settings).variation(settings.spread, told)
     pieces = _pieces(tracks, data, chosen, parts, scales)
     _align_turns(
         pieces,
@@ -188,7 +189,7 @@ def _synthesize_path(
     before = max((float(np.abs(b[0] - a[-1]).max()) for a, b in pairwise(pieces)), default=0.0)
     met = concatenate_fragments(skew_to_meet(pieces))
     joined = smooth_joins(met, parts.begin[1:], settings.reach, consecutive)
-    clip = _apply_bands(sketched, corpus, settings, joined)
+    clip = _apply_bands(sketched, corpus, settings, joined, told)
     joins = parts.begin[1:][~consecutive]
     return TexturedSketch(
         clip, parts, data, sketched.cut, chosen, path.consecutive_joins, float(np.sqrt(path.distance / parts.count)),
@@ -220,8 +221,10 @@ def _kink(curve: Float64, joins: Int64) -> float:
     return float(np.abs(curve[joins + 1] - 2.0 * curve[joins] + curve[joins - 1]).max(initial=0.0) * RATE)
 
 
-def _apply_bands(sketched: PreparedSketch, corpus: TextureCorpus, settings: TextureSettings, joined: Float64) -> Clip:
-    """Return the sketch with the selected bands of `joined` (T, C) applied."""
+def _apply_bands(
+    sketched: PreparedSketch, corpus: TextureCorpus, settings: TextureSettings, joined: Float64, told: Float64 | None
+) -> Clip:
+    """Return the sketch with the selected bands of `joined` (T, C) applied, about what is `told` (T, 3 n)."""
     sketch, (low, high) = sketched.sampled.clip, settings.bands
     made = 3 * len(settings.synthesize)
     bands = split_bands(joined, high)
@@ -230,10 +233,9 @@ def _apply_bands(sketched: PreparedSketch, corpus: TextureCorpus, settings: Text
     own = split_bands(sketched.tracks[:, columns], high)[low - 1 : high].sum(axis=0)
     detail = _at_rate(bands[low - 1 : high, :, made:].sum(axis=0) - own, sketch)
     rotation, root = sketch.rotation.astype(np.float64), sketch.root_position.astype(np.float64)
-    if settings.learnt and made:
-        regression = corpus.regression(settings)
-        told = _at_rate(regression.predict(sketched.sampled), sketch)
-        rotation[:, list(settings.synthesize)] = regression.rotations(told, whole)
+    if told is not None:
+        vectors = _at_rate(told, sketch)
+        rotation[:, list(settings.synthesize)] = corpus.regression(settings).rotations(vectors, whole)
     else:
         for index, joint in enumerate(settings.synthesize):
             rotation[:, joint] = corpus.charts[joint].rotations(whole[:, 3 * index : 3 * index + 3])
