@@ -128,7 +128,13 @@ class LearningData:
             some = [n + number * len(joints) for n, joint in enumerate(joints) if joint in members]
             if some:
                 self.groups[name, part] = np.array([3 * n + axis for n in some for axis in range(3)], np.int64)
+        self.fits: dict[Choice, _Fit] = {}
+        """Regressions of all columns that were made before."""
         self._signals: dict[tuple[DriverSet, bool, bool], list[Float64]] = {}
+
+    def usable_folds(self) -> list[Fold]:
+        """Return the folds that leave samples to learn from."""
+        return [fold for fold in self.folds if fold.learnt[self.rows].any()]
 
     def split(self, values: Float64) -> list[Float64]:
         """Return the values (S, ...) of each take."""
@@ -187,12 +193,6 @@ class Design:
     def kernels(self, width: float) -> tuple[Float64, Float64]:
         """Return the kernel of samples and centres, (N, M), and that of the centres, (M, M)."""
         return gaussian(self._far, width), gaussian(self._near, width)
-
-
-def solve(kernel: Float64, centres: Float64, targets: Float64, ridge: float) -> tuple[Float64, Float64]:
-    """Return the weights (M, C) and the mean (C,) of a fit."""
-    middle = targets.mean(axis=0)
-    return _solve_sums(kernel.T @ kernel, kernel.T @ (targets - middle), centres, ridge * len(kernel)), middle
 
 
 def _solve_sums(products: Float64, sums: Float64, centres: Float64, penalty: float) -> Float64:
@@ -270,40 +270,57 @@ class FittedChoices:
 
 
 def fit(data: LearningData, columns: Int64, choices: Sequence[Choice]) -> FittedChoices:
-    """Return the regression of the group with `columns`: the mean of those of the first of `choices`, the best first.
+    """Return the regression of the group with `columns`: the mean of those of `choices`, which err in different ways.
 
-    All are averaged, because they err in different ways, unless fewer leave less squared error at samples left out.
+    Each has the share that fits samples left out best; those with none are dropped.
     """
     truth = data.targets[0][:, columns]
     means = np.broadcast_to(truth.mean(axis=0), truth.shape).copy()
-    folds = [fold for fold in data.folds if fold.learnt[data.rows].any()]
+    folds = data.usable_folds()
     for fold in folds:
         means[fold.tested] = truth[fold.learnt].mean(axis=0)
-    fitted, middles, left_out = [], [], []
-    for choice in choices:
-        design = Design(data, choice.drivers, choice.reach, choice.moving, choice.mirrored)
-        kernel, centres = design.kernels(choice.width)
-        targets = design.targets[:, columns]
-        windows = data.windows(choice.drivers, choice.reach, choice.moving, False)
-        weights, middle = solve(kernel, centres, targets, choice.ridge)
-        fitted.append((design.basis, weights))
-        middles.append(middle)
-        made = np.zeros_like(truth)
-        for fold in folds:
-            learnt = fold.learnt[design.row]
-            some, middle = solve(kernel[learnt], centres, targets[learnt], choice.ridge)
-            made[fold.tested] = middle - means[fold.tested]
-            made[fold.tested] += design.basis.kernel(windows[fold.tested], choice.width) @ some
-        left_out.append(made)
+    fits = [_fit_one(data, choice, folds) for choice in choices]
+    left_out = [one.made[:, columns] - means for one in fits]
     shares = _shares(truth - means, left_out)
     used = np.flatnonzero(shares > 0.0).tolist()
     return FittedChoices(
         tuple(choices[n] for n in used),
-        tuple((fitted[n][0], shares[n] * fitted[n][1]) for n in used),
-        np.asarray(np.tensordot(shares, middles, axes=1)),
+        tuple((fits[n].basis, shares[n] * fits[n].weights[:, columns]) for n in used),
+        np.asarray(np.tensordot(shares, [one.middle[columns] for one in fits], axes=1)),
         means,
         np.asarray(np.tensordot(shares, left_out, axes=1)),
     )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Fit:
+    """The regression of all columns by one choice, and what it predicts of samples left out, (S, C)."""
+
+    basis: Basis
+    weights: Float64
+    middle: Float64
+    made: Float64
+
+
+def _fit_one(data: LearningData, choice: Choice, folds: Sequence[Fold]) -> _Fit:
+    """Groups share choices, so each is kept."""
+    if choice not in data.fits:
+        design = Design(data, choice.drivers, choice.reach, choice.moving, choice.mirrored)
+        kernel, centres = design.kernels(choice.width)
+        whole, targets = kernel.T @ kernel, design.targets
+        windows = data.windows(choice.drivers, choice.reach, choice.moving, False)
+        middle = targets.mean(axis=0)
+        weights = _solve_sums(whole, kernel.T @ (targets - middle), centres, choice.ridge * len(kernel))
+        made = np.broadcast_to(data.targets[0].mean(axis=0), data.targets[0].shape).copy()
+        for fold in folds:
+            learnt = fold.learnt[design.row]
+            left, rest = kernel[~learnt], kernel[learnt]
+            mean = targets[learnt].mean(axis=0)
+            sums = rest.T @ (targets[learnt] - mean)
+            some = _solve_sums(whole - left.T @ left, sums, centres, choice.ridge * len(rest))
+            made[fold.tested] = mean + design.basis.kernel(windows[fold.tested], choice.width) @ some
+        data.fits[choice] = _Fit(design.basis, weights, middle, made)
+    return data.fits[choice]
 
 
 def _shares(truth: Float64, predicted: Sequence[Float64]) -> Float64:

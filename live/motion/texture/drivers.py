@@ -107,7 +107,7 @@ def _places(take: SampledClip, drivers: DriverSet) -> Float64:
         rotation[:, 0] = quaternion.IDENTITY
     position, _ = forward_kinematics(np.zeros((len(rotation), 3)), rotation)
     places = [rotate_about_vertical(position[:, joint], -turned) for joint in drivers.joints]
-    return np.concatenate(places, axis=1) / PLACE_UNIT
+    return np.asarray(np.concatenate(places, axis=1) / PLACE_UNIT, np.float64)
 
 
 def windows_of(signals: Float64, reach: float) -> Float64:
