@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from live.cli.bench import Row
 from live.library.capture_material import NO_BEAT_TAG, read_material
+from live.motion import quaternion
 from live.motion.clip import Clip, read_clip
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.quaternion import mean_rotation
@@ -22,6 +23,7 @@ from live.motion.step_clip import StepClip
 from live.motion.texture.coordination import coordination_of, correlation
 from live.motion.texture.frequency_bands import columns_of, sample_clip, split_bands, tracks_of
 from live.motion.texture.live_bank import TextureBank, leg_positions
+from live.motion.texture.live_prediction import EIGHTH, leg_windows
 from live.motion.texture.live_texture_kernels import DERIVATIVE, PER_BEAT, nearest_fragment
 from live.motion.texture.take_splits import choreographies, find_copies
 from live.motion.texture.texture_corpus import make_corpus
@@ -238,6 +240,7 @@ def _beat_by_beat(
     made, last, fragments = rotation.copy(), -1, []
     far = np.empty(bank.count, np.float32)
     join = SWITCH_COST * 2.0 * float(theirs.var(axis=1).sum())
+    first_choice = PER_BEAT + PER_BEAT // 4
     for row, line in enumerate(lines.tolist()):
         going = (
             last + 1
@@ -251,9 +254,22 @@ def _beat_by_beat(
         at = np.arange(first, len(rotation))
         taken = np.minimum(bank.begin[last] + at - line * PER_BEAT, bank.clip_last[last])
         made[first:, list(UPPER)] = bank.upper[taken]
+    told = _told(bank, own)
+    made[first_choice:, list(UPPER)] = quaternion.mul(told, made[:, list(UPPER)])[first_choice:]
     still, contact = np.zeros((len(rotation), 3), np.float32), np.zeros((len(rotation), 2), np.bool_)
     clips = [Clip("beats", still.copy(), one.astype(np.float32), rate, contact.copy()) for one in (rotation, made)]
     return clips[0], clips[1], fragments
+
+
+def _told(bank: TextureBank, legs: Float64) -> Float64:
+    """What the bank tells from the legs at every sample, as on stage: turns of the upper joints, (T, 13, 4)."""
+    moments = np.arange(0, len(legs), EIGHTH)
+    vectors = bank.told.predict(leg_windows(legs, (0, len(legs)))[moments])
+    at = np.arange(len(legs))
+    last, part = at // EIGHTH, (at % EIGHTH / EIGHTH)[:, None]
+    weights = 0.5 * (1.0 - part) ** 2, 0.5 + part * (1.0 - part), 0.5 * part**2
+    told = sum(weight * vectors[np.maximum(last - 2 + n, 0)] for n, weight in enumerate(weights))
+    return np.asarray(quaternion.from_rotation_vector(np.asarray(told).reshape(len(legs), -1, 3)))
 
 
 def _at_beats(step: StepClip) -> tuple[Float64, float]:

@@ -195,7 +195,8 @@ class Design:
         return gaussian(self._far, width), gaussian(self._near, width)
 
 
-def _solve_sums(products: Float64, sums: Float64, centres: Float64, penalty: float) -> Float64:
+def solve_sums(products: Float64, sums: Float64, centres: Float64, penalty: float) -> Float64:
+    """Return the weights (M, C) from KᵀK (M, M), KᵀY (M, C), the kernel of the centres (M, M) and the penalty."""
     from scipy.linalg import cho_factor, cho_solve
 
     size = len(centres)
@@ -243,7 +244,7 @@ def _errors_left_out(data: LearningData, design: Design) -> Float64:
             for n, (wide, ridge) in enumerate(SMOOTHNESS):
                 if wide == width:
                     away = design.targets[tested] - middle
-                    away -= kernel[tested] @ _solve_sums(products, sums, centres, ridge * len(rest))
+                    away -= kernel[tested] @ solve_sums(products, sums, centres, ridge * len(rest))
                     errors[n] += (away * away).sum(axis=0)
     return errors
 
@@ -310,14 +311,14 @@ def _fit_one(data: LearningData, choice: Choice, folds: Sequence[Fold]) -> _Fit:
         whole, targets = kernel.T @ kernel, design.targets
         windows = data.windows(choice.drivers, choice.reach, choice.moving, False)
         middle = targets.mean(axis=0)
-        weights = _solve_sums(whole, kernel.T @ (targets - middle), centres, choice.ridge * len(kernel))
+        weights = solve_sums(whole, kernel.T @ (targets - middle), centres, choice.ridge * len(kernel))
         made = np.broadcast_to(data.targets[0].mean(axis=0), data.targets[0].shape).copy()
         for fold in folds:
             learnt = fold.learnt[design.row]
             left, rest = kernel[~learnt], kernel[learnt]
             mean = targets[learnt].mean(axis=0)
             sums = rest.T @ (targets[learnt] - mean)
-            some = _solve_sums(whole - left.T @ left, sums, centres, choice.ridge * len(rest))
+            some = solve_sums(whole - left.T @ left, sums, centres, choice.ridge * len(rest))
             made[fold.tested] = mean + design.basis.kernel(windows[fold.tested], choice.width) @ some
         data.fits[choice] = _Fit(design.basis, weights, middle, made)
     return data.fits[choice]

@@ -8,6 +8,7 @@ beat. It is chosen by the legs' last half beat and the first quarter of the curr
 import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Final
 
 import numpy as np
@@ -19,9 +20,10 @@ from live.motion.quaternion import mean_rotation
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.motion.step_clip import StepClip
 from live.motion.texture.driver_choice import GROUPS
-from live.motion.texture.frequency_bands import sample_clip
+from live.motion.texture.frequency_bands import RATE, sample_clip
+from live.motion.texture.live_prediction import LivePrediction, learn_live_prediction
 from live.motion.texture.live_texture_kernels import DERIVATIVE, DIMENSIONS, PER_BEAT, SLOTS, UPPER_COUNT
-from live.motion.texture.take_splits import choreographies, find_copies
+from live.motion.texture.take_splits import Choreographies, Fold, choreographies, find_copies, make_folds
 from live.motion.texture.texture_settings import UPPER
 
 BEATS_AFTER: Final = 3
@@ -43,8 +45,8 @@ class TextureBank:
     """All recordings, concatenated, at 16 samples a beat: S samples, F fragments of one beat."""
 
     upper: Float32
-    """Local rotations of the upper joints, (S, 13, 4), with continuous signs within each clip: those recorded, brought
-    nearer to `mean_rotations` by `scale`."""
+    """Local rotations of the upper joints, (S, 13, 4), with continuous signs within each clip: what is recorded and not
+    `told`, brought nearer to `mean_rotations` by `scale`."""
     mean_rotations: Float32
     """Mean rotation of each upper joint, (13, 4): reference for the sign of quaternions."""
     begin: Int32
@@ -58,7 +60,11 @@ class TextureBank:
     spread: float
     """Mean squared distance of two fragments: the unit of distances."""
     scale: Float32
-    """Share of each joint's recorded deviation from the mean that is danced, (13,)."""
+    """Share of each joint's recorded deviation from the prediction that is danced, (13,)."""
+    told: LivePrediction
+    """What legs tell of the upper body. `upper` is what it leaves, turned to the mean."""
+    recordings: str
+    """Short hash of the recordings from which all this follows."""
 
     @property
     def count(self) -> int:
@@ -66,9 +72,8 @@ class TextureBank:
         return len(self.begin)
 
     def digest(self) -> str:
-        """Return a short hash of the contents."""
-        parts = (self.upper, self.begin, self.leg_features)
-        return hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()[:16]
+        """Return a short hash of the recordings."""
+        return self.recordings
 
     @classmethod
     def empty(cls) -> "TextureBank":
@@ -84,6 +89,8 @@ class TextureBank:
             numbers,
             1.0,
             np.ones(UPPER_COUNT, np.float32),
+            LivePrediction.nothing(),
+            "",
         )
 
     @classmethod
@@ -118,18 +125,39 @@ class TextureBank:
         legs = prefix_features(np.concatenate(tracks), begins, firsts)
         spread = 2.0 * float(legs.var(axis=1).sum())
         dances = choreographies(len(used), find_copies([sample_clip(clip.clip) for clip in used]))
+        starts = np.cumsum([0, *(len(part) for part in upper)]).tolist()
+        parts = (rotations.astype(np.float32), begins, legs.astype(np.float32))
+        known = hashlib.sha256(b"".join(part.tobytes() for part in parts)).hexdigest()[:16]
+        told, left_out = learn_live_prediction(
+            np.concatenate(tracks), _turns_from(rotations, middle), starts, _folds(used, starts, dances)
+        )
+        left = quaternion.mul(quaternion.from_rotation_vector(-left_out.reshape(-1, UPPER_COUNT, 3)), rotations)
         take = np.repeat(np.arange(len(used)), [len(part) for part in begin])
-        gains = live_gains(rotations, middle, begins, legs, dances.number[take])
+        gains = live_gains(left, middle, begins, legs, dances.number[take])
         scale = np.minimum(SPREAD_FACTOR * gains, 1.0).astype(np.float32)
-        if scale.min() < 1.0:
-            vectors = deviations(rotations, middle) * scale[:, None]
-            scaled = quaternion.mul(middle, quaternion.from_rotation_vector(vectors))
-            ends = np.cumsum([len(part) for part in upper])[:-1]
-            rotations = np.concatenate([quaternion.align_signs(part) for part in np.split(scaled, ends)])
+        vectors = deviations(left, middle) * scale[:, None]
+        scaled = quaternion.mul(middle, quaternion.from_rotation_vector(vectors))
+        kept = np.concatenate([quaternion.align_signs(scaled[a:b]) for a, b in pairwise(starts)])
         return cls(
-            np.ascontiguousarray(rotations, np.float32), np.ascontiguousarray(middle, np.float32),
-            begins, firsts, lasts, np.ascontiguousarray(legs, np.float32), max(spread, 1e-9), scale,
+            np.ascontiguousarray(kept, np.float32), np.ascontiguousarray(middle, np.float32),
+            begins, firsts, lasts, np.ascontiguousarray(legs, np.float32), max(spread, 1e-9), scale, told, known,
         )  # fmt: skip
+
+
+def _turns_from(rotations: Float, middle: Float64) -> Float64:
+    """Return the rotation vectors (S, 3 n) of rotations (S, n, 4) from their means (n, 4), in their parents' axes."""
+    away = quaternion.mul(np.asarray(rotations, np.float64), quaternion.inverse(middle))
+    return np.asarray(quaternion.to_rotation_vector(away), np.float64).reshape(len(rotations), -1)
+
+
+def _folds(used: Sequence[StepClip], starts: Sequence[int], dances: Choreographies) -> list[Fold]:
+    """Return the splits of the samples of all clips, PER_BEAT a beat, that leave out choreographies."""
+    offset = np.zeros(len(used), np.int64)
+    for n, step in enumerate(used):
+        seconds = step.samples_per_measure / step.beats_per_measure / step.clip.sample_rate
+        first = step.first / step.clip.sample_rate
+        offset[n] = round((float(dances.offset[n]) / RATE + first) / seconds * PER_BEAT)
+    return make_folds(np.diff(starts).tolist(), Choreographies(dances.number, offset))
 
 
 def deviations(rotations: Float, middle: Float64) -> Float64:

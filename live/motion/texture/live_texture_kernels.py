@@ -12,6 +12,7 @@ Float32 = npt.NDArray[np.float32]
 Float64 = npt.NDArray[np.float64]
 Int32 = npt.NDArray[np.int32]
 Int64 = npt.NDArray[np.int64]
+Bool = npt.NDArray[np.bool_]
 
 PER_BEAT: Final = 16
 """Samples a beat in a bank."""
@@ -23,6 +24,13 @@ DERIVATIVE: Final = 2.0
 """Weight of the legs' movement from one moment to the next, against their positions."""
 DIMENSIONS: Final = (2 * SLOTS - 1) * FEATURES
 """Size of the feature vector of a beat: knees and ankles at all moments, and their changes."""
+LAGS: Final = 9
+"""Moments, every eighth of a beat, of the last beat, with both ends: what tells the upper body to come."""
+LIMIT: Final = 2.0 / math.sqrt(LAGS * FEATURES)
+"""A scaled coordinate of a leg counts as this at most, two widths of the kernel: slopes do not reach beyond what is
+known."""
+NEVER: Final = -(1 << 40)
+"""A moment or beat before all others."""
 UPPER_COUNT: Final = 13
 """Joints of the upper body: consecutive joints after the hips, starting at joint 1."""
 NECK_INDEX: Final = 3
@@ -71,6 +79,76 @@ def record_moments(
                 part = min(max((moment / per_beat - previous_beat[a]) / way, 0.0), 1.0)
             for n in range(history.shape[2]):
                 history[a, int(moment % slots), n] = before[a, n] + part * (now[a, n] - before[a, n])
+
+
+@kernel("void(f4[::1], f4[:,::1], i8, f4[::1], f4[::1], f4[::1], f4[:,::1], f4[:,::1], f4[:,::1])")
+def _predict(
+    out: Float32,
+    history: Float32,
+    moment: int,
+    near: Float32,
+    middle: Float32,
+    scale: Float32,
+    centres: Float32,
+    weights: Float32,
+    slopes: Float32,
+) -> None:
+    """Predict the upper body, `out` (3 UPPER_COUNT,), from the legs in `history` (moments, FEATURES) up to `moment`."""
+    count = centres.shape[1]
+    for n in range(out.shape[0]):
+        out[n] = 0.0
+    for m in range(count):
+        near[m] = 0.0
+    for d in range(LAGS * FEATURES):
+        row = int((moment - d // FEATURES) % history.shape[0])
+        value = (history[row, d % FEATURES] - middle[d]) * scale[d]
+        within = np.float32(min(max(value, -LIMIT), LIMIT))
+        for n in range(out.shape[0]):
+            out[n] += within * slopes[d, n]
+        for m in range(count):
+            away = centres[d, m] - value
+            near[m] += away * away
+    for m in range(count):
+        share = np.float32(math.exp(-0.5 * near[m]))
+        for n in range(out.shape[0]):
+            out[n] += share * weights[m, n]
+
+
+@kernel(
+    "void(f4[:,:,::1], i8[::1], b1[::1], f8[::1], f4[:,:,::1], f4[::1], f4[::1], f4[::1], f4[:,::1], f4[:,::1],"
+    " f4[:,::1])"
+)
+def follow_legs(
+    told: Float32,
+    told_moment: Int64,
+    wanted: Bool,
+    beat: Float64,
+    history: Float32,
+    near: Float32,
+    middle: Float32,
+    scale: Float32,
+    centres: Float32,
+    weights: Float32,
+    slopes: Float32,
+) -> None:
+    """Predict upper bodies from the last beat of legs, for each dancer `wanted` (A,) that reached an eighth of a beat.
+
+    `told` (A, 3, 3 UPPER_COUNT) holds the last three predictions, the newest last; `told_moment` (A,) is the newest
+    one's moment, NEVER before the first. `history` (A, moments, FEATURES) is as `record_moments` leaves it at `beat`
+    (A,). The rest is a `LivePrediction`, with M centres; `near` (M,) is scratch.
+    """
+    for a in range(told.shape[0]):
+        moment = math.floor(8.0 * beat[a])
+        if not wanted[a]:
+            told_moment[a] = NEVER
+        elif moment != told_moment[a]:
+            for n in range(told.shape[2]):
+                told[a, 0, n], told[a, 1, n] = told[a, 1, n], told[a, 2, n]
+            _predict(told[a, 2], history[a], moment, near, middle, scale, centres, weights, slopes)
+            if told_moment[a] == NEVER:
+                for n in range(told.shape[2]):
+                    told[a, 0, n] = told[a, 1, n] = told[a, 2, n]
+            told_moment[a] = moment
 
 
 @kernel("i8(i8,i8,i8)")
@@ -211,9 +289,32 @@ def _slerp_signed(out: Float32, a: Float32, b: Float32, share: float) -> None:
         out[k] = np.float32(left) * a[k] + np.float32(right) * b[k]
 
 
+@kernel("void(f4[::1], f4[:,::1], i8, f8)")
+def _turn_as_told(q: Float32, told: Float32, joint: int, part: float) -> None:
+    """Turn `q` in its parent's axes by what is `told` (3, 3 UPPER_COUNT) of a joint, `part` of an eighth after it was.
+
+    The vector runs along the quadratic B-spline of the three predictions, so it has no kinks.
+    """
+    t = min(max(part, 0.0), 1.0)
+    a, b, c = 0.5 * (1.0 - t) * (1.0 - t), 0.5 + t * (1.0 - t), 0.5 * t * t
+    x = a * told[0, 3 * joint] + b * told[1, 3 * joint] + c * told[2, 3 * joint]
+    y = a * told[0, 3 * joint + 1] + b * told[1, 3 * joint + 1] + c * told[2, 3 * joint + 1]
+    z = a * told[0, 3 * joint + 2] + b * told[1, 3 * joint + 2] + c * told[2, 3 * joint + 2]
+    angle = math.sqrt(x * x + y * y + z * z)
+    if angle < 1e-9:
+        return
+    size = math.sin(0.5 * angle) / angle
+    w, x, y, z = math.cos(0.5 * angle), x * size, y * size, z * size
+    qw, qx, qy, qz = q[0], q[1], q[2], q[3]
+    q[0] = w * qw - x * qx - y * qy - z * qz
+    q[1] = w * qx + x * qw + y * qz - z * qy
+    q[2] = w * qy - x * qz + y * qw + z * qx
+    q[3] = w * qz + x * qy - y * qx + z * qw
+
+
 @kernel(
     "void(f4[:,:,::1], f4[:,:,::1], f8[::1], f4[::1], f8[:,::1], i4[:,:,::1], f8[::1], f8, i8[:,::1], f4[:,:,::1],"
-    " f4[:,::1], i4[::1], f4[::1])"
+    " f4[:,::1], i4[::1], f4[::1], f4[:,:,::1], i8[::1])"
 )
 def blend_upper_bodies(
     position: Float32,
@@ -229,13 +330,16 @@ def blend_upper_bodies(
     offsets: Float32,
     parents: Int32,
     head: Float32,
+    told: Float32,
+    told_moment: Int64,
 ) -> None:
     """Blend texture into the upper bodies at `position` (A, J, 3) and `rotation` (A, J, 4), world, in place.
 
     `beat` (A,) is each dancer's beat. `level` (A,) is the weight of texture, 0 to 1. The current and the previous
     fragment are read at `origin` + PER_BEAT * danced (2, A), within `limits` (2, A, 2). They are cross-faded for
     `blend` beats from the beat `switch_beat` (A,). Joints whose bit is set in `signs` (2, A) are read with the opposite
-    sign. `head` (A,) is the share of the head's turn to the audience, 0 to 1, which texture leaves unchanged.
+    sign. `head` (A,) is the share of the head's turn to the audience, 0 to 1, which texture leaves unchanged. What
+    `follow_legs` `told` (A, 3, 3 UPPER_COUNT) at the moments `told_moment` (A,) turns the recorded joints.
     """
     first = 1
     was = np.empty((UPPER_COUNT + 1, 4), np.float32)
@@ -263,6 +367,7 @@ def blend_upper_bodies(
                     for k in range(4):
                         then[k] = -then[k]
                 _slerp_signed(now, then, now, came)
+            _turn_as_told(now, told[a], n, 8.0 * beat[a] - told_moment[a])
             pw, px, py, pz = was[parent, 0], -was[parent, 1], -was[parent, 2], -was[parent, 3]
             qw, qx, qy, qz = was[joint, 0], was[joint, 1], was[joint, 2], was[joint, 3]
             own[0] = pw * qw - px * qx - py * qy - pz * qz

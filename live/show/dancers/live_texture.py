@@ -2,7 +2,8 @@
 
 In every beat each dancer's leg motion, from half a beat before the beat line to a quarter after it, is compared with
 the beats of the patch's `[texture]` recordings. The upper body of the best match fades in within half a beat. If the
-best match continues the present recording, nothing changes. Choices are made in ticks; drawing only reads them.
+best match continues the present recording, nothing changes. What the legs of the last beat tell of upper bodies at
+other choreographies turns the joints besides (`live_prediction`). Choices are made in ticks; drawing only reads them.
 """
 
 import math
@@ -17,8 +18,11 @@ from live.motion.texture.live_bank import TextureBank
 from live.motion.texture.live_texture_kernels import (
     DIMENSIONS,
     FEATURES,
+    NEVER,
     PER_BEAT,
+    UPPER_COUNT,
     blend_upper_bodies,
+    follow_legs,
     measure_legs,
     nearest_fragment,
     record_moments,
@@ -43,7 +47,6 @@ FULL_TEXTURE: Final = 0.99
 """With more texture than this, the step's own upper body is invisible."""
 _MOMENTS: Final = 16
 _EIGHTHS: Final = 8
-_NEVER: Final = -(1 << 40)
 
 
 class LiveTexture:
@@ -59,7 +62,7 @@ class LiveTexture:
         """Present texture weight, 0 to 1, (A,)."""
         self.fragment: Int32 = np.full(count, -1, np.int32)
         """Beat of the recordings chosen last, -1 before the first, (A,)."""
-        self.chosen_beat: Int64 = np.full(count, _NEVER, np.int64)
+        self.chosen_beat: Int64 = np.full(count, NEVER, np.int64)
         """The danced beat for which it was chosen, (A,)."""
         self.switch_beat: Float64 = np.full(count, -1e9)
         """The danced beat at which the last change of recording began, (A,)."""
@@ -71,6 +74,9 @@ class LiveTexture:
         self._now: Float32 = np.zeros((count, FEATURES), np.float32)
         self._own: Float32 = np.zeros(DIMENSIONS, np.float32)
         self._far: Float32 = np.zeros(bank.count, np.float32)
+        self._told: Float32 = np.zeros((count, 3, 3 * UPPER_COUNT), np.float32)
+        self._told_moment: Int64 = np.full(count, NEVER, np.int64)
+        self._near: Float32 = np.zeros(bank.told.centres.shape[1], np.float32)
         self._since: Float64 = np.full(count, np.inf)
         self._danced_before: Float64 = np.zeros(count)
         self._offsets = np.array(SKELETON.offsets, np.float32)
@@ -98,9 +104,15 @@ class LiveTexture:
         new = ~np.isfinite(self._since)
         if new.any():
             self._since[new], self._before[new], self._danced_before[new] = danced[new], self._now[new], danced[new]
+            self._kept[new] = self._now[new, None]
         record_moments(self._kept, self._before, self._now, self._danced_before, danced, _EIGHTHS)
         self._before[:], self._danced_before[:] = self._now, danced
         wanted = self._variation[TEXTURE]
+        told = self.bank.told
+        follow_legs(
+            self._told, self._told_moment, (wanted > 0.0) | (self.level > 0.0), danced, self._kept, self._near,
+            told.middle, told.scale, told.centres, told.weights, told.slopes,
+        )  # fmt: skip
         line = np.floor(danced - PREFIX).astype(np.int64)
         due = ((wanted > 0.0) | (self.level > 0.0)) & (line > self.chosen_beat) & (danced >= self.switch_beat + BLEND)
         due &= line - 0.5 >= self._since
@@ -113,7 +125,7 @@ class LiveTexture:
         self.level += (part * (wanted * (self.fragment >= 0) - self.level)).astype(np.float32)
         out = (wanted == 0.0) & (self.level < 1e-3)
         self.level[out] = 0.0
-        self.fragment[out], self.chosen_beat[out] = -1, _NEVER
+        self.fragment[out], self.chosen_beat[out] = -1, NEVER
 
     def _choose(self, dancer: int, line: int, danced: float) -> None:
         """Choose the beat of the recordings for `dancer` from the danced beat `line` on."""
@@ -159,12 +171,12 @@ class LiveTexture:
         if rows is None:
             blend_upper_bodies(
                 position, rotation, danced, self.level, self._origin, self._limits, self.switch_beat, BLEND,
-                self._signs, bank.upper, self._offsets, self._parents, head,
+                self._signs, bank.upper, self._offsets, self._parents, head, self._told, self._told_moment,
             )  # fmt: skip
             return
         limits = np.ascontiguousarray(self._limits[:, rows])
         origin, signs = np.ascontiguousarray(self._origin[:, rows]), np.ascontiguousarray(self._signs[:, rows])
         blend_upper_bodies(
             position, rotation, danced[rows], self.level[rows], origin, limits, self.switch_beat[rows], BLEND,
-            signs, bank.upper, self._offsets, self._parents, head[rows],
+            signs, bank.upper, self._offsets, self._parents, head[rows], self._told[rows], self._told_moment[rows],
         )  # fmt: skip

@@ -212,7 +212,7 @@ KINDS: Final = [
     Kind("texturing", LiveTexture, """
         bank:constant-texture-bank _variation:variation _seed:int _beats:int level:f4 fragment:i4(fragment)
         chosen_beat:i8 switch_beat:f8 _origin:f8 _limits:i4 _signs:i8 _kept:f4 _before:f4 _now:f4 _own:f4 _far:f4
-        _since:f8~ _danced_before:f8 _offsets:f4 _parents:i4(joint)
+        _told:f4 _told_moment:i8 _near:f4 _since:f8~ _danced_before:f8 _offsets:f4 _parents:i4(joint)
     """),
     Kind("variation", Variation, """
         values:f8 division:division _group:i4(group) _group_delays:f8 _seed:int _beats:int _window:float drift:drift

@@ -73,3 +73,9 @@ def improvisation(seconds: float, seed: int, told: float = 1.0) -> Clip:
     root[:, 1] = 0.9
     rotation = quaternion.from_rotation_vector(vector).astype(np.float32)
     return Clip(f"improvisation {seed}", root, rotation, RATE, np.ones((count, 2), np.bool_))
+
+
+def at_beats(seconds: float, seed: int, told: float) -> StepClip:
+    """The same, with a beat."""
+    clip = improvisation(seconds, seed, told)
+    return StepClip(clip.name, clip, 0.0, 4.0 * BEAT, int((clip.sample_count - 1) / (4.0 * BEAT)))

@@ -9,12 +9,7 @@ from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.motion.step_clip import StepClip
 from live.motion.texture.live_bank import SPREAD_FACTOR, TextureBank, deviations
 from live.motion.texture.texture_settings import UPPER
-from tests.motion.texture.made_dance import BEAT, RATE, improvisation
-
-
-def at_beats(seconds: float, seed: int, told: float) -> StepClip:
-    clip = improvisation(seconds, seed, told)
-    return StepClip(clip.name, clip, 0.0, 4.0 * BEAT, int((clip.sample_count - 1) / (4.0 * BEAT)))
+from tests.motion.texture.made_dance import RATE, at_beats
 
 
 def groove(seconds: float, seed: int) -> StepClip:
@@ -35,7 +30,8 @@ def test_arms_that_follow_legs_are_copied_whole_and_others_hardly() -> None:
     told = TextureBank.of([groove(20.0, seed) for seed in range(3)])
     untold = TextureBank.of([at_beats(40.0, seed, 0.0) for seed in range(4)])
     arms = [n for n, joint in enumerate(UPPER) if joint >= 6]
-    assert told.scale[arms].min() > 0.9
+    assert (told.scale + told.told.gains)[arms].min() > 0.9
+    assert untold.told.gains[arms].max() < 0.35
     assert untold.scale[arms].max() < 0.35 * SPREAD_FACTOR
     assert np.isfinite(untold.upper).all()
     assert np.abs(np.linalg.norm(untold.upper, axis=-1) - 1.0).max() < 1e-5

@@ -1,12 +1,13 @@
 """Tests of the live texture kernels against numpy, at the ends of clips and with numbers beyond them."""
 
 import numpy as np
+import pytest
 
 from live.motion import quaternion
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.motion.texture import live_texture_kernels as kernels
-from live.motion.texture.live_bank import TextureBank
+from live.motion.texture.live_bank import TextureBank, leg_positions
 from live.motion.texture.texture_settings import UPPER
 from tests.motion.texture.made_dance import dance
 
@@ -16,9 +17,12 @@ OFFSETS, PARENTS = np.array(SKELETON.offsets), np.array(SKELETON.parents)
 
 
 def apply_texture(
-    local: np.ndarray, root: np.ndarray, danced: float, level: float, came: float
+    local: np.ndarray, root: np.ndarray, danced: float, level: float, came: float, told: np.ndarray | None = None
 ) -> tuple[np.ndarray, ...]:
-    """Textured local poses (A, J, 4); source 0 begins at sample 0, source 1 at sample 40 of the first clip."""
+    """Textured local poses (A, J, 4); source 0 begins at sample 0, source 1 at sample 40 of the first clip.
+
+    `told` (A, 3, 39) was told at the last eighth of a beat.
+    """
     position, rotation = (a.astype(np.float32) for a in forward_kinematics(root, local))
     count = len(local)
     limits = np.zeros((2, count, 2), np.int32)
@@ -28,7 +32,8 @@ def apply_texture(
     kernels.blend_upper_bodies(
         position, rotation, np.full(count, danced), np.full(count, level, np.float32), origin, limits,
         np.full(count, danced - came), 1.0, np.zeros((2, count), np.int64), BANK.upper, OFFSETS, PARENTS,
-        np.zeros(count, np.float32),
+        np.zeros(count, np.float32), np.zeros((count, 3, 39), np.float32) if told is None else told,
+        np.full(count, int(np.floor(8.0 * danced)), np.int64),
     )  # fmt: skip
     return position, rotation
 
@@ -75,6 +80,58 @@ def test_clip_is_held_beyond_its_ends() -> None:
         assert np.abs(position - forward_kinematics(root, wanted)[0]).max() < 1e-5
 
 
+def test_what_is_told_turns_recorded_joints_along_a_curve_without_kinks() -> None:
+    local, root = random_poses(1)
+    told = CHANCE.normal(size=(1, 3, 39)).astype(np.float32)
+
+    def at(danced: float, points: np.ndarray) -> np.ndarray:
+        return apply_texture(local, root, danced, 1.0, 1.0, points)[1]
+
+    for part in (0.0, 0.5, 0.875):
+        danced = 1.0 + part / 8.0
+        weights = 0.5 * (1.0 - part) ** 2, 0.5 + part * (1.0 - part), 0.5 * part**2
+        vector = sum(weight * one for weight, one in zip(weights, told[0].astype(np.float64), strict=True))
+        turn = quaternion.from_rotation_vector(np.asarray(vector).reshape(13, 3))
+        wanted = local.copy()
+        still = apply_texture(local, root, danced, 1.0, 1.0)[1][:, list(UPPER)]
+        parents = apply_texture(local, root, danced, 1.0, 1.0)[1][:, [SKELETON.parents[n] for n in UPPER]]
+        own = quaternion.mul(quaternion.inverse(parents), still)
+        wanted[:, list(UPPER)] = quaternion.mul(turn, own)
+        expected = forward_kinematics(root, wanted)[1]
+        assert np.abs(np.abs(np.sum(at(danced, told) * expected, axis=-1)) - 1.0).max() < 1e-5
+    following = np.concatenate((told[:, 1:], CHANCE.normal(size=(1, 1, 39)).astype(np.float32)), axis=1)
+    before, after = at(1.125 - 1e-9, told), at(1.125, following)
+    assert np.abs(np.abs(np.sum(before * after, axis=-1)) - 1.0).max() < 1e-5
+
+
+def test_legs_are_followed_at_every_eighth_as_numpy_does() -> None:
+    told = BANK.told
+    assert told.centres.shape[1] > 10
+    kept = np.zeros((2, 16, 12), np.float32)
+    tracks = leg_positions(np.asarray(dance(8.0, 3).clip.rotation[::4], np.float64))
+    for moment in range(16, 33):
+        kept[:, moment % 16] = tracks[moment]
+    out, at = np.zeros((2, 3, 39), np.float32), np.full(2, kernels.NEVER, np.int64)
+    near = np.zeros(told.centres.shape[1], np.float32)
+    wanted = np.array([True, False])
+    beat = np.full(2, 32.4 / 8.0)
+    for _ in range(2):  # the second time nothing is due
+        kernels.follow_legs(
+            out, at, wanted, beat, kept, near, told.middle, told.scale, told.centres, told.weights, told.slopes
+        )  # fmt: skip
+    expected = told.predict(tracks[32 - np.arange(9)].reshape(1, -1))[0]
+    assert at.tolist() == [32, kernels.NEVER]
+    assert np.abs(expected).max() > 0.05
+    assert out[0] == pytest.approx(np.tile(expected, (3, 1)), abs=1e-4)
+    assert not out[1].any()
+    kept[:, 33 % 16] = tracks[50]
+    kernels.follow_legs(
+        out, at, wanted, beat + 0.125, kept, near, told.middle, told.scale, told.centres, told.weights, told.slopes
+    )  # fmt: skip
+    assert out[0, :2] == pytest.approx(np.tile(expected, (2, 1)), abs=1e-4)
+    assert np.abs(out[0, 2] - expected).max() > 1e-3
+
+
 def test_continuing_fragment_is_preferred_within_margin() -> None:
     far = np.zeros(BANK.count, np.float32)
     own = np.ascontiguousarray(BANK.leg_features[:, 7]) + np.float32(1e-3)
@@ -107,7 +164,6 @@ def test_moments_are_recorded_where_passed() -> None:
 
 def test_leg_positions_are_in_hip_axes() -> None:
     from live.motion.pose.pose_pipeline import PoseSkeleton
-    from live.motion.texture.live_bank import leg_positions
 
     local, root = random_poses()
     joints = PoseSkeleton.legs_only()[1]
