@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from live.base.arrays import Float64
+from live.base.arrays import Float, Float64
 from live.motion import quaternion
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import MIRROR
@@ -80,7 +80,7 @@ def driver_signals(take: SampledClip, drivers: DriverSet, reference: Float64) ->
 
     `reference` (J, 4) are the rotations from which joints are measured.
     """
-    parts = [] if drivers.measured == ROTATIONS else [_places(take, drivers)]
+    parts: list[Float] = [] if drivers.measured == ROTATIONS else [_places(take, drivers)]
     for joint in drivers.joints:
         if joint and drivers.measured == ROTATIONS:
             away = quaternion.mul(quaternion.inverse(reference[joint]), take.rotation[:, joint])
@@ -94,7 +94,7 @@ def driver_signals(take: SampledClip, drivers: DriverSet, reference: Float64) ->
             rate[:, 3] = np.gradient(heading) * (RATE / TURN_UNIT)
         height = (take.root[:, 1:2] - np.median(take.root[:, 1])) / HEIGHT_UNIT
         parts += [up, low_pass(rate, 1), height]
-    return np.concatenate(parts, axis=1)
+    return np.asarray(np.concatenate(parts, axis=1), np.float64)
 
 
 def _places(take: SampledClip, drivers: DriverSet) -> Float64:

@@ -115,8 +115,15 @@ def learn_live_prediction(
     told[ahead] = raw * each
     for begin, end in pairwise(starts):
         told[begin : min(begin + AHEAD, end)] = told[min(begin + AHEAD, end - 1)]
-    parts = (middle, scale, centres.T, weights * each, slopes * each)
-    return LivePrediction(*(np.ascontiguousarray(_rounded(one), np.float32) for one in parts), gains), _rounded(told)
+    prediction = LivePrediction(
+        _float32(middle),
+        _float32(scale),
+        _float32(centres.T),
+        _float32(weights * each),
+        _float32(slopes * each),
+        gains,
+    )
+    return prediction, _rounded(told)
 
 
 def _fit(
@@ -176,3 +183,7 @@ def _gains(targets: Float64, raw: Float64, folds: Sequence[Fold]) -> Float64:
 
 def _rounded(values: Float64) -> Float64:
     return np.asarray(np.round(values / ROUNDING) * ROUNDING)
+
+
+def _float32(values: Float64) -> Float32:
+    return np.ascontiguousarray(_rounded(values), np.float32)
