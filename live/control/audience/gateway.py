@@ -18,6 +18,7 @@ from aiohttp import web
 
 from live.base.system.process_control import raise_open_files
 from live.clock.ticks import TICK
+from live.control.audience.aggregator import Aggregator
 from live.control.audience.broadcaster import Broadcaster
 from live.control.audience.http_server import HELLO_TIMEOUT, HttpServer
 from live.control.audience.session_state import BeatClock, Rules, SessionState
@@ -44,7 +45,7 @@ class Gateway:
     def __init__(self, channel: HelperChannel, plan: dict[str, Any]) -> None:
         self._channel, self._secret, self._link = channel, bytes(plan["secret"]), str(plan["link"])
         self._certificate: tuple[bytes, bytes] | None = plan.get("certificate")
-        self.session = SessionState(plan)
+        self.session, self._aggregator = SessionState(plan), Aggregator()
         self._broadcaster = Broadcaster(self.session)
         self.session.gather = self.gather
         self._server = HttpServer(self.session, self._broadcaster, self._secret, plan)
@@ -81,9 +82,11 @@ class Gateway:
         self._lateness_samples[self._tick % MAX_TICKS] = max(now - self.session.due, 0.0)
         self._tick += 1
         self.session.due = now + TICK
-        packet = self.session.update(now)
+        report = self.session.report(now)
+        self.session.tally = report.tally
+        packet = self._aggregator.update(now, report)
         if packet is not None and not self._send(packet):
-            self.session.aggregator.resend()
+            self._aggregator.resend()
         self._broadcaster.update(now)
 
     def _run_timer(self) -> None:

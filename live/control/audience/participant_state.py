@@ -1,12 +1,10 @@
-"""State of each phone's voice, and the common places that many voices chose.
+"""State of each phone's voice.
 
-Each phone has one voice. Its weight is its region's weight; after the finger is lifted it halves every second. Voices
-are clustered at the modes of their density (mean shift, Comaniciu and Meer 2002). A single voice far from a crowd forms
-no place, so one person has no force among many.
+Each phone has one voice. Its weight is its region's weight; after the finger is lifted it halves every second.
+`voice_sketch` says which places many voices chose.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
 
@@ -14,7 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.arrays import Float64
-from live.control.audience.phone_protocol import ATTRACT, FULL_SCALE, REPEL, TOUCH_DTYPE
+from live.control.audience.phone_protocol import FULL_SCALE, TOUCH_DTYPE
+from live.control.audience.voice_sketch import VoiceSketch, grid_of, merge, whole_weights
 
 FRESH_SECONDS: Final = 0.75
 """A voice keeps its full weight this long [s] after its last message; resting fingers send three messages a second."""
@@ -22,16 +21,6 @@ FADE_HALF_LIFE: Final = 1.0
 """Half-life [s] of a voice after that."""
 MIN_FRESHNESS: Final = 0.05
 """A voice below this share of its weight is ignored."""
-BANDWIDTH: Final = 1.2
-"""Voices within this distance [m] of each other form one place."""
-CELL: Final = 0.4
-"""Cell size [m] of the initial density estimate."""
-PLACES: Final = 4
-MIN_PLACE_WEIGHT: Final = 0.3
-"""Places with less than this share of the heaviest place's weight are ignored."""
-MIN_PHONES: Final = 4.0
-FULL_FORCE_SHARE: Final = 0.05
-"""The force is full from this share of the phones on, but needs at least `MIN_PHONES` phones if there are several."""
 SHAKE_SECONDS: Final = 1.0
 """A shake counts this long [s]."""
 
@@ -49,25 +38,6 @@ class Hearing(IntEnum):
     """Another region has its turn."""
     NO_VOICE = 4
     """It does not count: its place is crowded, its region has no weight, or the show does not answer."""
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """A cluster of voices: (x, z) [m], weight relative to the heaviest place, mode."""
-
-    x: float
-    z: float
-    weight: float
-    mode: int
-
-
-@dataclass(frozen=True, slots=True)
-class Force:
-    """Combined force: its strength, 0 to 1, its places, and the share of participants that shake."""
-
-    share: float
-    places: tuple[Place, ...]
-    shaken: float
 
 
 class Voices:
@@ -181,77 +151,19 @@ class Voices:
         """Return the total number of voices, speaking or not; fractions of a voice are added."""
         return float(self.share[(self.number > 0) & self.allowed].sum())
 
-    def shaken_share(self, now: float) -> float:
-        """Return the share of voices that are being shaken."""
-        people = self.people()
-        shaken = (now - self.shake_time < SHAKE_SECONDS) & self.allowed & (self.number > 0)
-        return min(float(self.share[shaken].sum()) / people, 1.0) if people > 0.0 else 0.0
-
-    def force(self, now: float, weight: Float64 | None = None) -> Force:
-        """Return the combined force; `weight`: the result of `weights`, if known."""
-        count, shaken = self.people(), self.shaken_share(now)
+    def sketch(self, now: float, weight: Float64 | None = None) -> VoiceSketch:
+        """Return the sketch of all voices; `weight`: the result of `weights`, if known."""
         weight = self.weights(now) if weight is None else weight
-        rows = np.flatnonzero(weight)
-        if not len(rows):
-            return Force(0.0, (), shaken)
-        x, z, mode, weight = self.x[rows], self.z[rows], self.mode[rows], weight[rows]
-        enough = max(min(MIN_PHONES, count), FULL_FORCE_SHARE * count)
-        share = min(float(weight.sum()) / enough, 1.0) ** 2
-        found = [
-            place for kind in (ATTRACT, REPEL) for place in _places(x, z, np.where(mode == kind, weight, 0.0), kind)
-        ]
-        found.sort(key=lambda place: -place.weight)
-        most = found[0].weight
-        kept = [place for place in found[:PLACES] if place.weight >= MIN_PLACE_WEIGHT * most]
-        return Force(share, tuple(Place(p.x, p.z, p.weight / most, p.mode) for p in kept), shaken)
+        whole = whole_weights(weight)
+        rows = np.flatnonzero(whole)
+        there = self.allowed & (self.number > 0)
+        shares = whole_weights(self.share)
+        shaken = (now - self.shake_time < SHAKE_SECONDS) & there
+        return VoiceSketch.of_voices(
+            grid_of(self._half), self.x[rows], self.z[rows], whole[rows], self.mode[rows], int(shares[there].sum()),
+            int(shares[shaken].sum()),
+        )  # fmt: skip
 
-
-def _places(x: Float64, z: Float64, weight: Float64, mode: int) -> list[Place]:
-    """Return the densest places of voices, heaviest first, each with the weight around it.
-
-    The voices of a cell are merged at their mean, so the cost is bounded by the stage's cells even with thousands.
-    """
-    if not weight.any():
-        return []
-    x, z, left, wide = _cells(x, z, weight)
-    found: list[Place] = []
-    for _ in range(PLACES):
-        around = _neighbourhood_weight(left, wide)
-        best = int(np.argmax(around * (left > 0.0)))
-        if left[best] <= 0.0:
-            break
-        at_x, at_z = float(x[best]), float(z[best])
-        for _ in range(4):
-            t = np.maximum(1.0 - ((x - at_x) ** 2 + (z - at_z) ** 2) / BANDWIDTH**2, 0.0)
-            near = t * t * left
-            total = float(near.sum())
-            if total <= 0.0:
-                break
-            at_x, at_z = float(near @ x) / total, float(near @ z) / total
-        within = ((x - at_x) ** 2 + (z - at_z) ** 2 < BANDWIDTH**2) & (left > 0.0)
-        if not within.any():
-            break
-        found.append(Place(at_x, at_z, float(left[within].sum()), mode))
-        left[within] = 0.0
-    return found
-
-
-def _cells(x: Float64, z: Float64, weight: Float64) -> tuple[Float64, Float64, Float64, int]:
-    """Return each cell's mean (x, z) [m] and weight, in rows of `wide` cells with empty borders."""
-    column = ((x - x.min()) / CELL).astype(np.int64) + 1
-    row = ((z - z.min()) / CELL).astype(np.int64) + 1
-    wide, deep = int(column.max()) + 2, int(row.max()) + 2
-    cell, count = row * wide + column, wide * deep
-    total: Float64 = np.bincount(cell, weight, count).astype(np.float64)
-    parts = np.maximum(total, 1e-12)
-    return np.bincount(cell, weight * x, count) / parts, np.bincount(cell, weight * z, count) / parts, total, wide
-
-
-def _neighbourhood_weight(weight: Float64, wide: int) -> Float64:
-    """Return the total weight of each cell and its eight neighbours."""
-    cells = weight.reshape(-1, wide)
-    around = cells.copy()
-    around[1:-1] += cells[:-2] + cells[2:]
-    across = around.copy()
-    across[:, 1:-1] += around[:, :-2] + around[:, 2:]
-    return across.reshape(-1)
+    def silence(self) -> VoiceSketch:
+        """Return the sketch of voices that nobody listens to."""
+        return merge(grid_of(self._half), ())

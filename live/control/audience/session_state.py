@@ -11,12 +11,13 @@ import numpy as np
 
 from live.control.audience import phone_protocol as wire
 from live.control.audience.admission import OWN_WIFI, Admission
-from live.control.audience.aggregator import Aggregator
 from live.control.audience.bans import Bans
 from live.control.audience.join_tickets import JoinTickets
 from live.control.audience.participant_state import Hearing, Voices
 from live.control.audience.phone_registry import MAX_FAST, MAX_MALFORMED, Device, Phone, Phones
 from live.control.audience.rate_limit import ALL_BURST, ALL_RATE, BURST, RATE, RefusalReason
+from live.control.audience.voice_report import VoiceReport, VoiceReporter
+from live.control.audience.voice_sketch import UNIT
 from live.control.message_codec import registered
 
 CLOCK_TOLERANCE: Final = 0.010
@@ -98,7 +99,7 @@ class SessionState:
         self.admission = Admission(self.phones, self.tickets, network, int(plan["per_address"]), secret)
         self.bans = Bans(has_groups=self.admission.has_groups, exported=plan.get("bans", ()))
         self.voices = Voices(most + SPARE_ROWS)
-        self.aggregator = Aggregator(self.voices, int(plan["visible"]))
+        self.reporter = VoiceReporter(self.voices, int(plan["visible"]))
         self.rules, self.beat = Rules(), BeatClock()
         self.refused: Counter[str] = Counter()
         self.tally: tuple[int, ...] = ()
@@ -123,7 +124,6 @@ class SessionState:
         if self.bans.set_banned(rules.banned, self.tickets.newest(now), now):
             self.bans.spread((one.number, one.group, one.origin) for one in self.phones.by_number.values())
         self.voices.update_rules(rules.weights, sorted(self.bans.numbers()), rules.half)
-        self.aggregator.order = rules.order
         self.tickets.set_invitation(rules.invitation)
 
     # -- connections ---------------------------------------------------------------------------------------------
@@ -239,18 +239,20 @@ class SessionState:
 
     # -- aggregate -----------------------------------------------------------------------------------------------
 
-    def update(self, now: float) -> tuple[Any, ...] | None:
-        """Return the event for the show at `now` [s]; None if nothing is new."""
+    def report(self, now: float) -> VoiceReport:
+        """Return what the phones say at `now` [s]."""
         self._tokens_left = min(max(self._tokens_left, 0.0) + (now - self._filled) * ALL_RATE, ALL_BURST)
         self._filled = now
         self.voices.apply_touches()
-        return self.aggregator.update(now, len(self.phones.by_number), self.rules.open, self._count_votes)
+        return self.reporter.report(
+            now, self.rules.order, len(self.phones.by_number), self.rules.open, self._count_votes
+        )
 
     def changed_hearing(self, now: float) -> list[tuple[Phone, int]]:
         """Return the phones that have to be told another `Hearing`; they count as told."""
         voices, turn = self.voices, self.rules.turn
         found = voices.hearing(
-            now, self.aggregator.highlights.rows, turn=-1 if turn is None else turn[0],
+            now, self.reporter.highlights.rows, turn=-1 if turn is None else turn[0],
             answers=now - self.heard_show_at < SHOW_SILENCE,
         )  # fmt: skip
         if not self.rules.open:
@@ -261,19 +263,17 @@ class SessionState:
         return [(phone, hearing) for phone, hearing in phones if phone is not None]
 
     def _count_votes(self) -> tuple[int, ...]:
-        """Count and return the `tally`."""
+        """Return the open vote's number and the weight of the votes for each choice in `UNIT`."""
         vote = self.rules.vote
         if vote is None:
-            self.tally = ()
             return ()
-        counts = [0.0] * len(vote[2])
+        counts = [0] * len(vote[2])
         weights = self.rules.weights or (1.0,)
         for phone in self.phones.by_number.values():
             if phone.vote[0] == vote[0] and phone.row >= 0 and self.voices.allowed[phone.row]:
                 region = min(int(self.voices.region[phone.row]), len(weights) - 1)
-                counts[phone.vote[1]] += weights[region] * float(self.voices.share[phone.row])
-        self.tally = (vote[0], *(round(100 * count) for count in counts))
-        return self.tally
+                counts[phone.vote[1]] += round(UNIT * weights[region] * float(self.voices.share[phone.row]))
+        return (vote[0], *counts)
 
     def facts(self) -> dict[str, Any]:
         """Return facts for the status, without personal data."""
@@ -281,5 +281,5 @@ class SessionState:
             "phones": len(self.phones), "messages": self.messages, "crowded": self.admission.crowded,
             "voices": round(self.voices.people(), 2),
             "held": self.bans.covered(), "bans": self.bans.export(),
-            "refused": dict(self.refused), "ways_ms": self.aggregator.wait_times(),
+            "refused": dict(self.refused), "ways_ms": self.reporter.wait_times(),
         }  # fmt: skip

@@ -182,7 +182,7 @@ def test_laptop_with_forty_addresses_has_no_place_or_force():
             of_laptop = np.isin(voices.number, [phone.number for phone in own])
             assert weights[~of_laptop].sum() == pytest.approx(40.0)
             assert weights[of_laptop].sum() < 0.05 * weights.sum()
-            force = voices.force(now)
+            force = voices.sketch(now).force()
             assert [round(place.x, 1) for place in force.places] == [-3.6]  # one place: that of the phones
             assert force.share == 1.0  # and the laptop's many do not make the phones few
         finally:

@@ -5,9 +5,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.control.audience.aggregator import HIGHLIGHT_SECONDS, HighlightRotation
-from live.control.audience.participant_state import BANDWIDTH, FADE_HALF_LIFE, FRESH_SECONDS, Voices
+from live.control.audience.participant_state import FADE_HALF_LIFE, FRESH_SECONDS, Voices
 from live.control.audience.phone_protocol import ATTRACT, REPEL
+from live.control.audience.voice_report import HIGHLIGHT_SECONDS, HighlightRotation
+from live.control.audience.voice_sketch import BANDWIDTH
 
 HALF = (6.0, 4.0)
 
@@ -31,7 +32,7 @@ def sample_points(count, x, z, spread=0.4, seed=5):
 
 def test_thousand_phones_form_one_place_at_their_median():
     points = sample_points(1000, 2.0, -1.0)
-    force = make_voices(points).force(10.0)
+    force = make_voices(points).sketch(10.0).force()
     assert force.share == 1.0
     assert len(force.places) == 1
     place = force.places[0]
@@ -41,24 +42,24 @@ def test_thousand_phones_form_one_place_at_their_median():
 
 def test_single_outlier_among_thousand_phones_has_no_place():
     points = sample_points(1000, 2.0, -1.0)
-    calm = make_voices(points).force(10.0).places[0]
+    calm = make_voices(points).sketch(10.0).force().places[0]
     for x, z in ((-5.9, 3.9), (2.0, 1.5), (5.9, -3.9)):
-        disturbed = make_voices([*points, (x, z)]).force(10.0)
+        disturbed = make_voices([*points, (x, z)]).sketch(10.0).force()
         assert len(disturbed.places) == 1
         assert np.hypot(disturbed.places[0].x - calm.x, disturbed.places[0].z - calm.z) < 0.01
 
 
 def test_force_share_depends_on_joined_phones():
-    assert make_voices([(3.0, 0.0)], joined=1000).force(10.0).share < 0.001
-    assert make_voices([(3.0, 0.0)]).force(10.0).share == 1.0
-    assert make_voices(sample_points(50, 1.0, 1.0), joined=1000).force(10.0).share == 1.0
+    assert make_voices([(3.0, 0.0)], joined=1000).sketch(10.0).force().share < 0.001
+    assert make_voices([(3.0, 0.0)]).sketch(10.0).force().share == 1.0
+    assert make_voices(sample_points(50, 1.0, 1.0), joined=1000).sketch(10.0).force().share == 1.0
 
 
 def test_two_crowds_form_places_by_size_and_mode():
     voices = make_voices(sample_points(200, -4.0, 0.0) + sample_points(100, 4.0, 0.0), joined=300)
     for row in range(200, 300):
         voices.mode[row] = REPEL
-    places = voices.force(10.0).places
+    places = voices.sketch(10.0).force().places
     assert [place.mode for place in places] == [ATTRACT, REPEL]
     assert places[0].weight == 1.0
     assert places[1].weight == pytest.approx(0.5, abs=0.03)
@@ -71,32 +72,32 @@ def test_voice_fades_to_zero_after_touch_ends():
     voices.touching[0], voices.message_time[0] = False, 11.0
     assert voices.weights(11.0 + FADE_HALF_LIFE)[0] == pytest.approx(0.5)
     assert voices.weights(11.0 + 10 * FADE_HALF_LIFE)[0] == 0.0
-    assert voices.force(30.0).places == ()
+    assert voices.sketch(30.0).force().places == ()
 
 
 def test_regions_have_operator_weights_and_banned_phones_none():
     voices = make_voices(sample_points(10, 3.0, 0.0) + sample_points(5, -3.0, 0.0))
     voices.region[10:] = 1
     voices.update_rules((0.5, 2.0), (), HALF)
-    places = voices.force(10.0).places
+    places = voices.sketch(10.0).force().places
     assert [round(place.x) for place in places] == [-3, 3]
     assert places[1].weight == pytest.approx(0.5, abs=0.05)
     voices.update_rules((0.5, 2.0), tuple(range(11, 16)), HALF)
-    assert [round(place.x) for place in voices.force(10.0).places] == [3]
+    assert [round(place.x) for place in voices.sketch(10.0).force().places] == [3]
     voices.update_rules((), (), HALF)  # a patch without regions: all weigh the same
-    assert voices.force(10.0).places[0].x > 0
+    assert voices.sketch(10.0).force().places[0].x > 0
 
 
 @given(st.lists(st.tuples(st.floats(-6, 6), st.floats(-4, 4)), min_size=1, max_size=60), st.integers(0, 100))
 def test_places_weights_and_order_properties_hold(points, more):
     """Places lie among the voices of their kind; weights are relative to the largest; order does not matter."""
-    force = make_voices(points, joined=len(points) + more).force(10.0)
+    force = make_voices(points, joined=len(points) + more).sketch(10.0).force()
     assert 0.0 < force.share <= 1.0
     assert force.places[0].weight == 1.0
     for place in force.places:
         assert 0.3 <= place.weight <= 1.0
         assert min(np.hypot(place.x - x, place.z - z) for x, z in points) < BANDWIDTH
-    turned = make_voices(points[::-1], joined=len(points) + more).force(10.0)
+    turned = make_voices(points[::-1], joined=len(points) + more).sketch(10.0).force()
     np.testing.assert_allclose(
         sorted((p.x, p.z) for p in turned.places), sorted((p.x, p.z) for p in force.places), atol=1e-6
     )
