@@ -18,7 +18,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from live.control.audience.join_tickets import JoinTickets
-from live.control.audience.phone_registry import Phone, Phones
+from live.control.audience.phone_registry import NOWHERE, Phone, Phones
 from live.control.audience.rate_limit import ALL_JOINS, RefusalReason, TokenBucket, WaitingLine
 
 OWN_WIFI: Final = "own wifi"
@@ -89,10 +89,17 @@ class Admission:
         found = [group for group, until in self._crowded.items() if now > until]
         for group in found:
             del self._crowded[group]
+        if self._phones.changed_groups is not None:
+            self._phones.changed_groups.update(found)
         return found
 
     def _is_crowded(self, group: int, now: float) -> bool:
-        return now <= self._crowded.get(group, -1.0)
+        there = self._phones.elsewhere.get(group, NOWHERE).crowded_until
+        return now <= max(self._crowded.get(group, -1.0), there)
+
+    def crowded_until(self, group: int) -> float:
+        """Return the time until which a group is crowded here [s of the show]; below 0: it is not."""
+        return self._crowded.get(group, -1.0)
 
     def _makes_crowd(self, group: int, now: float) -> bool:
         """Whether a further join makes the group crowded."""
@@ -108,6 +115,8 @@ class Admission:
             return False
         if group in self._crowded or len(self._crowded) < MOST_GROUPS:
             self._crowded[group] = now + CROWD_SECONDS
+            if self._phones.changed_groups is not None:
+                self._phones.changed_groups.add(group)
         return True
 
     # -- joining ---------------------------------------------------------------------------------------------------
@@ -116,7 +125,7 @@ class Admission:
         """Answer a phone that has joined before and is not connected."""
         if self._phones.is_full(now, fresh=False):
             return self._refuse_for_now(RefusalReason.FULL, 2.0, 6.0)
-        if len(self._phones.in_group(group)) >= self._per_group:
+        if self._phones.count_in_group(group) >= self._per_group:
             return self._refuse_for_now(RefusalReason.ADDRESS, 15.0, 30.0)
         wait = self._all.wait(now)
         if wait > 0.0:
@@ -137,7 +146,7 @@ class Admission:
         serial = 0 if held is None else held.serial
         if self._phones.is_full(now, fresh=True):
             return self._refuse_for_now(RefusalReason.FULL, 3.0, 8.0, tickets.issue_voucher(ticket, 0.0, now, serial))
-        if len(self._phones.in_group(group)) >= self._per_group:
+        if self._phones.count_in_group(group) >= self._per_group:
             return self._refuse_for_now(
                 RefusalReason.ADDRESS, 15.0, 30.0, tickets.issue_voucher(ticket, 0.0, now, serial)
             )

@@ -53,8 +53,7 @@ class Bans:
         self._has_groups = has_groups
         self._known: dict[int, PhoneIdentity] = {}
         self._bans: dict[int, Ban] = {}
-        self._before = {int(number): Ban(set(groups), int(browser), int(ticket), float(until), dict.fromkeys(held))
-                        for number, groups, browser, ticket, until, held in exported}  # fmt: skip
+        self._before = _imported(exported)
 
     def set_banned(self, numbers: Iterable[int], ticket: int, now: float) -> bool:
         """Replace the banned numbers; return whether they changed. `ticket`: the newest."""
@@ -117,6 +116,27 @@ class Bans:
                 if number != banned and ban.groups & {group, origin}:
                     self._cover(ban, PhoneIdentity(Device(number, 0, origin), group, 0))
 
+    def merge(self, exported: Iterable[Any]) -> bool:
+        """Take over what other gateways know of the banned phones (`export`); return whether anything is new.
+
+        ValueError or TypeError for anything else.
+        """
+        new = False
+        for number, other in _imported(exported).items():
+            ban = self._bans.get(number)
+            if ban is None:
+                continue
+            groups = len(ban.groups), len(ban.covered), ban.browser
+            ban.groups |= other.groups
+            ban.browser = ban.browser or other.browser
+            ban.covered.update(dict.fromkeys(list(other.covered)[-MAX_COVERED:]))
+            while len(ban.covered) > MAX_COVERED:
+                del ban.covered[next(iter(ban.covered))]
+            while len(ban.groups) > MAX_COVERED:
+                ban.groups.pop()
+            new |= groups != (len(ban.groups), len(ban.covered), ban.browser)
+        return new
+
     def numbers(self) -> set[int]:
         """Return the numbers of all banned and covered phones."""
         return {*self._bans, *(number for ban in self._bans.values() for number in ban.covered)}
@@ -127,5 +147,20 @@ class Bans:
 
     def export(self) -> list[Any]:
         """Return the bans as rows of plain values, for the next gateway."""
-        return [[number, sorted(ban.groups)[:8], ban.browser, ban.ticket, ban.until, list(ban.covered)[-16:]]
-                for number, ban in list(self._bans.items())[-MAX_EXPORTED:]]  # fmt: skip
+        return _rows(self._bans)
+
+
+def exported(rows: Iterable[Any]) -> list[Any]:
+    """Return rows of `Bans.export` that came from another process; ValueError or TypeError if they are none."""
+    return _rows(_imported(rows))
+
+
+def _rows(bans: dict[int, Ban]) -> list[Any]:
+    return [[number, sorted(ban.groups)[:8], ban.browser, ban.ticket, ban.until, list(ban.covered)[-16:]]
+            for number, ban in list(bans.items())[-MAX_EXPORTED:]]  # fmt: skip
+
+
+def _imported(rows: Iterable[Any]) -> dict[int, Ban]:
+    return {int(number): Ban(set(map(int, groups)), int(browser), int(ticket), float(until),
+                             dict.fromkeys(map(int, held)))
+            for number, groups, browser, ticket, until, held in rows}  # fmt: skip

@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import json
+import math
 from collections.abc import AsyncIterator
 from typing import Final
 
@@ -20,8 +21,15 @@ BATCH_PAUSE: Final = 0.002
 CLOCK_INTERVAL: Final = 4.0
 """Maximum interval between clock messages [s]."""
 TOUCHES_EVERY: Final = 0.1
-"""Interval of a phone's touch messages [s]; it grows with the number of phones, to limit the total message rate."""
+"""Interval of a phone's touch messages [s], up to `FEW_PHONES` phones of all gateways together ..."""
+FEW_PHONES: Final = 2000
+MANY_PHONES: Final = 100_000
+TOUCHES_OF_MANY: Final = 0.5
+"""... and with `MANY_PHONES`; in between, and beyond, it grows by a power of their number."""
+MAX_TOUCH_INTERVAL: Final = 0.7
+"""With still more phones it stays so [s], or voices would fade between two messages."""
 MOST_MESSAGES: Final = 20_000.0
+"""Messages per second of the phones of one gateway, which asks for fewer if it has many."""
 MOST_FRAMES: Final = 10_000.0
 """Frames of the stage per second to all phones together."""
 MAX_UNSENT_FRAMES: Final = 1 << 10
@@ -88,7 +96,9 @@ class Broadcaster:
 
     def touch_interval(self) -> int:
         """Return the interval of touch messages [ms], in steps of 20."""
-        return 20 * round(50.0 * max(TOUCHES_EVERY, len(self._hall.phones) / MOST_MESSAGES))
+        here = len(self._hall.phones)
+        every = max(touch_seconds(here + self._hall.phones.total_elsewhere), here / MOST_MESSAGES)
+        return 20 * round(50.0 * every)
 
     def stage_interval(self) -> float:
         """Return the interval of frames of the stage [s]; it grows with the number of phones."""
@@ -188,6 +198,12 @@ class Broadcaster:
             return
         with contextlib.suppress(ConnectionError, RuntimeError):
             await phone.ws.send_str(words)
+
+
+def touch_seconds(phones: int) -> float:
+    """Return the interval of touch messages of each of so many phones [s]."""
+    exponent = math.log(TOUCHES_OF_MANY / TOUCHES_EVERY) / math.log(MANY_PHONES / FEW_PHONES)
+    return min(TOUCHES_EVERY * math.pow(max(phones / FEW_PHONES, 1.0), exponent), MAX_TOUCH_INTERVAL)
 
 
 def rules_message(rules: Rules) -> str:

@@ -205,9 +205,9 @@ class HttpServer:
             return None
         known = verify_token(self._secret, hello.token) if hello.token else None
         answer = self._admit(hello, known, group)
-        if answer.why is None:
-            device = known if known is not None else Device(hall.phones.next, answer.ticket, group)
-            hall.phones.next += known is None
+        number = hall.phones.numbers.take() if known is None and answer.why is None else 0
+        if answer.why is None and number is not None:
+            device = known if known is not None else Device(number, answer.ticket, group)
             phone = hall.enter(
                 device, hello.region, group, self._browser(request), ws, request.transport, fresh=known is None
             )
@@ -217,6 +217,7 @@ class HttpServer:
                 phone.transport.set_protocol(reading)
                 await self._welcome(phone, device)
                 return phone
+        if answer.why is None:
             answer = JoinAnswer(RefusalReason.FULL, HELLO_TIMEOUT)
         assert answer.why is not None
         hall.refused[answer.why] += 1

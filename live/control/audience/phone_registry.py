@@ -9,6 +9,7 @@ stay valid for a while. A phone that joins gets a token with its number, its tic
 import base64
 import hashlib
 import hmac
+from collections import deque
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -48,13 +49,61 @@ class Phone:
     """Whether the phone closed the connection itself; its place is then not kept."""
 
 
+class Numbers:
+    """Numbers for new phones. Thread: one."""
+
+    def __init__(self, first: int, end: int) -> None:
+        """Numbers from `first` up to `end`, which is not one of them."""
+        self._ranges = deque([(first, end)])
+
+    def __len__(self) -> int:
+        return sum(end - first for first, end in self._ranges)
+
+    def take(self) -> int | None:
+        """Return a number that no phone had before; None if there is none left."""
+        while self._ranges:
+            first, end = self._ranges.popleft()
+            if first < end:
+                self._ranges.appendleft((first + 1, end))
+                return first
+        return None
+
+    def add(self, first: int, end: int) -> None:
+        """Add numbers from `first` up to `end`."""
+        self._ranges.append((first, end))
+
+
+@dataclass(frozen=True, slots=True)
+class GroupElsewhere:
+    """What other gateways have of a group: see `Phones.elsewhere`."""
+
+    phones: int = 0
+    joined: int = 0
+    """Phones that joined in it, wherever they are now."""
+    crowded_until: float = -1.0
+    """Time [s of the show] until which it is crowded there."""
+
+
+NOWHERE: Final = GroupElsewhere()
+
+
 class Phones:
     """All connected phones. Thread: one."""
 
     def __init__(self, most: int, first: int) -> None:
         """`most`: maximum at a time; `first`: number of the next phone."""
         self.by_number: dict[int, Phone] = {}
-        self.most, self.next = most, first
+        self.most, self.numbers = most, Numbers(first, MOST_NUMBER)
+        self.most_in_all = most
+        """Maximum at a time of all gateways together."""
+        self.total_elsewhere = 0
+        """Phones of the other gateways of this show."""
+        self.elsewhere: dict[int, GroupElsewhere] = {}
+        """Groups that other gateways have phones of as well."""
+        self.changed_groups: set[int] | None = None
+        """Groups that changed since somebody last looked; None: nobody looks."""
+        self.changed_numbers: dict[int, bool] = {}
+        """Numbers that came (True) or went since then."""
         self._of_group: dict[int, dict[Phone, None]] = {}
         self._of_origin: dict[int, dict[Phone, None]] = {}
         self._kept: dict[int, float] = {}
@@ -69,7 +118,8 @@ class Phones:
             for number in [number for number, until in self._kept.items() if now > until]:
                 del self._kept[number]
             kept = len(self._kept)
-        return len(self.by_number) + kept >= self.most
+        here = len(self.by_number) + kept
+        return here >= self.most or here + self.total_elsewhere >= self.most_in_all
 
     def in_group(self, group: int) -> list[Phone]:
         """Return the phones of a group, in order of arrival."""
@@ -83,8 +133,24 @@ class Phones:
         return list(found)
 
     def related_count(self, phone: Phone) -> int:
-        """Return the size of the phone's group, or of the group in which it joined if that is larger."""
-        return max(len(self._of_group.get(phone.group, ())), len(self._of_origin.get(phone.origin, ())), 1)
+        """Return the size of the phone's group, or of the group in which it joined if that is larger, with the phones
+        of other gateways."""
+        here, joined = self.count(phone.group)[0], self.count(phone.origin)[1]
+        there = self.elsewhere.get(phone.group, NOWHERE).phones, self.elsewhere.get(phone.origin, NOWHERE).joined
+        return max(here + there[0], joined + there[1], 1)
+
+    def count(self, group: int) -> tuple[int, int]:
+        """Return how many phones here are in a group, and how many joined in it."""
+        return len(self._of_group.get(group, ())), len(self._of_origin.get(group, ()))
+
+    def count_in_group(self, group: int) -> int:
+        """Return the size of a group, with the phones of other gateways."""
+        return self.count(group)[0] + self.elsewhere.get(group, NOWHERE).phones
+
+    def _note(self, phone: Phone, *, here: bool) -> None:
+        if self.changed_groups is not None:
+            self.changed_groups |= {phone.group, phone.origin}
+            self.changed_numbers[phone.number] = here
 
     def add(self, phone: Phone) -> Phone | None:
         """Add a phone; return the one that had its number (another tab, a stale socket)."""
@@ -93,6 +159,7 @@ class Phones:
         self._of_group.setdefault(phone.group, {})[phone] = None
         self._of_origin.setdefault(phone.origin, {})[phone] = None
         self._kept.pop(phone.number, None)
+        self._note(phone, here=True)
         return before
 
     def remove(self, phone: Phone, now: float) -> bool:
@@ -102,6 +169,7 @@ class Phones:
             left.pop(phone, None)
             if not left:
                 of.pop(key, None)
+        self._note(phone, here=self.by_number.get(phone.number, phone) is not phone)
         if self.by_number.get(phone.number) is phone:
             del self.by_number[phone.number]
             if not phone.left_by_itself and len(self._kept) < self.most:

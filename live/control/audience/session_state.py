@@ -95,6 +95,7 @@ class SessionState:
         secret, network = bytes(plan.get("secret", b"")), str(plan.get("network", OWN_WIFI))
         devices = int(plan.get("joins_per_code") or max(2 * most, MIN_JOINS_PER_CODE))
         self.phones = Phones(most, int(plan["first"]))
+        self.phones.most_in_all = int(plan.get("most_in_all", most))
         self.tickets = JoinTickets(secret, float(plan.get("code_s", 30.0)), float(plan.get("grace_s", 120.0)), devices)
         self.admission = Admission(self.phones, self.tickets, network, int(plan["per_address"]), secret)
         self.bans = Bans(has_groups=self.admission.has_groups, exported=plan.get("bans", ()))
@@ -117,14 +118,28 @@ class SessionState:
         """Return the time of the show [s]."""
         return time.perf_counter() - self._origin
 
+    def shift_clock(self, seconds: float) -> None:
+        """Let the time of the show be so much later."""
+        self._origin -= seconds
+
     def update_rules(self, rules: Rules) -> None:
         """Apply new rules."""
         self.rules = rules
         now = self.now()
         if self.bans.set_banned(rules.banned, self.tickets.newest(now), now):
             self.bans.spread((one.number, one.group, one.origin) for one in self.phones.by_number.values())
-        self.voices.update_rules(rules.weights, sorted(self.bans.numbers()), rules.half)
+        self._apply_bans()
         self.tickets.set_invitation(rules.invitation)
+
+    def merge_bans(self, exported: Any) -> None:
+        """Take over what other gateways know of banned phones (`Bans.export`); ValueError or TypeError for anything
+        else."""
+        if self.bans.merge(exported):
+            self.bans.spread((one.number, one.group, one.origin) for one in self.phones.by_number.values())
+            self._apply_bans()
+
+    def _apply_bans(self) -> None:
+        self.voices.update_rules(self.rules.weights, sorted(self.bans.numbers()), self.rules.half)
 
     # -- connections ---------------------------------------------------------------------------------------------
 
@@ -170,6 +185,15 @@ class SessionState:
         if phone.row >= 0:  # otherwise another connection has it
             self.voices.touching[phone.row] = False
             self._disconnected[phone.number] = (phone.row, now)
+
+    def give_up(self, number: int) -> None:
+        """Cut off a phone that is connected to another gateway by now; its voice is there."""
+        phone = self.phones.by_number.get(number)
+        if phone is not None:
+            row, phone.row, phone.left_by_itself = phone.row, -1, True
+            if row >= 0:
+                self.voices.remove(row)
+            phone.transport.abort()
 
     def sweep(self) -> None:
         """Free the rows of phones that are gone, and disconnect silent ones."""

@@ -33,3 +33,13 @@ def guarded(name: str, act: Callable[[], None]) -> Callable[[], None]:
             FAULTS.record(name, error)
 
     return call
+
+
+def loop_factory() -> Callable[[], asyncio.AbstractEventLoop]:
+    """Return the faster event loop if it is installed."""
+    try:
+        import uvloop
+    except ImportError:
+        return asyncio.SelectorEventLoop  # the one that waits for sockets on every system
+    made: Callable[[], asyncio.AbstractEventLoop] = uvloop.new_event_loop
+    return made

@@ -29,8 +29,8 @@ from typing import Any, Final
 from cryptography.hazmat.primitives.kdf.scrypt import Scrypt
 
 from live.base.errors import PersonError
+from live.control.pinned_tls import tls13
 from live.supervisor.network.identity import Identity, Pairings, Peer, safe_name
-from live.supervisor.network.tls import tls13
 
 PORT: Final = 9021
 PHRASE_LIFETIME: Final = 300.0

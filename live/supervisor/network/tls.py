@@ -11,11 +11,10 @@ import socket
 import ssl
 from typing import Final
 
+from live.control.pinned_tls import pinned_context
 from live.supervisor.line_channel import LineChannel
 from live.supervisor.network.identity import Identity, Pairings, Peer
 
-NO_CHECK_TIME: Final = 0x200000
-"""X509_V_FLAG_NO_CHECK_TIME of OpenSSL, for which Python has no name."""
 HANDSHAKE_WITHIN: Final = 5.0
 """Seconds allowed for a handshake."""
 MOST_AT_ONCE: Final = 4 * 1024 * 1024
@@ -63,22 +62,7 @@ class TrustStore:
         return context.wrap_socket(sock, server_side=server, do_handshake_on_connect=False)
 
     def _context(self, kind: int) -> ssl.SSLContext:
-        context = tls13(kind)
-        context.check_hostname = False
-        context.verify_mode = ssl.CERT_REQUIRED
-        context.verify_flags |= ssl.VERIFY_X509_PARTIAL_CHAIN | ssl.VerifyFlags(NO_CHECK_TIME)
-        context.load_cert_chain(self._identity.path)
-        context.load_verify_locations(cadata=b"".join(peer.certificate for peer in self.peers.values()))
-        return context
-
-
-def tls13(kind: int) -> ssl.SSLContext:
-    """Return a context for TLS 1.3 only, without tickets, so that every connection shows its certificates."""
-    context = ssl.SSLContext(kind)
-    context.minimum_version = ssl.TLSVersion.TLSv1_3
-    if kind == ssl.PROTOCOL_TLS_SERVER:
-        context.num_tickets = 0
-    return context
+        return pinned_context(kind, self._identity.path, [peer.certificate for peer in self.peers.values()])
 
 
 class Handshake:

@@ -13,6 +13,7 @@ from live.base.system.channel import MAX_PACKET_BYTES
 from live.control.audience.gateway import Gateway
 from live.control.audience.phone_registry import ticket_key
 from live.control.audience.session_state import BeatClock, Rules
+from live.control.audience.uplink import ShowUplink
 from live.control.message_codec import decode_packet, encode_packet
 
 SECRET = b"s" * 32
@@ -82,7 +83,7 @@ async def open_gateway(**plan):
     usual = {"secret": SECRET, "first": 1, "link": address, "most": 64, "per_address": 4, "visible": 8}
     usual |= {"network": "behind nat"}
     told = LocalChannel(theirs, {**usual, "origin": origin, **plan})
-    gateway, show = Gateway(told, told.plan), FakeShow(ours, origin)
+    gateway, show = Gateway(ShowUplink(told, told.plan), told.plan), FakeShow(ours, origin)
     show.tell(Rules(regions=("left", "right"), weights=(1.0, 1.0)), BeatClock(time=100.0, beat=0.0))
     running = asyncio.create_task(gateway.run(listening))
     try:
