@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 from live.app.bridges import Bridge, installed_bridges
 from live.app.option_values import (
+    GATEWAYS_PORT,
     OPTION,
     Option,
     check_choice,
@@ -190,6 +191,14 @@ class LaunchOptions:
     audience_tls: tuple[Path, Path] | None = option(
         None, "Serve phones over https, with this certificate and its key (PEM files, as Let's Encrypt makes them).",
         NETWORK, metavar="CERT,KEY", written=str, parse=_tls,
+    )  # fmt: skip
+    gateways: int = option(
+        1, "Let so many processes serve the audience's phones, each on a core of its own; 0: other machines alone.",
+        NETWORK, min=0, max=64, metavar="N",
+    )  # fmt: skip
+    gateways_listen: tuple[str, int] | None = option(
+        None, f"Let gateways of paired machines join here (live gateway), usually 0.0.0.0:{GATEWAYS_PORT}.", NETWORK,
+        metavar="[HOST:]PORT", written=str, parse=parse_endpoint,
     )  # fmt: skip
     audience_secret: bytes = field(default=b"", repr=False)
     """By it phones are recognised; made for each show, the same in all its processes."""

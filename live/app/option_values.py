@@ -32,6 +32,8 @@ def parse_endpoint(text: str, name: str = "--osc") -> tuple[str, int]:
 
 AUDIENCE_PORT = 8020
 """Default port for phones."""
+GATEWAYS_PORT = 9022
+"""Default port where gateways of other machines join a show."""
 _AUDIENCE = re.compile(r"(?:(\[[0-9A-Fa-f:.%]+\]|[^\s:\[\]]+):)?(\d{1,5})")
 
 

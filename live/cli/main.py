@@ -25,7 +25,7 @@ from live.app.launch_options import COMMON_OPTIONS
 from live.app.machine import kernel_warmup as warm
 from live.app.option_values import expand_audience_option
 from live.base.errors import PersonError
-from live.cli import bench, docs, document, music, pair, play, render, replay, service, simulate, soak
+from live.cli import bench, docs, document, gateway, music, pair, play, render, replay, service, simulate, soak
 from live.cli.beats import beats, clock_check
 from live.cli.inspect import check, contact_sheet, formation, journal, schema, score
 from live.cli.motion import bvh, character, export, sync
@@ -109,6 +109,7 @@ PANELS: Final[Mapping[str, Mapping[str, Registered]]] = {
         "devices": devices.devices,
         "calibrate": calibrate.calibrate,
         "pair": pair.pair,
+        "gateway": gateway.gateway,
         "service": service.app,
         "warm": warm.warm,
     },

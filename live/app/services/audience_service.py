@@ -12,6 +12,7 @@ from urllib.parse import urlsplit
 from rich.console import Console
 
 from live.app.services.audience_tls import TlsIdentity, read_identity, venue_tls_files
+from live.app.services.gateway_shards import GatewayShards
 from live.app.services.http_services import own_address
 from live.app.services.listening_socket import listening_socket
 from live.base.errors import PersonError
@@ -67,6 +68,7 @@ class AudienceService:
         self._show, self._lane, self._clock = show, lane, clock
         self._socket: socket.socket | None = None
         self._helper: HelperProcess | None = None
+        self._shards: GatewayShards | None = None
         self._plan: dict[str, Any] = {}
         self._rules: Rules | None = None
         self._beat: BeatClock | None = None
@@ -98,13 +100,18 @@ class AudienceService:
                 raise
             self._print_note(f"audience: {error}: the show runs without its audience", "bold red")
             return
-        try:
-            self._socket = listening_socket(self._bind_address, BACKLOG, resumes=self.resumes)
-        except (OSError, OverflowError) as error:
-            where = f"{self._bind_address[0]}:{self._bind_address[1]}"
-            raise PersonError(f"--audience {where}: {error}", "choose another port") from None
-        self._port = int(self._socket.getsockname()[1])
-        section, venue, (http, inherit) = self._show.patch.audience, self._venue, hand_over(self._socket)
+        section, venue = self._show.patch.audience, self._venue
+        if self._options.gateways != 1 or self._options.gateways_listen is not None:
+            self._shards = GatewayShards(self._options, section.phones, self._clock, resumes=self.resumes)
+            self._port, self._socket = self._shards.port, self._shards.reducer_socket
+        else:
+            try:
+                self._socket = listening_socket(self._bind_address, BACKLOG, resumes=self.resumes)
+            except (OSError, OverflowError) as error:
+                where = f"{self._bind_address[0]}:{self._bind_address[1]}"
+                raise PersonError(f"--audience {where}: {error}", "choose another port") from None
+            self._port = int(self._socket.getsockname()[1])
+        http, inherit = hand_over(self._socket)
         self._plan = {
             "http": http, "secret": self._secret, "first": self._first_number(), "link": self.address,
             "most": section.phones, "per_address": section.phones_per_address, "visible": section.visible,
@@ -112,8 +119,10 @@ class AudienceService:
             "grace_s": venue.grace_s, "joins_per_code": venue.joins_per_code, "bans": [],
             "certificate": None if self._identity is None else (self._identity.certificate, self._identity.key),
         }  # fmt: skip
+        if self._shards is not None:
+            self._plan |= self._shards.keys
         self._helper = HelperProcess(
-            "live.control.audience.gateway",
+            "live.control.audience.gateway" if self._shards is None else "live.control.audience.shards.reducer",
             self._clock,
             self._plan,
             self._on_gateway_start,
@@ -121,6 +130,11 @@ class AudienceService:
             on_packet=self._on_packet,
         )
         self._helper.start()
+        if self._shards is not None:
+            self._shards.start(self._plan["certificate"])
+            if self._options.gateways_listen is not None:
+                self._print_note("audience: gateways of paired machines join at {}:{} (live gateway)".format(
+                    *self._options.gateways_listen), "")  # fmt: skip
         if self.is_public:
             self._print_note(
                 f"audience: open to the network at {self.address}; Q shows the code to join by", "bold red"
@@ -194,13 +208,20 @@ class AudienceService:
 
     @property
     def pid(self) -> int | None:
-        """The gateway's process id; None while it does not run."""
+        """The process id of the gateway, or of the reducer of several; None while it does not run."""
         return None if self._helper is None else self._helper.pid
+
+    @property
+    def gateway_pids(self) -> list[int | None]:
+        """The process ids of the gateways on this machine, where there are several."""
+        return [] if self._shards is None else self._shards.pids
 
     def stop(self) -> None:
         """Stop the gateway and close the port."""
         if self._helper is not None:
             self._helper.stop()
+        if self._shards is not None:
+            self._shards.stop()
         if self._socket is not None:
             self._socket.close()
             self._socket = None
@@ -213,7 +234,10 @@ class AudienceService:
 
     def _first_number(self) -> int:
         now = self._clock.now()
-        return 1 if now < 1.0 else 1 + round(NUMBERS_PER_SECOND * (now + 1.0))
+        first = 1 if now < 1.0 else 1 + round(NUMBERS_PER_SECOND * (now + 1.0))
+        if self._shards is None or self._helper is None:
+            return first
+        return max(first, int(self._helper.status().get("next", 0)) + self._shards.spare_numbers)
 
     # -- each frame ----------------------------------------------------------------------------------------------
 
@@ -221,6 +245,8 @@ class AudienceService:
         """Receive the phones' input, so that it acts in this frame."""
         if self._helper is not None:
             self._helper.frame()
+        if self._shards is not None:
+            self._shards.frame()
 
     def _on_packet(self, packet: tuple[Any, ...]) -> None:
         if packet[0] == "code":
@@ -238,6 +264,9 @@ class AudienceService:
         if self._helper is None:
             return
         facts = self._helper.status()
+        peers = None if self._shards is None else self._shards.changed_peers()
+        if peers is not None and self._helper.send(("peers", peers)):
+            self._plan["peers"] = peers
         self._plan["first"] = self._first_number()
         self._plan["bans"] = facts.get("bans", self._plan["bans"])
         self._print_problems(facts)
@@ -281,7 +310,18 @@ class AudienceService:
     def status(self) -> dict[str, Any]:
         """Return the values for the status line, without personal data or keys."""
         facts = {} if self._helper is None else self._helper.status()
-        told = ("messages", "late_ms", "ways_ms", "left_out", "missed_frames", "restarts", "voices", "crowded", "held")
+        told = (
+            "messages",
+            "late_ms",
+            "ways_ms",
+            "left_out",
+            "missed_frames",
+            "restarts",
+            "voices",
+            "crowded",
+            "held",
+            "gateways",
+        )
         kept = {name: facts.get(name) for name in told}
         until = None if self._identity is None else f"{self._identity.valid_until:%Y-%m-%dT%H:%M:%SZ}"
         return {"at": self.address, "public": self.is_public, "network": self.network, "certificate_until": until,

@@ -75,13 +75,13 @@ def venue_tls_files(venue: "VenueAudience", name: str | None) -> tuple[Path, Pat
     return folder / Path(venue.certificate).expanduser(), folder / Path(venue.key).expanduser()
 
 
-def parse_tls(text: str | None) -> tuple[Path, Path] | None:
+def parse_tls(text: str | None, option: str = OPTION) -> tuple[Path, Path] | None:
     """Parse two files as CERT,KEY; raise PersonError for anything else."""
     if text is None:
         return None
     words = [word.strip() for word in text.split(",")]
     if len(words) != 2 or not all(words):
-        raise PersonError(f"{OPTION} {text!r}: two files expected, CERT,KEY", f"{OPTION} fullchain.pem,privkey.pem")
+        raise PersonError(f"{option} {text!r}: two files expected, CERT,KEY", f"{option} fullchain.pem,privkey.pem")
     return Path(words[0]).expanduser(), Path(words[1]).expanduser()
 
 

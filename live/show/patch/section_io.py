@@ -143,9 +143,9 @@ class AudienceSection(Section):
     """Whether dancers spread when many phones are shaken."""
     visible: Annotated[int, Field(ge=0, le=24)] = 24
     """Largest number of participants shown as lights on the floor at a time."""
-    phones: Annotated[int, Field(ge=1, le=8000)] = 4000
-    """Largest number of phones at a time."""
-    phones_per_address: Annotated[int, Field(ge=1, le=8000)] = 4
+    phones: Annotated[int, Field(ge=1, le=200000)] = 4000
+    """Largest number of phones at a time; a gateway serves up to 10,000, see `live docs stadium`."""
+    phones_per_address: Annotated[int, Field(ge=1, le=200000)] = 4
     """Largest number of phones from one network address at a time; together they count as one participant. There is no
     limit if all phones share an address (the venue's `network`), or if this is as high as `phones`."""
 
