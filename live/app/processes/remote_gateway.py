@@ -35,8 +35,8 @@ def run_gateway(
     except (OSError, OverflowError) as error:
         raise PersonError(f"--listen {listen[0]}:{listen[1]}: {error}", "choose another port") from None
     from live.control.audience.gateway import prepare_process
-    from live.control.audience.shards.packet_link import LinkKeys
-    from live.control.audience.shards.shard import ShardUplink, run_shard
+    from live.control.shards.packet_link import LinkKeys
+    from live.control.shards.shard import ShardUplink, run_shard
     from live.control.web.task_guard import loop_factory
 
     keys = LinkKeys(identity.path.read_bytes(), (identity.certificate, *(peer.certificate for peer in peers)))

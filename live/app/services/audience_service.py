@@ -122,7 +122,7 @@ class AudienceService:
         if self._shards is not None:
             self._plan |= self._shards.keys
         self._helper = HelperProcess(
-            "live.control.audience.gateway" if self._shards is None else "live.control.audience.shards.reducer",
+            "live.control.audience.gateway" if self._shards is None else "live.control.shards.reducer",
             self._clock,
             self._plan,
             self._on_gateway_start,
@@ -392,4 +392,6 @@ def make_audience(
     options: "LaunchOptions", show: Show, venue: Venue | None, lane: PriorityQueue[ControlEvent], clock: Clock
 ) -> AudienceService | None:
     """Return the service for `--audience`, not started; None if there is to be none."""
+    if options.audience is None and (options.gateways != 1 or options.gateways_listen is not None):
+        raise PersonError("--gateways and --gateways-listen need --audience", "--audience 0.0.0.0:8020")
     return None if options.audience is None else AudienceService(options, show, lane, clock, venue)

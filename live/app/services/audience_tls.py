@@ -130,7 +130,7 @@ def _check(identity: TlsIdentity, certificate: Path, name: str) -> None:
     """Raise PersonError for keys that TLS refuses: too short, or of an unknown kind."""
     import ssl
 
-    from live.control.audience.tls import server_context
+    from live.control.tls import server_context
 
     try:
         server_context(identity.certificate, identity.key)

@@ -45,6 +45,8 @@ class GatewayShards:
         self._identity, self._pairings = load_identity(), Pairings()
         self._version, self._look_at = self._pairings.version(), 0.0
         self.reducer_socket = _listen(options.gateways_listen or ("127.0.0.1", 0), "--gateways-listen", resumes)
+        host, port = self.reducer_socket.getsockname()[:2]
+        self._reducer_at = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(str(host), str(host)), int(port)
         self._sockets: list[socket.socket] = []
         where = options.audience
         for _ in range(count):
@@ -76,15 +78,13 @@ class GatewayShards:
 
     def start(self, certificate: tuple[bytes, bytes] | None) -> None:
         """Start the gateways; `certificate`: with its key, for https."""
-        host, port = self.reducer_socket.getsockname()[:2] if LINUX else ("", 0)
-        reach = "127.0.0.1" if host in ("0.0.0.0", "") else "::1" if host == "::" else host
         for index, sock in enumerate(self._sockets):
             http, inherit = hand_over(sock)
             plan = {
-                "http": http, "reducer": [reach, port], "most": self._most, "name": f"here {index + 1}",
+                "http": http, "reducer": list(self._reducer_at), "most": self._most, "name": f"here {index + 1}",
                 "certificate": certificate, **self.keys,
             }  # fmt: skip
-            shard = HelperProcess("live.control.audience.gateway", self._clock, plan, lambda: None, *inherit)
+            shard = HelperProcess("live.control.shards.shard", self._clock, plan, lambda: None, *inherit)
             shard.start()
             self._shards.append(shard)
 

@@ -125,6 +125,7 @@ class Bans:
         for number, other in _imported(exported).items():
             ban = self._bans.get(number)
             if ban is None:
+                self._before[number] = other  # if it is banned here in a moment
                 continue
             groups = len(ban.groups), len(ban.covered), ban.browser
             ban.groups |= other.groups

@@ -20,9 +20,9 @@ from live.clock.ticks import TICK
 from live.control.audience.broadcaster import Broadcaster
 from live.control.audience.http_server import HELLO_TIMEOUT, HttpServer
 from live.control.audience.session_state import BeatClock, Rules, SessionState
-from live.control.audience.tls import server_context
 from live.control.audience.uplink import ShowUplink, Uplink
 from live.control.helper_process import HelperChannel
+from live.control.tls import server_context
 from live.control.web.task_guard import guarded, keep_task, loop_factory
 
 STATUS_INTERVAL: Final = 0.5
@@ -145,11 +145,6 @@ class Gateway:
 
 
 async def _run(told: HelperChannel) -> None:
-    if "reducer" in told.plan:
-        from live.control.audience.shards.shard import run_local_shard
-
-        await run_local_shard(told)
-        return
     await Gateway(ShowUplink(told, told.plan), told.plan).run(told.listening_socket())
 
 

@@ -34,6 +34,8 @@ MAX_CELLS: Final = 600
 OFFSETS: Final = 255
 """Steps of a place within a cell."""
 PLACES: Final = 4
+STILL: Final = 0.0005
+"""A place that moves by less [m] from step to step has been found."""
 MIN_PLACE_WEIGHT: Final = 0.3
 """Places with less than this share of the heaviest place's weight are ignored."""
 MIN_PHONES: Final = 4.0
@@ -107,11 +109,13 @@ def grid_of(half: tuple[float, float]) -> VoiceGrid:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class VoiceSketch:
-    """Sums of voices. Whole numbers, weights in `UNIT`."""
+    """Sums of voices in the cells that are used. Whole numbers, weights in `UNIT`."""
 
     grid: VoiceGrid
+    cells: Int64
+    """(N,) rising: the cell, and for the second of `MODES` so many more as the grid has."""
     sums: Int64
-    """(2, 3, cells): for each of `MODES` each cell's weight, and the weight times the place in it along x and z."""
+    """(3, N): the weight of each of them, and the weight times the place in it along x and z."""
     people: int = 0
     """All voices, whether they speak or not."""
     shaken: int = 0
@@ -127,24 +131,24 @@ class VoiceSketch:
         mode: npt.NDArray[np.int8],
         people: int,
         shaken: int,
-    ) -> "VoiceSketch":
+    ) -> "VoiceSketch":  # fmt: skip
         """Return the sketch of N voices: place (x, z) [m], weight, and mode, each (N,); weights are above 0."""
         cell, along_x, along_z = grid.split(x, z)
-        cell = cell + grid.cells * (mode == REPEL)
-        count = len(MODES) * grid.cells
-        sums = [
-            np.bincount(cell, part, count) for part in (weight, weight * along_x, weight * along_z)
-        ]  # exact: < 2^53
-        return cls(grid, np.stack(sums).astype(np.int64).reshape(3, len(MODES), -1).swapaxes(0, 1), people, shaken)
+        cells = cell + grid.cells * (mode == REPEL)
+        return cls(grid, *_added(grid, cells, np.stack([weight, weight * along_x, weight * along_z])), people, shaken)
 
     def scaled(self, share: float) -> "VoiceSketch":
         """Return it with all weights reduced to a share, 0 to 1."""
         part = round(share * 1024)
-        return VoiceSketch(self.grid, self.sums * part >> 10, self.people * part >> 10, self.shaken * part >> 10)
+        sums = self.sums * part >> 10
+        left = sums[0] > 0
+        return VoiceSketch(
+            self.grid, self.cells[left], sums[:, left], self.people * part >> 10, self.shaken * part >> 10
+        )
 
     def total(self) -> int:
         """Return the weight of all that speak."""
-        return int(self.sums[:, 0].sum())
+        return int(self.sums[0].sum())
 
     # -- places ----------------------------------------------------------------------------------------------------
 
@@ -158,8 +162,9 @@ class VoiceSketch:
         enough = max(min(MIN_PHONES, count), FULL_FORCE_SHARE * count)
         share = min(speaking / UNIT / enough, 1.0) ** 2 if enough > 0.0 else 0.0
         found: list[Place] = []
-        for mode, sums in zip(MODES, self.sums, strict=True):
-            _add_places(found, self.grid, sums, mode)
+        for index, mode in enumerate(MODES):
+            part = slice(*np.searchsorted(self.cells, (index * self.grid.cells, (index + 1) * self.grid.cells)))
+            _add_places(found, self.grid, self.cells[part] - index * self.grid.cells, self.sums[:, part], mode)
         found.sort(key=lambda place: -place.weight)
         most = found[0].weight
         kept = [place for place in found[:PLACES] if place.weight >= MIN_PLACE_WEIGHT * most]
@@ -169,13 +174,12 @@ class VoiceSketch:
 
     def encode(self) -> bytes:
         """Return it as bytes, `MAX_SKETCH_BYTES` at most."""
-        sums = self.sums.swapaxes(0, 1).reshape(3, -1)
-        used = np.flatnonzero(sums[0])
-        weight = np.clip(sums[0, used] / UNIT, 2.0**-14, 65504.0).astype("<f2")
-        means = (2 * sums[1:, used] + sums[0, used]) // (2 * sums[0, used])
+        flags = np.zeros(len(MODES) * self.grid.cells, np.bool_)
+        flags[self.cells] = True
+        weight = np.clip(self.sums[0] / UNIT, 2.0**-14, 65504.0).astype("<f2")
+        means = (2 * self.sums[1:] + self.sums[0]) // (2 * self.sums[0])
         head: bytes = _HEAD.pack(_VERSION, *self.grid.half, self.people, self.shaken)
-        parts = np.packbits(sums[0] > 0), weight, means.astype(np.uint8)
-        return head + b"".join(part.tobytes() for part in parts)
+        return head + b"".join(part.tobytes() for part in (np.packbits(flags), weight, means.astype(np.uint8)))
 
     @classmethod
     def decode(cls, data: bytes) -> "VoiceSketch":
@@ -190,44 +194,53 @@ class VoiceSketch:
         flags = (count + 7) // 8
         if len(data) < _HEAD.size + flags:
             raise ValueError(f"{flags} bytes expected that say which cells are used")
-        used = np.unpackbits(np.frombuffer(data, np.uint8, flags, _HEAD.size), count=count).nonzero()[0]
-        many, begin = len(used), _HEAD.size + flags
+        cells = np.unpackbits(np.frombuffer(data, np.uint8, flags, _HEAD.size), count=count).nonzero()[0]
+        many, begin = len(cells), _HEAD.size + flags
         if len(data) != begin + 4 * many:
             raise ValueError(f"{begin + 4 * many} bytes expected for {many} cells")
         weight = np.frombuffer(data, "<f2", many, begin).astype(np.float64)
         if many and not (weight.min() > 0.0 and weight.max() < np.inf):
             raise ValueError("weights of cells above 0 expected")
-        means = np.frombuffer(data, np.uint8, 2 * many, begin + 2 * many)
-        whole = np.rint(weight * UNIT).astype(np.int64)
-        sums: Int64 = np.zeros((3, count), np.int64)
-        sums[0][used], sums[1][used], sums[2][used] = whole, whole * means[:many], whole * means[many:]
-        return cls(grid, sums.reshape(3, len(MODES), -1).swapaxes(0, 1), people, shaken)
+        sums: Int64 = np.empty((3, many), np.int64)
+        weight *= UNIT
+        sums[0] = np.maximum(np.rint(weight, out=weight), 1.0, out=weight)
+        np.multiply(np.frombuffer(data, np.uint8, 2 * many, begin + 2 * many).reshape(2, many), sums[0], out=sums[1:])
+        return cls(grid, cells, sums, people, shaken)
 
 
 def merge(grid: VoiceGrid, sketches: Iterable[VoiceSketch]) -> VoiceSketch:
     """Return the sum of sketches of one grid; those of another stage are left out."""
-    sums: Int64 = np.zeros((len(MODES), 3, grid.cells), np.int64)
-    people = shaken = 0
-    for sketch in sketches:
-        if sketch.grid == grid:
-            sums += sketch.sums
-            people += sketch.people
-            shaken += sketch.shaken
-    return VoiceSketch(grid, sums, people, shaken)
+    there = [sketch for sketch in sketches if sketch.grid == grid]
+    people, shaken = sum(sketch.people for sketch in there), sum(sketch.shaken for sketch in there)
+    if not there:
+        return VoiceSketch(grid, np.zeros(0, np.int64), np.zeros((3, 0), np.int64))
+    cells = np.concatenate([sketch.cells for sketch in there])
+    sums = np.concatenate([sketch.sums for sketch in there], axis=1)
+    return VoiceSketch(grid, *_added(grid, cells, sums), people, shaken)
 
 
-def _add_places(found: list[Place], grid: VoiceGrid, sums: Int64, mode: int) -> None:
+def _added(grid: VoiceGrid, cells: Int64, parts: Int64) -> tuple[Int64, Int64]:
+    """Return the cells that are used, and the sums of the parts (3, N) of each; exact, as sums are below 2^53."""
+    count = len(MODES) * grid.cells
+    weight = np.bincount(cells, parts[0], count)
+    used = weight.nonzero()[0]
+    sums = [part[used] for part in (weight, *(np.bincount(cells, part, count) for part in parts[1:]))]
+    return used, np.stack(sums).astype(np.int64)
+
+
+def _add_places(found: list[Place], grid: VoiceGrid, used: Int64, sums: Int64, mode: int) -> None:
     """Add the densest places of voices, each with the weight around it, at most `PLACES`.
+
+    `used`: cells (N,); `sums`: theirs (3, N).
 
     Those are left out that would be too light beside a place that was found before.
     """
-    used = np.flatnonzero(sums[0])
     if not len(used):
         return
-    weight, step = sums[0, used], grid.cell / OFFSETS
+    weight, step = sums[0], grid.cell / OFFSETS
     row, column = np.divmod(used, grid.columns)
-    x = column * grid.cell + sums[1, used] / weight * step - grid.half[0]
-    z = row * grid.cell + sums[2, used] / weight * step - grid.half[1]
+    x = column * grid.cell + sums[1] / weight * step - grid.half[0]
+    z = row * grid.cell + sums[2] / weight * step - grid.half[1]
     # (x, z, 1, 1 - r^2 / B^2): one product gives 1 - d^2 / B^2 of the distance d to any centre, one more the mean
     at = np.stack([x, z, np.ones(len(used)), 1.0 - (x * x + z * z) / BANDWIDTH**2])
     left = weight / UNIT
@@ -248,7 +261,9 @@ def _add_places(found: list[Place], grid: VoiceGrid, sums: Int64, mode: int) -> 
             sum_x, sum_z, total = (at[:3] @ near).tolist()
             if total <= 0.0:
                 break
-            centre = [sum_x / total, sum_z / total]
+            before, centre = centre, [sum_x / total, sum_z / total]
+            if math.dist(before, centre) < STILL:
+                break
         within = _closeness(at, centre) > 0.0
         inside = float(left[within].sum())
         if inside <= 0.0:

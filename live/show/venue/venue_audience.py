@@ -25,7 +25,7 @@ class VenueAudience(Section):
     """Interval at which the code on the wall changes [s]."""
     grace_s: Annotated[float, Field(ge=20, le=3600, allow_inf_nan=False)] = 120.0
     """Time for which an old code still admits phones, at a limited rate [s]."""
-    joins_per_code: Annotated[int, Field(ge=1, le=8000)] | None = None
+    joins_per_code: Annotated[int, Field(ge=1, le=200000)] | None = None
     """Maximum number of devices per code; default: twice the patch's number of players, at least 200."""
     certificate: File | None = None
     """A PEM file with the https certificate and its chain; relative to this file, or an absolute path."""

@@ -29,7 +29,7 @@ from typing import Any, Final
 from cryptography.hazmat.primitives.kdf.scrypt import Scrypt
 
 from live.base.errors import PersonError
-from live.control.pinned_tls import tls13
+from live.control.tls import tls13
 from live.supervisor.network.identity import Identity, Pairings, Peer, safe_name
 
 PORT: Final = 9021

@@ -11,7 +11,7 @@ import socket
 import ssl
 from typing import Final
 
-from live.control.pinned_tls import pinned_context
+from live.control.tls import pinned_context
 from live.supervisor.line_channel import LineChannel
 from live.supervisor.network.identity import Identity, Pairings, Peer
 

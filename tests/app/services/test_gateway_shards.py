@@ -2,10 +2,12 @@
 
 import asyncio
 import os
+import shutil
 import signal
 import socket
 import subprocess
 import sys
+from pathlib import Path
 
 import aiohttp
 import pytest
@@ -18,8 +20,10 @@ from live.base.event_queue import EventQueue
 from live.base.system.features import LINUX
 from live.clock.time_source import SystemClock
 from live.control.events import events
+from live.show.venue.venue_audience import VenueAudience
 from live.supervisor.network.identity import Pairings, load_identity
 from tests.app.services.test_audience_service import Stage
+from tests.app.services.test_audience_tls import write_certificate
 from tests.control.audience.made_gateway import FakePhone, until
 from tests.show.made_show import made_show
 
@@ -163,6 +167,71 @@ def test_gateway_of_a_paired_machine_serves_phones_and_that_of_a_stranger_does_n
             process.communicate()
 
     asyncio.run(asyncio.wait_for(stage.play(test), 90.0))
+
+
+def proxy_config(folder, port, gateways):
+    """The configuration of the manual, for this machine."""
+    page = (Path(__file__).parents[3] / "docs/how-to/hall/stadium.md").read_text("utf-8")
+    text = page.partition("```text\n")[2].partition("```")[0]
+    lines = [line for line in text.splitlines() if not line.startswith("  server ")]
+    lines += [f"  server gateway{k} 127.0.0.1:{at}" for k, at in enumerate(gateways)]
+    text = "\n".join(lines).replace("bind :443", f"bind 127.0.0.1:{port}").replace("maxconn 130000", "maxconn 500")
+    certificate, key = write_certificate(folder)
+    (folder / "play.pem").write_bytes(certificate.read_bytes() + key.read_bytes())
+    config = folder / "haproxy.cfg"
+    config.write_text(text.replace("/etc/haproxy/play.pem", str(folder / "play.pem")) + "\n")
+    return config
+
+
+@pytest.mark.long
+@pytest.mark.skipif(shutil.which("haproxy") is None, reason="needs haproxy: apt-get install haproxy")
+def test_phones_come_through_the_proxy_of_the_manual_and_move_when_a_gateway_dies(tmp_path):
+    stage = Stage(gateways=0, gateways_listen=("127.0.0.1", 0), audience_link="https://play.example")
+    stage.part._venue = VenueAudience(network="proxy", proxies=("127.0.0.1",))
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+
+    async def test(_session):
+        _, joins = stage.part._shards.reducer_socket.getsockname()[:2]
+        started = [start_gateway(tmp_path / "show", joins) for _ in range(2)]
+        config = proxy_config(tmp_path, port, [at for _, at in started])
+        await until(lambda: len(rows(stage)) == 2)
+        proxy = subprocess.Popen(["haproxy", "-db", "-f", str(config)], stderr=subprocess.DEVNULL)
+        sessions, phones = [], []
+        try:
+            for k in range(6):
+                host = aiohttp.TCPConnector(local_addr=(f"127.0.3.{k + 1}", 0), ssl=False)
+                sessions.append(aiohttp.ClientSession(connector=host))
+                phones.append(await join_soon(stage, sessions[-1], f"https://127.0.0.1:{port}"))
+            await until(lambda: [row["phones"] for row in rows(stage)] == [3, 3])  # leastconn
+            await until(lambda: stage.part.status()["voices"] == 6.0)  # addresses as the proxy forwards them
+            await drag_until(stage, phones, 1.0)
+            started[0][0].kill()
+            lost = [k for k, phone in enumerate(phones) if await is_cut_off(phone)]
+            assert len(lost) == 3
+            died = stage.clock.now()
+            for k in lost:
+                phones[k] = await join_soon(stage, sessions[k], f"https://127.0.0.1:{port}", token=phones[k].token)
+            assert stage.clock.now() - died < 10.0
+            await until(lambda: [row["phones"] for row in rows(stage) if not row["gone"]] == [6])
+        finally:
+            await asyncio.gather(*(session.close() for session in sessions))
+            for process in (proxy, *(process for process, _ in started)):
+                process.kill()
+                process.communicate()
+
+    asyncio.run(asyncio.wait_for(stage.play(test), 120.0))
+
+
+async def join_soon(stage, session, address, token=None):
+    began = stage.clock.now()
+    while True:
+        assert stage.clock.now() - began < 20.0
+        try:
+            key = None if token else stage.part.link.partition("#")[2]
+            return await FakePhone(session, address).join(key, token=token)
+        except (aiohttp.ClientError, ConnectionError, OSError):
+            await asyncio.sleep(0.1)
 
 
 def test_gateways_have_room_for_those_of_one_that_dies():

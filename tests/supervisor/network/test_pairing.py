@@ -10,9 +10,9 @@ from pathlib import Path
 import pytest
 
 from live.base.errors import PersonError
+from live.control.tls import tls13
 from live.supervisor.network.identity import Peer
 from live.supervisor.network.pairing import PairingServer, Transcript, new_phrase, normalized_phrase, pair_with
-from live.control.pinned_tls import tls13
 from tests.supervisor.made_machines import machine
 
 PHRASE = "lusab-babad-gutih"

@@ -1,7 +1,7 @@
-"""TLS 1.3 (RFC 8446) between machines of one show: certificates are pinned on both sides, and dates do not count.
+"""TLS contexts: that of servers for everybody, and TLS 1.3 (RFC 8446) between machines of one show.
 
-OpenSSL trusts only the pinned certificates. Expiry is not checked, because a show must not end on a date: the pin
-decides.
+Machines of a show pin each other's certificates, and OpenSSL trusts only these. Expiry is not checked, because a show
+must not end on a date: the pin decides.
 """
 
 import ssl
@@ -38,4 +38,17 @@ def pinned_context(kind: int, identity: Path | bytes, peers: Iterable[bytes]) ->
     else:
         context.load_cert_chain(identity)
     context.load_verify_locations(cadata=b"".join(peers))
+    return context
+
+
+def server_context(certificate: bytes, key: bytes) -> ssl.SSLContext:
+    """Return a TLS 1.2/1.3 context for a PEM certificate, followed by its intermediate certificates, and
+    its PEM key."""
+    context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+    context.minimum_version = ssl.TLSVersion.TLSv1_2
+    with tempfile.NamedTemporaryFile() as chain, tempfile.NamedTemporaryFile() as secret:  # mode 600; needs files
+        for file, text in ((chain, certificate), (secret, key)):
+            file.write(text)
+            file.flush()
+        context.load_cert_chain(chain.name, secret.name)
     return context

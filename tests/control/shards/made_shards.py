@@ -7,9 +7,9 @@ from live.control.audience.participant_state import Voices
 from live.control.audience.phone_protocol import FULL_SCALE, TOUCH_DTYPE
 from live.control.audience.phone_registry import Device
 from live.control.audience.session_state import Rules, SessionState
-from live.control.audience.shards.reduction import Reduction
-from live.control.audience.shards.shard import ShardUplink
 from live.control.message_codec import decode_packet
+from live.control.shards.reduction import Reduction
+from live.control.shards.shard import ShardUplink
 
 PLAN = {
     "secret": b"s" * 32, "first": 1, "link": "http://stage.local", "most": 400, "per_address": 400, "visible": 8,

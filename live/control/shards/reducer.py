@@ -10,12 +10,12 @@ from typing import Any, Final
 
 from live.clock.ticks import TICK
 from live.control.audience.session_state import BeatClock, Rules
-from live.control.audience.shards.packet_link import LinkKeys, PacketLink
-from live.control.audience.shards.reduction import Reduction, Shard
 from live.control.audience.uplink import ShowUplink
 from live.control.helper_process import HelperChannel
 from live.control.message_codec import PacketError, decode_packet, encode_packet
-from live.control.pinned_tls import pinned_context
+from live.control.shards.packet_link import LinkKeys, PacketLink
+from live.control.shards.reduction import Reduction, Shard
+from live.control.tls import pinned_context
 from live.control.web.task_guard import guarded, keep_task, loop_factory
 
 FACTS_EVERY: Final = 0.5

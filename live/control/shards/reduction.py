@@ -15,7 +15,10 @@ from live import __version__
 from live.control.audience.bans import exported
 from live.control.audience.participant_state import FADE_HALF_LIFE, FRESH_SECONDS, MIN_FRESHNESS
 from live.control.audience.session_state import ROW_KEPT_SECONDS, SPARE_ROWS, Rules
-from live.control.audience.shards.messages import (
+from live.control.audience.voice_report import HIGHLIGHT_SECONDS, VoiceReport
+from live.control.audience.voice_sketch import UNIT, VoiceSketch, grid_of, merge
+from live.control.message_codec import PacketError, decode_packet, encode_packet
+from live.control.shards.messages import (
     PROTOCOL,
     VOICES,
     ShardChanges,
@@ -28,10 +31,7 @@ from live.control.audience.shards.messages import (
     SharedState,
     unpack_voices,
 )
-from live.control.audience.shards.shared_groups import SharedGroups
-from live.control.audience.voice_report import HIGHLIGHT_SECONDS, VoiceReport
-from live.control.audience.voice_sketch import UNIT, VoiceSketch, grid_of, merge
-from live.control.message_codec import PacketError, decode_packet, encode_packet
+from live.control.shards.shared_groups import SharedGroups
 
 MAX_SHARDS: Final = 64
 """Most gateways of a show."""
@@ -372,7 +372,8 @@ def bounded(sketch: VoiceSketch, most: int, most_weight: float) -> tuple[VoiceSk
         return sketch, True
     found = sketch
     if total > limit:
-        found = replace(found, sums=(found.sums * (limit / total)).astype(np.int64))
+        sums = (found.sums * (limit / total)).astype(np.int64)
+        found = replace(found, cells=found.cells[sums[0] > 0], sums=sums[:, sums[0] > 0])
     return replace(found, people=people, shaken=min(sketch.shaken, people)), False
 
 

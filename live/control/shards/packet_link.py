@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import Any, Final, Protocol
 
 from live.base.fault_isolation import FAULTS
-from live.control.pinned_tls import pinned_context
+from live.control.tls import pinned_context
 
 MAX_LINK_PACKET: Final = 1 << 18
 """Longest packet."""

@@ -16,10 +16,13 @@ from dataclasses import asdict
 from typing import Any, Final
 
 from live import __version__
-from live.control.audience.gateway import Gateway
+from live.control.audience.gateway import Gateway, prepare_process
 from live.control.audience.phone_registry import MOST_NUMBER, NOWHERE, GroupElsewhere
 from live.control.audience.session_state import SessionState
-from live.control.audience.shards.messages import (
+from live.control.audience.voice_report import VoiceReport
+from live.control.helper_process import HelperChannel
+from live.control.message_codec import PacketError, decode_packet, encode_packet
+from live.control.shards.messages import (
     MAX_ROWS,
     PROTOCOL,
     ShardChanges,
@@ -33,11 +36,8 @@ from live.control.audience.shards.messages import (
     SharedState,
     pack_voices,
 )
-from live.control.audience.shards.packet_link import Link, LinkKeys, connect
-from live.control.audience.voice_report import VoiceReport
-from live.control.helper_process import HelperChannel
-from live.control.message_codec import PacketError, decode_packet, encode_packet
-from live.control.web.task_guard import keep_task
+from live.control.shards.packet_link import Link, LinkKeys, connect
+from live.control.web.task_guard import keep_task, loop_factory
 
 RETRY_INTERVAL: Final = 0.25
 """Pause between two attempts to reach the reducer [s]."""
@@ -308,7 +308,7 @@ async def _keep_connected(
         await asyncio.sleep(REFUSED_INTERVAL if uplink.refusal else RETRY_INTERVAL)
 
 
-async def run_local_shard(told: HelperChannel) -> None:
+async def _run_local(told: HelperChannel) -> None:
     """Serve as one of the gateways that a show has started on its own machine, until the show ends."""
     plan, ended = told.plan, asyncio.Event()
     loop = asyncio.get_running_loop()
@@ -327,3 +327,15 @@ async def run_local_shard(told: HelperChannel) -> None:
         LinkKeys(bytes(plan["identity"]), tuple(plan["peers"])), told.listening_socket(), ended, plan["certificate"],
         lambda words: print(f"note: a gateway for phones: {words}", file=sys.stderr),
     )  # fmt: skip
+
+
+def main() -> None:
+    """Serve until the show ends."""
+    told = HelperChannel(sys.argv[1])
+    prepare_process(int(told.plan["most"]))
+    with asyncio.Runner(loop_factory=loop_factory()) as runner:
+        runner.run(_run_local(told))
+
+
+if __name__ == "__main__":
+    main()

@@ -7,7 +7,7 @@ from collections.abc import Iterable
 from typing import Any, Final
 
 from live.control.audience.phone_registry import MOST_NUMBER
-from live.control.audience.shards.messages import MAX_ROWS, GroupRow, ShardOthers
+from live.control.shards.messages import MAX_ROWS, GroupRow, ShardOthers
 
 SPARE_GROUPS: Final = 1024
 """A gateway may have twice as many groups as phones, and so many more: crowded ones without phones."""

@@ -11,11 +11,11 @@ import pytest
 from live.clock.ticks import TICK
 from live.control.audience.broadcaster import touch_seconds
 from live.control.audience.session_state import Rules
-from live.control.audience.shards.messages import PROTOCOL, ShardHello, ShardRefused, pack_voices
 from live.control.audience.voice_report import HIGHLIGHT_SECONDS, VoiceReport
 from live.control.audience.voice_sketch import UNIT, VoiceSketch, grid_of
 from live.control.message_codec import decode_packet, encode_packet
-from tests.control.audience.shards.made_shards import Hall, touch
+from live.control.shards.messages import PROTOCOL, ShardHello, ShardRefused, pack_voices
+from tests.control.shards.made_shards import Hall, touch
 
 VOTE = (259, "step", ("sway", "spin", "glide"), 64.0)
 RULES = Rules(regions=("left", "right"), weights=(1.0, 0.5), vote=VOTE)
@@ -131,6 +131,10 @@ def test_ban_holds_at_all_gateways():
     assert report.sketch.people == UNIT
     assert report.sketch.total() == pytest.approx(UNIT, rel=2e-3)
     assert [row[0] for row in hall.reduction.facts(hall.time)["bans"]] == [17]
+    hall.shards.append(hall.join("late"))  # it learns of the ban before its first phone comes
+    late = hall.enter(hall.shards[-1], 100, 3)
+    touch(hall.shards[-1], late, 1, 0.5, 0.5)
+    assert hall.step(2).sketch.people == UNIT
 
 
 def test_gateway_that_lies_is_bounded_and_counted():
