@@ -26,6 +26,8 @@ PATIENCE = 20
 """So often a phone comes again ..."""
 GIVES_UP = 40.0
 """... unless it would have to wait longer than so [s] in all."""
+STAYS = 15.0
+"""Who is in says so at this interval [s] until all are."""
 MASK = b"\x11\x22\x33\x44"
 
 
@@ -111,6 +113,15 @@ def address_of(index: int, sockets: int, first: int) -> str:
     return f"127.{number // 62500 % 250 + 1}.{number // 250 % 250 + 1}.{number % 250 + 1}"
 
 
+async def stay(phones: list[Phone]) -> None:
+    """Let phones ping as the page does, or the first would be cut off before the last are in."""
+    while True:
+        await asyncio.sleep(STAYS)
+        for phone in phones:
+            if not phone.lost:
+                phone.transport.write(frame(struct.pack("<Bd", 2, time.perf_counter())))
+
+
 async def run(
     port: int, key: str, count: int, storm: float, seconds: float, rate: float, sockets: int, first: int, x_at: float
 ) -> dict[str, Any]:
@@ -142,7 +153,10 @@ async def run(
                 return way
         return None
 
+    staying = asyncio.ensure_future(stay(phones))
     came = [way for way in await asyncio.gather(*map(join, range(count))) if way is not None]
+    staying.cancel()
+    trips.clear()
     print("joined", flush=True)
     chance, sent = random.Random(5), 0
     centre = [(chance.gauss(x_at, 0.05), chance.gauss(0.5, 0.05)) for _ in phones]
@@ -153,7 +167,7 @@ async def run(
     turn = 0
     while (gone := time.perf_counter() - began) < seconds:
         for k, at in enumerate(due):
-            if at > gone:
+            if at > gone or phones[k].lost:
                 continue
             due[k] += 1.0 / rate
             sent += 1
