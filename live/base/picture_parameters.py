@@ -406,6 +406,7 @@ PLAN: Final = BY_ADDRESS["/dance/camera/plan"].first
 DIRECTOR: Final = BY_ADDRESS["/dance/camera/director"].first
 DIRECTOR_MOOD: Final = BY_ADDRESS["/dance/camera/mood"].first
 LEVEL: Final = BY_ADDRESS["/dance/light/level"].first
+GOBO_TURN: Final = BY_ADDRESS["/dance/light/gobo/turn"].first
 SHADOW: Final = BY_ADDRESS["/dance/pass/shadow"].first
 MIRROR: Final = BY_ADDRESS["/dance/pass/mirror"].first
 VIGNETTE: Final = BY_ADDRESS["/dance/pass/vignette"].first

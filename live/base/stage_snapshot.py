@@ -271,6 +271,8 @@ class StageView:
     """Energy of the music, 0 to 1."""
     spot: Float64 = field(default_factory=lambda: np.zeros((SPOT_COUNT, 2)))
     """Positions of the follow spots (x, z) [m], shape (4, 2)."""
+    gobo_turns: float = 0.0
+    """How far the pattern in the key light has turned [turns], 0 to 1."""
     count_in: float = 0.0
     """Beats until the cue that is counting in; 0: none."""
     caption: tuple[tuple[str, float], ...] = ()

@@ -19,6 +19,13 @@ def replay(
         int, typer.Option("--from", min=1, help="Begin with this measure, from the snapshot before it.", metavar="N")
     ] = 1,
     last: Annotated[int | None, typer.Option("--to", min=1, help="End with this measure.", metavar="N")] = None,
+    frames: Annotated[
+        str | None,
+        typer.Option(
+            help="Film these frames: the first one and the one after the last, from 0, of the whole show.",
+            metavar="A:B",
+        ),
+    ] = None,
     render: Annotated[
         Path | None,
         typer.Option(
@@ -36,6 +43,14 @@ def replay(
             "--alpha", help="Film the dancers without the stage, on a transparent background (.mov, .mkv, PNG)."
         ),
     ] = False,
+    workers: Annotated[
+        int | None,
+        typer.Option(min=1, max=256, help="Draw parts of the film in so many processes of this machine.", metavar="N"),
+    ] = None,
+    cluster: Annotated[
+        str | None,
+        typer.Option(help="Draw parts of the film on your own Dask cluster.", metavar="tcp://HOST:PORT"),
+    ] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print the result as JSON.")] = False,
 ) -> None:
     """Replay a journal as fast as possible, and compare the state hash of every measure."""
@@ -44,7 +59,7 @@ def replay(
 
     from rich.console import Console
 
-    from live.app.film.film_names import parse_film_path, parse_rate
+    from live.app.film.film_names import parse_film_path, parse_frames, parse_rate
     from live.app.machine.kernel_warmup import warm_kernels
     from live.app.option_values import parse_size
     from live.base.errors import PersonError
@@ -55,6 +70,8 @@ def replay(
         render = parse_film_path(render, "--render", alpha=alpha, inputs=[str(journal)])
     if last is not None and last < first:
         raise PersonError(f"--from {first} --to {last}: the first measure is after the last")
+    wanted = parse_frames(frames)
+    _check_film_options(render, first, last, frames=frames, workers=workers, cluster=cluster)
     warm_kernels(Console(stderr=True))  # before modules with kernels are imported
     from live.base.jit import KERNEL_SET
     from live.clock.ticks import TICK
@@ -65,19 +82,21 @@ def replay(
     try:
         recorded = read_journal(journal)
         loaded = load_journal(recorded)
-        start = start_before(recorded, loaded, first, problems)
+        start = start_before(recorded, loaded, first, problems) if render is None else None
     except (JournalError, ReplayError) as error:
         raise PersonError(str(error)) from None
     begin = time.perf_counter()
     if render is not None:
-        from live.app.film.replay_film import film_replay
+        from live.app.film.parted_film import film_journal
+        from live.app.film.replay_film import FilmLook
+        from live.clock.ticks import FrameGrid
 
-        console = Console(stderr=True, highlight=False)
-        result, made = film_replay(
-            start, recorded, loaded, render, picture, rate, first=first, to=last, fine=fine, alpha=alpha
-        )
-        console.print(made, soft_wrap=True, markup=False)
-    else:
+        look = FilmLook(picture, FrameGrid(rate), fine=fine, alpha=alpha)
+        result = film_journal(
+            recorded, loaded, render, look, measures=(first, last), frames=wanted, workers=workers, cluster=cluster,
+            problems=problems, console=Console(stderr=True, highlight=False),
+        )  # fmt: skip
+    if start is not None:
         result = run_from(start, recorded, loaded=loaded, to=last)
     made_with = recorded.header.get("kernels", KERNEL_SET)
     if result.different and made_with != KERNEL_SET:
@@ -92,6 +111,23 @@ def replay(
         raise PersonError(f"{journal}: nothing to compare: it has no complete measure")
     if verify and (result.different or result.problems):
         raise typer.Exit(1)
+
+
+def _check_film_options(
+    render: Path | None, first: int, last: int | None, *, frames: str | None, workers: int | None, cluster: str | None
+) -> None:
+    """Raise PersonError for options that do not fit together."""
+    from live.base.errors import PersonError
+    from live.library.motion_formats import stage_format
+
+    given = {"--frames": frames, "--workers": workers, "--cluster": cluster}
+    for option in (name for name, value in given.items() if value is not None):
+        if render is None:
+            raise PersonError(f"{option} is for films", f"{option} … --render film.mp4")
+        if option != "--frames" and stage_format(render.suffix) is not None:
+            raise PersonError(f"{option}: {render} has the dancers' motion, which is not drawn", f"leave {option} out")
+    if frames is not None and (first > 1 or last is not None):
+        raise PersonError("--frames and --from, --to both say which part it is", "give only one of them")
 
 
 def _facts(journal: "Journal", result: "ReplayResult", seconds: float) -> dict[str, Any]:

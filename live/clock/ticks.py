@@ -5,7 +5,7 @@ at n/64 s without rounding, at any frame rate.
 """
 
 import math
-from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import Final
 
 TICK: Final = 1.0 / 64.0
@@ -44,8 +44,38 @@ class TickCounter:
         self.index += count
         self.skipped += count
 
-    def due(self, target: float) -> Iterator[float]:
-        """Yield the times [s] of the ticks after the last one, up to and including `target` [s]."""
-        while (self.index + 1) * TICK <= target:
-            self.index += 1
-            yield self.index * TICK
+    def is_due(self, target: float) -> bool:
+        """Whether the next tick is at or before `target` [s]."""
+        return (self.index + 1) * TICK <= target
+
+    def advance(self) -> float:
+        """Go on to the next tick; return its time [s]."""
+        self.index += 1
+        return self.time
+
+
+@dataclass(frozen=True, slots=True)
+class FrameGrid:
+    """The frames of a film at `fps` [1/s], all on one grid of the whole show: frame k, from 0, shows it at k / fps [s],
+    in the state after the last tick until then."""
+
+    fps: float
+
+    def time(self, frame: int) -> float:
+        """Return the time of a frame [s of the show]."""
+        return frame / self.fps
+
+    def tick(self, frame: int) -> int:
+        """Return the last tick at or before a frame."""
+        return math.floor(self.time(frame) / TICK)
+
+    def first_from(self, tick: int) -> int:
+        """Return the first frame that shows a tick or a later one."""
+        frame = max(math.floor(tick * TICK * self.fps) - 1, 0)
+        while self.tick(frame) < tick:
+            frame += 1
+        return frame
+
+    def count(self, seconds: float) -> int:
+        """Return how many frames a film of `seconds` has, at least 1."""
+        return max(1, math.ceil(seconds * self.fps))

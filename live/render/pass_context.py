@@ -51,6 +51,21 @@ class Moment:
         return float(self.uniforms.row[place])
 
 
+@dataclass(frozen=True, slots=True)
+class Memory:
+    """How much of the show before a picture a pass remembers; longer ago is without effect."""
+
+    seconds: float = 0.0
+    """Moments of the last seconds, which have to be followed."""
+    beats: float = 0.0
+    """Moments of the last beats, which have to be followed."""
+    half_life: float = 0.0
+    """Beats after which half of the light of earlier pictures is left; they have to be drawn. 0: none is."""
+
+
+NO_MEMORY: Final = Memory()
+
+
 @dataclass(slots=True, eq=False)
 class Surfaces:
     """Surface textures (G-buffer), one texel per pixel; only drawn if an active pass `needs_surfaces`."""
@@ -93,6 +108,9 @@ class ScenePass:
 
     def draw_mirrored(self) -> None:
         """Draw what the floor mirrors into the bound target, upside down; also called while inactive."""
+
+    def follow(self, moment: Moment) -> None:
+        """Take in a moment that is not drawn, for what later pictures remember of it."""
 
     def prepare(self, moment: Moment) -> None:
         """Draw into the pass's own textures, before the picture."""

@@ -103,6 +103,12 @@ class PassChain:
         """Whether a pass would change something now, even if it is left out."""
         return any(one.active(moment) for known, one in self._passes if known == name)
 
+    def follow(self, moment: Moment, left_out: Sequence[str]) -> None:
+        """Let the passes take in a moment that is not drawn."""
+        for one in self.active(moment, left_out):
+            if isinstance(one, FocusPass):
+                one.follow(moment)
+
     def draw(
         self,
         active: list[PicturePass],
@@ -184,6 +190,7 @@ class Pipeline:
         else:
             self._smooth = {hdr: AntialiasPass(ctx, self._surface.depth, size, hdr=hdr) for hdr in (False, True)}
         self._scene_passes = [make(setup) for make in SCENE_PASSES if not (setup.transparent and make in _STAGE_PASSES)]
+        self._followers = [one for one in self._scene_passes if type(one).follow is not ScenePass.follow]
         self.titles = next(one for one in self._scene_passes if isinstance(one, TitlePass))
         """Titles, which may also lie over the finished picture."""
         self._beams = next(one for one in self._scene_passes if isinstance(one, BeamPass))
@@ -247,6 +254,15 @@ class Pipeline:
         except Exception as error:
             self.faults.record_failure(error)
             raise
+
+    def follow(self, moment: Moment) -> None:
+        """Let the passes take in a moment that is not drawn."""
+        for one in self._followers:
+            if one.active(moment):
+                one.follow(moment)
+        self.titles.prepare_titles(moment.view)
+        self.chain.follow(moment, self._quality.left_out)
+        self._backdrop.follow(moving=moment.uniforms.light_changed)
 
     def _draw(self, moment: Moment, target: moderngl.Framebuffer) -> None:
         frame, crowd, faults = moment.uniforms, moment.batch, self.faults

@@ -1,6 +1,6 @@
 """Renderer that draws a `StageView` into a framebuffer."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final
 
@@ -130,19 +130,7 @@ class Renderer:
 
     def draw(self, view: StageView, target: moderngl.Framebuffer) -> None:
         """Draw one moment into `target` (the screen's framebuffer, or another one of this size)."""
-        frame, moment = self._uniforms, self._moment
-        frame.write(view)
-        if frame.camera_changed:
-            self._set_camera(frame.camera)
-        if frame.light_changed:
-            self._pipeline.invalidate_backdrop()
-        if frame.colours_changed:
-            self._batch.set_colours(frame.group_colours)
-        if frame.styles_changed:
-            self._batch.set_styles(frame.row)
-        passed = 0.0 if moment.cut else view.beat - self._last_beat
-        moment.view, moment.cut = view, moment.cut or not 0.0 <= passed <= JUMP_BEATS
-        moment.beats, self._last_beat = 0.0 if moment.cut else passed, view.beat
+        frame, moment = self._begin(view)
         if frame.level <= 0.0:
             target.use()
             target.clear(0.0, 0.0, 0.0, self._clear_alpha)
@@ -157,6 +145,36 @@ class Renderer:
         moment.cut = frame.level <= 0.0
         self.annotate(view, target)
         self._pipeline.faults.record_success()
+
+    def follow(self, view: StageView) -> None:
+        """Take in a moment that is not drawn, for what later pictures remember of it (`picture_memory.py`)."""
+        frame, moment = self._begin(view)
+        if frame.level > 0.0:
+            self._pipeline.follow(moment)
+        moment.cut = frame.level <= 0.0
+
+    def begin_anew(self, titles: Sequence[tuple[str, str]] = ()) -> None:
+        """Forget all pictures so far, before those of another part of the show; `titles`: texts that have been shown
+        before it, with the names of their fonts."""
+        self._moment.cut = True
+        self._pipeline.titles.begin_anew(titles)
+
+    def _begin(self, view: StageView) -> tuple[FrameUniforms, Moment]:
+        """Write the values of a moment, and tell all that depends on them."""
+        frame, moment = self._uniforms, self._moment
+        frame.write(view)
+        if frame.camera_changed:
+            self._set_camera(frame.camera)
+        if frame.light_changed:
+            self._pipeline.invalidate_backdrop()
+        if frame.colours_changed:
+            self._batch.set_colours(frame.group_colours)
+        if frame.styles_changed:
+            self._batch.set_styles(frame.row)
+        passed = 0.0 if moment.cut else view.beat - self._last_beat
+        moment.view, moment.cut = view, moment.cut or not 0.0 <= passed <= JUMP_BEATS
+        moment.beats, self._last_beat = 0.0 if moment.cut else passed, view.beat
+        return frame, moment
 
     def _draw_caption(self, view: StageView, target: moderngl.Framebuffer) -> None:
         """Draw titles and the audience's caption, which belong to the picture."""

@@ -74,7 +74,7 @@ _SPOT_ROWS: Final = tuple(
 _SIDE, _BACK, _BEAMS = (BY_ADDRESS[f"/dance/light/{name}"].first for name in ("side", "back", "beams"))
 _FILL: Final = BY_ADDRESS["/dance/light/fill"].first
 _GOBOS: Final = [BY_ADDRESS[f"/dance/light/gobo/{name}"].first for name in GOBO_NAMES]
-_GOBO_SIZE, _GOBO_TURN = (BY_ADDRESS[f"/dance/light/gobo/{name}"].first for name in ("size", "turn"))
+_GOBO_SIZE: Final = BY_ADDRESS["/dance/light/gobo/size"].first
 _FLOOR_PATTERNS: Final = [BY_ADDRESS[f"/dance/floor/pattern/{name}"].first for name in FLOOR_PATTERN_NAMES]
 _WORLDS: Final = np.array([BY_ADDRESS[WORLD_PREFIX + name].first for name in WORLD_NAMES])
 ENERGY: Final = BY_ADDRESS["/dance/light/energy"].first
@@ -90,6 +90,12 @@ def world_shares(row: Float64) -> Float64:
         return np.asarray(amounts / total)
     amounts[0] += 1.0 - total
     return np.asarray(amounts)
+
+
+def rings_are_seen(row: Float64) -> bool:
+    """Whether rings that spread from the dancers' steps are seen with these parameters: in water or as light on the
+    floor."""
+    return bool(world_shares(row)[WORLD_NAMES.index("water")] > 0.0 or row[_FLOOR_PATTERNS[0]] > 0.0)
 
 
 class FrameUniforms:
@@ -111,7 +117,6 @@ class FrameUniforms:
         self._spots_changed = True
         self.worlds: dict[str, float] = {}
         """Share of each world, by name; they sum to 1."""
-        self._gobo_turns = self._last_measures = 0.0
         self.vignette_at_end = True
         """Whether the film curve includes the vignette; otherwise a pass draws it."""
         self.camera = scene.camera
@@ -211,12 +216,8 @@ class FrameUniforms:
         data["spot_light"][:3, 3] = float(end > 0), first, end
 
     def _write_gobo(self, view: StageView) -> None:
-        """Write how the pattern in the key light is turned: it goes on from where it is when its speed changes."""
-        measures = view.beat / max(view.beats_per_measure, 1)
-        passed, rate = measures - self._last_measures, float(self._row[_GOBO_TURN])
-        self._gobo_turns = (self._gobo_turns + rate * passed if 0.0 <= passed <= 16.0 else rate * measures) % 1.0
-        self._last_measures = measures
-        angle, size = math.tau * self._gobo_turns, float(self._row[_GOBO_SIZE])
+        """Write how the pattern in the key light is turned."""
+        angle, size = math.tau * view.gobo_turns, float(self._row[_GOBO_SIZE])
         self._data["gobo"] = math.cos(angle) / size, math.sin(angle) / size, float(self._row[_GOBOS].sum()), 0.0
 
     def _apply_row(self, row: Float64) -> None:
@@ -274,7 +275,7 @@ class FrameUniforms:
     @property
     def rippled(self) -> bool:
         """Whether rings that spread from the dancers' steps are seen: in water or as light on the floor."""
-        return bool(self.worlds["water"] > 0.0 or self._row[_FLOOR_PATTERNS[0]] > 0.0)
+        return rings_are_seen(self._row)
 
     @property
     def open_air(self) -> bool:

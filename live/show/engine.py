@@ -110,8 +110,8 @@ class Engine:
         self.event_listeners: list[Callable[[ControlEvent], None]] = []
         """Called with every event after the show has handled it: for devices."""
         self.event_sources: list[Callable[[float], Iterable[ControlEvent]]] = []
-        """Called after each tick with the time of the next one [s]; they return the events until then. For events
-        known in advance, such as the notes of a file, which must not depend on frame times."""
+        """Called before each tick with its time [s]; they return the events until then. For events known in advance,
+        such as the notes of a file, which must not depend on frame times."""
         self.patch_listeners: list[Callable[[Patch], None]] = []
         """Called with the patch when it was swapped: for devices that depend on it."""
         self._patch = show.patch
@@ -252,7 +252,11 @@ class Engine:
 
     def run_to(self, target: float) -> None:
         """Run every tick up to `target` [s], without a limit."""
-        for time in self.ticks.due(target):
+        while self.ticks.is_due(target):
+            for tell in self.event_sources:
+                for event in self._call(_all_of, tell, self.ticks.time + TICK) or ():
+                    self.apply(event)
+            time = self.ticks.advance()
             if self.progress is not None:
                 self.progress.begin_tick(self.ticks.index)
             crossed = self.show.tick(time)
@@ -261,9 +265,6 @@ class Engine:
                 if crossed:
                     self.journal.record_measure(self.ticks.index, self.show.span.number + 1, self.show.state_hash())
                 self.journal.take_snapshot(self.show, self.ticks.index, begins=crossed)
-            for tell in self.event_sources:
-                for event in self._call(_all_of, tell, time + TICK) or ():
-                    self.apply(event)
 
 
 def _all_of(source: Callable[[float], Iterable[ControlEvent]], until: float) -> list[ControlEvent]:

@@ -14,6 +14,7 @@ PICTURES: Final = "%05d.png"
 _NUMBER: Final = re.compile(r"%0?\d{0,2}d")
 _FILM_ENDINGS: Final = (".mp4", ".mov", ".mkv")
 _WITH_ALPHA: Final = (".mov", ".mkv")
+_FRAMES: Final = re.compile(r"([0-9]{1,9})?:([0-9]{1,9})?")
 _NTSC_FACTOR: Final = Fraction(1000, 1001)
 """NTSC factor: 59.94 is 60000/1001."""
 
@@ -84,3 +85,17 @@ def parse_rate(text: str | None, option: str = "--fps") -> float | None:
     if "/" not in text and rate.denominator > 1 and abs(rate - named) < Fraction(1, 200):
         rate = named
     return float(rate)
+
+
+def parse_frames(text: str | None, option: str = "--frames") -> tuple[int, int | None] | None:
+    """Parse frames of the whole show, half-open and from 0: `A:B`, `A:` to the end, `:B` from the beginning; None for
+    None."""
+    if text is None:
+        return None
+    found = _FRAMES.fullmatch(text.strip())
+    if found is None:
+        raise PersonError(f"{option} {text!r}: the first frame and the one after the last expected", f"{option} 0:240")
+    first, end = int(found[1] or 0), int(found[2]) if found[2] else None
+    if end is not None and first >= end:
+        raise PersonError(f"{option} {text}: there is no frame between {first} and {end}")
+    return first, end

@@ -1,7 +1,8 @@
 """Where the frames of a show go offline: as pictures into a film, or as motion into files for other programs."""
 
 import contextlib
-from collections.abc import Iterator
+import hashlib
+from collections.abc import Iterator, Sequence
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Final, Protocol
@@ -42,6 +43,12 @@ class FilmOutput(Protocol):
     def draw(self, view: StageView) -> None:
         """Take a frame."""
 
+    def follow(self, view: StageView) -> None:
+        """Take in a frame before the film's first one, for what later ones remember of it."""
+
+    def warm_up(self, view: StageView) -> None:
+        """Take a frame before the film's first one that has to be drawn."""
+
     def advance(self) -> None:
         """Go on to the next frame. PersonError if the file cannot be written."""
 
@@ -57,10 +64,27 @@ class PictureOutput:
 
     def __init__(self, renderer: "Renderer", target: "OffscreenTarget", writer: PictureWriter, path: Path) -> None:
         self._renderer, self._target, self._writer, self._path = renderer, target, writer, path
+        self.before = ""
+        """Hash of the picture before the first one, of a film that does not begin with the show."""
+        self.last = ""
+        """Hash of the last picture, once the film is closed."""
+
+    def begin_anew(self, titles: Sequence[tuple[str, str]]) -> None:
+        """Forget what the renderer has drawn; `titles` were shown before (`Renderer.begin_anew`)."""
+        self._renderer.begin_anew(titles)
 
     def draw(self, view: StageView) -> None:
         """See `FilmOutput`."""
         self._renderer.draw(view, self._target.framebuffer)
+
+    def follow(self, view: StageView) -> None:
+        """See `FilmOutput`."""
+        self._renderer.follow(view)
+
+    def warm_up(self, view: StageView) -> None:
+        """See `FilmOutput`; the picture is kept in `before`."""
+        self.draw(view)
+        self.before = _picture_hash(self._target.read())
 
     def advance(self) -> None:
         """See `FilmOutput`."""
@@ -73,7 +97,9 @@ class PictureOutput:
 
     def close(self) -> str:
         """See `FilmOutput`."""
-        self._write(self._target.flush())
+        picture = self._target.flush()
+        self.last = "" if picture is None else _picture_hash(picture)
+        self._write(picture)
         try:
             self._writer.close()
         except FilmError as error:
@@ -87,6 +113,10 @@ class PictureOutput:
             self._writer.write(picture)
         except FilmError as error:
             raise PersonError(str(error)) from None
+
+
+def _picture_hash(picture: Picture) -> str:
+    return hashlib.blake2b(np.ascontiguousarray(picture).data, digest_size=16).hexdigest()
 
 
 def _formations(show: Show) -> Iterator[StageFormation]:
@@ -149,6 +179,11 @@ class MotionOutput:
         self._rotation.append(view.joint_rotation.copy())
         self._present.append(view.present.copy())
         self._beat.append((view.beat, view.measure + 1))
+
+    def follow(self, view: StageView) -> None:
+        """See `FilmOutput`: poses remember nothing."""
+
+    warm_up = follow
 
     def advance(self) -> None:
         """See `FilmOutput`."""

@@ -28,13 +28,14 @@ def film_sound(music: Music | None) -> FilmSound | None:
 
 
 def film_writer(
-    path: Path, *, size: tuple[int, int], fps: float, sound: FilmSound | None, alpha: bool = False
+    path: Path, *, size: tuple[int, int], fps: float, sound: FilmSound | None, alpha: bool = False, first: int = 0
 ) -> PictureWriter:
-    """Open a film with sound, in the format of its file name; raise PersonError if that fails."""
+    """Open a film with sound, in the format of its file name; raise PersonError if that fails. `first`: number of its
+    first frame in the whole show."""
     try:
         if path.suffix.lower() == ".png":
-            return ImageSequenceWriter(path, size=size, fps=fps, sound=sound, alpha=alpha)
-        return FilmWriter(path, size=size, fps=fps, sound=sound, alpha=alpha)
+            return ImageSequenceWriter(path, size=size, fps=fps, sound=sound, alpha=alpha, first=first)
+        return FilmWriter(path, size=size, fps=fps, sound=sound, alpha=alpha, first=first)
     except FilmError as error:
         raise PersonError(str(error)) from None
 

@@ -1,87 +1,126 @@
-"""Rendering of a recorded journal to a film with its music."""
+"""Rendering of a recorded journal to a film with its music, whole or a part of it."""
 
 import contextlib
 import math
-from dataclasses import replace
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rich.console import Console
 
 from live.app.film.film_output import FilmOutput, MotionOutput
+from live.app.film.film_plan import FilmPart, FilmPlan, whole_show
 from live.app.film.live_recording import film_sound
 from live.app.film.show_film import make_sound_mixer, picture_output, progress_bar
 from live.app.launch_options import LaunchOptions
 from live.base.errors import PersonError
-from live.clock.ticks import TICK
+from live.clock.ticks import TICK, FrameGrid
 from live.control.audio.music_file import Music, MusicFileError, read_music
 from live.library.motion_formats import stage_format
 from live.render.film.streams import FilmSound
 from live.show.journal.journal_reader import Journal
-from live.show.journal.replay import Replayer, ReplayResult, ReplayStart
+from live.show.journal.replay import Replayer, ReplayResult
 from live.show.loader import LoadedShow
+from live.show.patch.patch import Patch
+from live.show.sound.soundtrack import Soundtrack
+from live.show.stages.row_threads import row_threads
+
+
+@dataclass(frozen=True, slots=True)
+class FilmLook:
+    """How the pictures of a film are drawn."""
+
+    size: tuple[int, int]
+    """Width and height [pixels]."""
+    grid: FrameGrid
+    fine: bool = False
+    """As on a graphics card, even without one."""
+    alpha: bool = False
+    """Dancers without stage on a transparent background."""
 
 
 def film_replay(
-    start: ReplayStart,
-    journal: Journal,
-    loaded: LoadedShow,
-    path: Path,
-    size: tuple[int, int],
-    fps: float,
-    *,
-    first: int = 1,
-    to: int | None = None,
-    fine: bool = False,
-    alpha: bool = False,
-) -> tuple[ReplayResult, str]:
-    """Render a journal from measure `first` to the end of `to` (from 1); return how its hashes compare, and where the
-    file is.
+    journal: Journal, loaded: LoadedShow, path: Path, look: FilmLook, frames: tuple[int, int], *, to_end: bool,
+    problems: list[str],
+) -> tuple[ReplayResult, str]:  # fmt: skip
+    """Render the `frames` of a journal (half-open, of the whole show); return how its hashes compare, and where the
+    file is. `to_end`: with them the show ends.
 
-    By its suffix the path is a film or the dancers' motion.
-
-    The sound is the music file of the show, if there was one, with click and taps as in the patch. `alpha`: dancers
-    without stage on a transparent background. A damaged line ends the film. Raise PersonError if rendering fails.
+    By its suffix the path is a film or the dancers' motion. The sound is the music file of the show, if there was one,
+    with click and taps as in the patch. Raise PersonError if rendering fails.
     """
-    running = Replayer(start.show, journal.lines_with_damage(), tick=start.tick, to=to)
-    running.advance_to(first)
-    show, begin = running.show, running.tick * TICK
-    if running.ended:
-        raise PersonError(f"{journal.path}: it has no measure {first}; it ends in measure {show.span.number + 1}")
+    part = whole_show(frames[1])
+    if frames[0]:
+        plan = FilmPlan(journal, loaded, look.grid, frames, problems=problems, to_end=to_end)
+        part = next(found for found in plan.parts(whole=False) if found is not None)
+    start = part.start(journal, loaded)
+    running = Replayer(start.show, journal.lines_with_damage(), tick=start.tick)
+    begin = look.grid.time(part.first)
     as_motion = stage_format(path.suffix) is not None
-    music = None if as_motion else _music(journal)
-    mixed = None if as_motion else make_sound_mixer(loaded, show, film_sound(music), begin=begin)
-    frames = max(1, math.ceil((journal.last_tick * TICK - begin) * fps))
+    music = None if as_motion else journal_music(journal)
+    mixed = None if as_motion else make_sound_mixer(loaded, start.show, film_sound(music), begin=begin)
     with contextlib.ExitStack() as stack:
-        current = replace(loaded, patch=show.patch)
+        stack.enter_context(row_threads())
         output: FilmOutput
         if as_motion:
-            output = MotionOutput(current, show, path, frames=frames if to is None else 0, fps=fps, begin=begin)
+            current = replace(loaded, patch=start.show.patch)
+            output = MotionOutput(
+                current, start.show, path, frames=part.count, fps=look.grid.fps, begin=begin
+            )  # fmt: skip
         else:
-            sound = mixed.film if mixed is not None else _music_from(music, begin)
-            options = LaunchOptions(size=size, fps=fps)
-            output = picture_output(stack, options, current, path, sound, fine=fine, alpha=alpha)
+            sound = mixed.film if mixed is not None else music_from(music, begin)
+            options = LaunchOptions(size=look.size, fps=look.grid.fps)
+            picture = picture_output(
+                stack, options, loaded, path, sound, fine=look.fine, alpha=look.alpha, first=part.first
+            )
+            picture.begin_anew(part.titles)
+            output = picture
         progress = stack.enter_context(progress_bar(Console(stderr=True)))
-        task = progress.add_task("", total=frames if to is None else None)
-        view, frame, patch = show.view(), 0, show.patch
-        view.detailed = as_motion  # no camera spares them
-        while not running.ended and running.damaged is None:
-            time = begin + frame / fps
-            running.advance(math.floor(time / TICK + 1e-9))
-            if show.patch is not patch:
-                patch = show.patch
-                output.change_patch(patch)
-            show.fill(view, max(time, running.tick * TICK))
-            if mixed is not None:
-                mixed.frame(view)
-            output.draw(view)
-            output.advance()
+        task = progress.add_task("", total=part.count)
+        for _ in draw_part(part, running, output, look.grid, loaded.patch, mixed, detailed=as_motion):
             progress.advance(task)
-            frame += 1
+        if to_end:
+            running.advance(math.inf)
         made = output.close()
     return running.result, made
 
 
-def _music(journal: Journal) -> Music | None:
+def draw_part(
+    part: FilmPart,
+    running: Replayer,
+    output: FilmOutput,
+    grid: FrameGrid,
+    patch: Patch,
+    mixed: Soundtrack | None = None,
+    *,
+    detailed: bool = False,
+) -> Iterator[int]:
+    """Draw a part, after what its pictures remember of the frames before; yield each of its frames that is done.
+
+    `running`: at the part's start. `patch`: the one that `output` draws. `detailed`: no camera spares the dancers.
+    """
+    show = running.show
+    view = show.view()
+    view.detailed = detailed
+    for frame in range(part.reach.follow, part.end):
+        running.advance(grid.tick(frame))
+        if show.patch is not patch:
+            patch = show.patch
+            output.change_patch(patch)
+        show.fill(view, max(grid.time(frame), running.tick * TICK))
+        if frame < part.reach.draw:
+            output.follow(view)
+        elif frame < part.first:
+            output.warm_up(view)
+        else:
+            if mixed is not None:
+                mixed.frame(view)
+            output.draw(view)
+            output.advance()
+            yield frame
+
+
+def journal_music(journal: Journal) -> Music | None:
     """Read the journal's music file; None if there was none. Raise PersonError if the file is missing."""
     name = journal.header.get("music")
     if name is None:
@@ -92,7 +131,7 @@ def _music(journal: Journal) -> Music | None:
         raise PersonError(str(error)) from None
 
 
-def _music_from(music: Music | None, begin: float) -> FilmSound | None:
+def music_from(music: Music | None, begin: float) -> FilmSound | None:
     """Return the music alone, from `begin` [s] of the show."""
     if music is None:
         return None

@@ -19,6 +19,7 @@ from live.app.session_audio import AudioChoice, make_map_clock, make_show_analys
 from live.app.session_records import resident_megabytes
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
+from live.clock.ticks import FrameGrid
 from live.clock.time_source import ManualClock
 from live.control.audio.music_file import OfflineMusic
 from live.control.events.events import ControlEvent
@@ -76,7 +77,8 @@ def film_show(
         )
     engine.guides = guides
     attach_midi_file(options.midi_file, show, engine)
-    frames = max(1, math.ceil(seconds * options.film_fps))
+    grid = FrameGrid(options.film_fps)
+    frames = grid.count(seconds)
     figures = MotionReport(show) if report is not None else None
     heard = film_sound(sound.music)
     as_motion = stage_format(path.suffix) is not None
@@ -90,14 +92,15 @@ def film_show(
         else:
             film = heard if mixed is None else mixed.film
             output = picture_output(stack, options, loaded, path, film, fine=fine, alpha=alpha)
-        engine.journal = _journal(stack, options, loaded, show, tempo, engine, sound.path)
+        engine.journal = _journal(stack, options, loaded, show, tempo, engine, sound.path, seconds)
         lines = _status_file(stack, options, status, clock)
         progress = stack.enter_context(progress_bar(console))
         task = progress.add_task("", total=frames)
         for frame in range(frames):
-            now = frame / options.film_fps
+            now = grid.time(frame)
             clock.set(now)
-            for event in [] if music is None else music.events_until(now):
+            # what acts after the last tick is seen after the next one, as in a replay
+            for event in music.events_until(now) if music is not None and engine.ticks.is_due(now) else ():
                 inbox.put(event)
             engine.frame(output.draw)
             if figures is not None:
@@ -123,12 +126,16 @@ def picture_output(
     *,
     fine: bool,
     alpha: bool,
+    first: int = 0,
 ) -> PictureOutput:
-    """Return the output to a film with `sound`, closed with the stack; PersonError if it cannot be drawn or written."""
+    """Return the output to a film with `sound`, closed with the stack; PersonError if it cannot be drawn or written.
+
+    `first`: number of its first frame in the whole show.
+    """
     target, renderer = make_renderer(stack, options, loaded, fine, alpha=alpha)
     writer = stack.enter_context(
-        film_writer(path, size=options.size, fps=options.film_fps, sound=sound, alpha=alpha)
-    )  # fmt: skip
+        film_writer(path, size=options.size, fps=options.film_fps, sound=sound, alpha=alpha, first=first)
+    )
     return PictureOutput(renderer, target, writer, path)
 
 
@@ -178,6 +185,7 @@ def _journal(
     tempo: float | None,
     engine: Engine,
     music: Path | None,
+    seconds: float,
 ) -> JournalWriter | None:
     if options.journal is None:
         return None
@@ -185,7 +193,7 @@ def _journal(
         journal = JournalWriter(options.journal, loaded.header(show, tempo=tempo, music=music))
     except JournalError as error:
         raise PersonError(str(error)) from None
-    stack.callback(lambda: journal.close(engine.ticks.index))
+    stack.push(lambda kind, *_: journal.close(engine.ticks.index, seconds=None if kind else seconds))
     return journal
 
 

@@ -116,7 +116,6 @@ class PoseHistory:
     def clear(self) -> None:
         """Remove all ghosts."""
         self._ghost_beat = np.full((MAX_GHOSTS, PART_COUNT), np.nan)  # beat of each ghost
-        self._next = np.zeros(PART_COUNT, np.int64)
         self._beat = math.nan
 
     def update(self, view: StageView, batch: DancerBatch) -> None:
@@ -132,13 +131,12 @@ class PoseHistory:
         line = np.floor(beat / spacing)
         leaving = (line > np.floor(self._beat / spacing)) & batch.styles.masks["trails"]
         for group in np.flatnonzero(leaving).tolist():
-            self._store_ghosts(group, float(line[group] * spacing[group]), view)
+            slot = int(line[group]) % MAX_GHOSTS  # the same whenever the history began
+            self._store_ghosts(group, float(line[group] * spacing[group]), slot, view)
         self._beat = beat
 
-    def _store_ghosts(self, group: int, beat: float, view: StageView) -> None:
+    def _store_ghosts(self, group: int, beat: float, slot: int, view: StageView) -> None:
         """Store the current poses of a group's dancers as ghosts."""
-        slot = int(self._next[group]) % MAX_GHOSTS
-        self._next[group] += 1
         self._ghost_beat[slot, group] = beat
         pose_texels(view.joint_position, view.joint_rotation, _REST, ANCHORS, self._poses)
         rows, width = self._poses.shape[:2]

@@ -1,6 +1,7 @@
 """Video container formats and codecs, chosen by file name extension: for playback, for editing, lossless."""
 
 from dataclasses import dataclass
+from fractions import Fraction
 from pathlib import Path
 from typing import Final
 
@@ -55,3 +56,13 @@ def format_of(path: Path) -> VideoFormat:
     if kind is None:
         raise ValueError(f"{path}: a film's name ends in {', '.join(FORMATS)}")
     return kind
+
+
+def encoder_options(kind: VideoFormat, *, live: bool = False) -> dict[str, str]:
+    """Return what the encoder is told beside the options of the format; a `live` film is encoded faster."""
+    return {"preset": "ultrafast" if live else "veryfast", "crf": "20"} if kind.video == "libx264" else {}
+
+
+def segment_length(fps: Fraction, kind: VideoFormat) -> int:
+    """Return the length of the segments in which a film is encoded [frames]: as far as key frames are apart."""
+    return max(1, round(kind.key_frame_interval * fps))

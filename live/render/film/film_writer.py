@@ -1,6 +1,8 @@
 """Video file writer: encodes frames and sound in a thread, without blocking the frame loop."""
 
+import contextlib
 import threading
+from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
 from queue import SimpleQueue
@@ -12,8 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.base.system.process_control import yield_thread_priority
-from live.render.film.container_formats import format_of
-from live.render.film.streams import FilmEncoder, FilmSound
+from live.render.film.container_formats import VideoFormat, encoder_options, format_of, segment_length
+from live.render.film.streams import ENCODER_THREADS, FilmEncoder, FilmSound
 
 Picture = npt.NDArray[np.uint8]
 
@@ -32,6 +34,19 @@ class _Job(NamedTuple):
     """The frame to encode; None at the end of the film."""
     repeats: int
     """How often the previous frame is repeated first, in place of dropped frames."""
+
+
+class PictureEncoder(Protocol):
+    """Encodes pictures in order, in the thread of a `FilmWriter`."""
+
+    def encode(self, source: Any) -> None:
+        """Encode a new frame."""
+
+    def repeat(self) -> None:
+        """Encode the last frame again."""
+
+    def finish(self) -> None:
+        """Flush the encoders."""
 
 
 class PictureWriter(Protocol):
@@ -56,6 +71,8 @@ class FilmWriter:
     `size`: width and height of the incoming frames [pixels]; an odd size loses its last column or row, which is
     reported in `notes`. `sound`: see `FilmSound`; it is cut or padded to the length of the video.
     `alpha`: frames are RGBA with straight alpha, as `AlphaPass` draws them.
+    `first`: number of the first frame in the whole show: on this grid the film is encoded in segments
+    (`VideoEncoder`), by so many `threads`, unless it is live.
     `live`: when the encoder is behind, a frame is dropped and counted in `dropped`, and the previous frame is repeated,
     so that the film keeps time and the show is never delayed; otherwise `write` waits. A live film is written in
     fragments (mp4): after a power failure, the part written so far can be played.
@@ -76,6 +93,8 @@ class FilmWriter:
         live: bool = False,
         depth: int = 8,
         alpha: bool = False,
+        first: int = 0,
+        threads: int = ENCODER_THREADS,
     ) -> None:
         width, height = size
         if width < 2 or height < 2:
@@ -95,9 +114,9 @@ class FilmWriter:
         self.dropped = 0
         self._input_shape = (height, width, 4 if alpha else 3)
         self._live = live
+        self._first, self._segment, self._threads = first, 0 if live else segment_length(self.fps, self._kind), threads
         self._sound = sound
-        chosen = {"preset": "ultrafast" if live else "veryfast", "crf": "20"}
-        self._options = chosen if self._kind.video == "libx264" else {}
+        self._options = encoder_options(self._kind, live=live)
         self._sources = [av.VideoFrame(*self.size, "rgba" if alpha else "rgb24") for _ in range(depth)]
         self._pixels = [frame_pixels(source, 4 if alpha else 3) for source in self._sources]
         self._free: SimpleQueue[int] = SimpleQueue()
@@ -148,7 +167,7 @@ class FilmWriter:
             self._thread.join()
             self._check()
 
-    def __enter__(self) -> "FilmWriter":
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None) -> None:
@@ -170,14 +189,7 @@ class FilmWriter:
         try:
             if self._live:
                 yield_thread_priority(ENCODER_NICE)
-            flags = "hybrid_fragmented+delay_moov" if self._live else "faststart"
-            options = {"movflags": flags, "movie_timescale": "90000"}  # lengths in ms would cut the last picture short
-            options = options if self._kind.container in ("mp4", "mov") else {}
-            with av.open(str(self.path), "w", format=self._kind.container, options=options) as container:
-                encoder = FilmEncoder(
-                    container, self.size, self.fps, self._kind, self._options, self._sound, alpha=self._alpha
-                )
-                container.start_encoding()
+            with self._open() as encoder:
                 ready.set()
                 self._encode_all(encoder)
         except BaseException as error:  # raised again in the thread that calls `write`
@@ -186,7 +198,18 @@ class FilmWriter:
             self._free.put(_FAILED)
             ready.set()
 
-    def _encode_all(self, encoder: FilmEncoder) -> None:
+    @contextlib.contextmanager
+    def _open(self) -> Iterator[PictureEncoder]:
+        """Open the file."""
+        with open_container(self.path, self._kind, live=self._live) as container:
+            encoder = FilmEncoder(
+                container, self.size, self.fps, self._kind, self._options, self._sound, alpha=self._alpha,
+                first=self._first, segment=self._segment, threads=self._threads,
+            )  # fmt: skip
+            container.start_encoding()
+            yield encoder
+
+    def _encode_all(self, encoder: PictureEncoder) -> None:
         while True:
             job = self._jobs.get()
             for _ in range(job.repeats):
@@ -196,6 +219,14 @@ class FilmWriter:
                 return
             encoder.encode(self._sources[job.slot])
             self._free.put(job.slot)
+
+
+def open_container(path: Path, kind: VideoFormat, *, live: bool = False) -> Any:
+    """Open a film's file for writing."""
+    flags = "hybrid_fragmented+delay_moov" if live else "faststart"
+    options = {"movflags": flags, "movie_timescale": "90000"}  # lengths in ms would cut the last picture short
+    options = options if kind.container in ("mp4", "mov") else {}
+    return av.open(str(path), "w", format=kind.container, options=options)
 
 
 def frame_pixels(source: Any, channels: int) -> Picture:

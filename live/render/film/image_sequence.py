@@ -28,7 +28,7 @@ _COMPRESSION: Final = 3
 
 
 class ImageSequenceWriter:
-    """Writes frames like `FilmWriter`, as PNG in sRGB, numbered from 1.
+    """Writes frames like `FilmWriter`, as PNG in sRGB, numbered as the frames of the whole show.
 
     `path`: the file name with a printf number, `frames/%05d.png`; the folder is created if its parent exists.
     `size`: width and height [pixels]. `alpha`: frames are RGBA with straight alpha. Existing files are overwritten.
@@ -44,19 +44,21 @@ class ImageSequenceWriter:
         fps: float | Fraction,
         sound: FilmSound | None = None,
         alpha: bool = False,
+        first: int = 0,
     ) -> None:
+        """`first`: number of the first frame, from 0."""
+        self._first = first
         self.path, self.size = path, size
         self.fps = Fraction(fps).limit_denominator(1001)
         self.notes: tuple[str, ...] = ()
         self.frames = self.dropped = 0
         self._shape = (size[1], size[0], 4 if alpha else 3)
-        self._sound, self._samples_written = sound, 0
         self._closed = False
         self._info = PngInfo()
         self._info.add(b"sRGB", b"\x00")
         try:
             path.parent.mkdir(exist_ok=True)
-            self._wave = None if sound is None else _wave_file(path.parent / SOUND_FILE, sound)
+            self._wave = None if sound is None else WaveFile(path.parent / SOUND_FILE, sound)
         except OSError as error:
             raise self._error(error) from error
         self._pool = ThreadPoolExecutor(_THREADS, "pictures")
@@ -68,8 +70,9 @@ class ImageSequenceWriter:
             raise ValueError(f"a picture of shape {picture.shape}, {picture.dtype}: {self._shape}, uint8 is needed")
         if self._closed:
             return
+        number = self._first + self.frames
         self.frames += 1
-        self._jobs.append(self._pool.submit(self._save, np.ascontiguousarray(picture).copy(), self.frames))
+        self._jobs.append(self._pool.submit(self._save, np.ascontiguousarray(picture).copy(), number))
         self._wait_for_jobs(_MAX_PENDING)
         self._write_sound()
 
@@ -88,20 +91,12 @@ class ImageSequenceWriter:
                 raise self._error(error) from error
 
     def _write_sound(self) -> None:
-        """Write the sound up to the length of the video; missing samples are silence."""
-        if self._wave is None or self._sound is None:
-            return
-        due = round(self.frames / self.fps * self._sound.rate)
-        piece = np.zeros((due - self._samples_written, self._sound.channels), np.float32)
-        read = self._sound.read(self._samples_written, due - self._samples_written)[: len(piece)]
-        piece[: len(read)] = read
-        self._samples_written = due
-        whole = np.round(np.clip(np.nan_to_num(piece), -1.0, 1.0) * 32767.0).astype("<i2")
-        try:
-            self._wave.writeframesraw(whole.tobytes())
-        except OSError as error:
-            self._closed = True
-            raise self._error(error) from error
+        if self._wave is not None:
+            try:
+                self._wave.write_until(self.frames / self.fps)
+            except OSError as error:
+                self._closed = True
+                raise self._error(error) from error
 
     def _error(self, error: OSError) -> FilmError:
         return FilmError(f"{self.path}: the pictures cannot be written: {error.strerror or error}")
@@ -131,9 +126,27 @@ class ImageSequenceWriter:
                 raise
 
 
-def _wave_file(path: Path, sound: FilmSound) -> wave.Wave_write:
-    written = wave.open(str(path), "wb")  # noqa: SIM115 (closed with the last frame)
-    written.setnchannels(sound.channels)
-    written.setsampwidth(2)
-    written.setframerate(sound.rate)
-    return written
+class WaveFile:
+    """The sound of a film as a WAV file of 16 bits. Thread: one."""
+
+    def __init__(self, path: Path, sound: FilmSound) -> None:
+        """OSError if the file cannot be created."""
+        self._sound, self._written = sound, 0
+        self._file = wave.open(str(path), "wb")  # noqa: SIM115 (closed with the last frame)
+        self._file.setnchannels(sound.channels)
+        self._file.setsampwidth(2)
+        self._file.setframerate(sound.rate)
+
+    def write_until(self, seconds: Fraction) -> None:
+        """Write the sound up to this length of the video [s]; missing samples are silence. OSError if it fails."""
+        due = round(seconds * self._sound.rate)
+        piece = np.zeros((due - self._written, self._sound.channels), np.float32)
+        read = self._sound.read(self._written, due - self._written)[: len(piece)]
+        piece[: len(read)] = read
+        self._written = due
+        whole = np.round(np.clip(np.nan_to_num(piece), -1.0, 1.0) * 32767.0).astype("<i2")
+        self._file.writeframesraw(whole.tobytes())
+
+    def close(self) -> None:
+        """Complete the file."""
+        self._file.close()

@@ -3,11 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, Final
 
 import av
 import numpy as np
 import numpy.typing as npt
+from av.codec.context import Flags
 from av.video.reformatter import ColorPrimaries, ColorRange, Colorspace, ColorTrc, VideoReformatter
 
 from live.render.film.container_formats import VideoFormat
@@ -106,6 +107,102 @@ class AudioStream:
             self._container.mux(self._stream.encode(whole))
 
 
+ENCODER_THREADS: Final = 4
+"""Threads of an encoder: H.264 of another number has other bits, so it does not depend on the machine."""
+
+
+class VideoEncoder:
+    """Encodes the pictures of a film. Thread: the encoder's only.
+
+    In segments (`segment` frames, on the grid of the show's frames, of which the film's first one is number `first`)
+    each segment has an encoder of its own and depends on no picture before. So a film that is encoded in parts has the
+    same packets as one encoded in one go. `segment` 0: all in one.
+    """
+
+    def __init__(
+        self,
+        size: tuple[int, int],
+        fps: Fraction,
+        kind: VideoFormat,
+        options: dict[str, str],
+        *,
+        alpha: bool = False,
+        first: int = 0,
+        segment: int = 0,
+        threads: int = ENCODER_THREADS,
+        context: Any = None,
+    ) -> None:
+        """`options` of the encoder override those of `kind`; `alpha`: frames are RGBA. `context`: the codec context of
+        a container's stream, for the first segment."""
+        self._size, self._fps, self._kind, self._alpha = size, fps, kind, alpha
+        self._options, self._threads = options, threads
+        self._pixels = kind.pixels if not alpha or kind.alpha_pixels is None else kind.alpha_pixels
+        self._reformatter = VideoReformatter()
+        self._first, self._segment, self._begin = first, segment, 0
+        self._context = self._new_context() if context is None else context
+        self._configure(self._context)
+        self._last: Any = None
+        self.count = 0
+        """Frames so far."""
+
+    def _new_context(self) -> Any:
+        context = av.CodecContext.create(self._kind.video, "w")
+        context.flags |= Flags.global_header  # as all containers of films want it
+        return context
+
+    def _configure(self, codec: Any) -> None:
+        codec.width, codec.height = self._size
+        codec.pix_fmt = self._pixels
+        codec.framerate, codec.time_base = self._fps, 1 / self._fps
+        codec.options = {
+            **dict(self._kind.alpha_options if self._alpha else self._kind.options), **self._options,
+        }  # fmt: skip
+        if not self._kind.is_rgb:
+            codec.colorspace, codec.color_primaries = Colorspace.ITU709, ColorPrimaries.BT709
+            codec.color_trc, codec.color_range = ColorTrc.BT709, ColorRange.MPEG
+        if self._segment:
+            codec.thread_count = self._threads
+        if self._kind.video == "libx264":
+            codec.gop_size = max(1, round(self._kind.key_frame_interval * self._fps))
+
+    @property
+    def stream_data(self) -> bytes:
+        """What a container needs to know of the whole stream; there once something was encoded."""
+        return bytes(self._context.extradata or b"")
+
+    def encode(self, source: Any) -> list[Any]:
+        """Encode a new frame; return the packets that are ready, with times in frames of the film."""
+        if self._kind.is_rgb:
+            self._last = self._reformatter.reformat(source, format=self._pixels)
+        else:
+            self._last = self._reformatter.reformat(
+                source, format=self._pixels, dst_colorspace=Colorspace.ITU709, dst_color_range=ColorRange.MPEG
+            )
+        return self.repeat()
+
+    def repeat(self) -> list[Any]:
+        """Encode the last frame (again)."""
+        done: list[Any] = []
+        if self._segment and self.count and (self._first + self.count) % self._segment == 0:
+            done = self.finish()
+            self._context, self._begin = self._new_context(), self.count
+            self._configure(self._context)
+        self._last.pts, self._last.time_base, self._last.duration = self.count - self._begin, 1 / self._fps, 1
+        done += self._timed(self._context.encode(self._last))
+        self.count += 1
+        return done
+
+    def finish(self) -> list[Any]:
+        """Flush the encoder; return the last packets."""
+        return self._timed(self._context.encode(None))
+
+    def _timed(self, packets: list[Any]) -> list[Any]:
+        for packet in packets if self._begin else ():
+            packet.pts += self._begin
+            packet.dts += self._begin
+        return packets
+
+
 class FilmEncoder:
     """Encodes video and audio into an open container. Thread: the encoder's only."""
 
@@ -119,52 +216,47 @@ class FilmEncoder:
         sound: FilmSound | None,
         *,
         alpha: bool = False,
+        first: int = 0,
+        segment: int = 0,
+        threads: int = ENCODER_THREADS,
     ) -> None:
-        """`options` of the encoder override those of `kind`; `alpha`: frames are RGBA."""
-        self._container, self._kind = container, kind
+        """See `VideoEncoder`."""
+        self._container = container
         self._fps = fps
-        self._pixels = kind.pixels if not alpha or kind.alpha_pixels is None else kind.alpha_pixels
         self._stream = container.add_stream(kind.video, rate=fps)
-        self._stream.width, self._stream.height = size
-        self._stream.pix_fmt = self._pixels
         self._stream.time_base = 1 / fps
-        self._stream.options = {**dict(kind.alpha_options if alpha else kind.options), **options}
-        codec = self._stream.codec_context
-        if not kind.is_rgb:
-            codec.colorspace, codec.color_primaries = Colorspace.ITU709, ColorPrimaries.BT709
-            codec.color_trc, codec.color_range = ColorTrc.BT709, ColorRange.MPEG
-        if kind.video == "libx264":
-            codec.gop_size = max(1, round(kind.key_frame_interval * fps))
-        self._reformatter = VideoReformatter()
+        self._video = VideoEncoder(
+            size, fps, kind, options, alpha=alpha, first=first, segment=segment, threads=threads,
+            context=self._stream.codec_context,
+        )  # fmt: skip
         self._audio = AudioStream(container, sound, kind.audio) if sound else None
-        self._last: Any = None
-        self.count = 0
+
+    @property
+    def count(self) -> int:
         """Frames so far."""
+        return self._video.count
 
     def encode(self, source: Any) -> None:
-        """Encode a new frame."""
-        if self._kind.is_rgb:
-            self._last = self._reformatter.reformat(source, format=self._pixels)
-        else:
-            self._last = self._reformatter.reformat(
-                source, format=self._pixels, dst_colorspace=Colorspace.ITU709, dst_color_range=ColorRange.MPEG
-            )
-        self.repeat()
+        """Encode a new frame, and the sound up to its end."""
+        self._mux(self._video.encode(source))
 
     def repeat(self) -> None:
         """Encode the last frame (again), and the sound up to its end."""
-        self._last.pts, self._last.time_base, self._last.duration = self.count, 1 / self._fps, 1
-        self._container.mux(self._stream.encode(self._last))
-        self.count += 1
+        self._mux(self._video.repeat())
+
+    def _mux(self, packets: list[Any]) -> None:
+        for packet in packets:
+            packet.stream = self._stream
+        self._container.mux(packets)
         if self._audio:
             self._audio.encode_until(self.count / self._fps)
 
     def skip(self, frames: int) -> None:
         """Leave out `frames` frames: the previous frame is shown longer."""
-        self.count += frames
+        self._video.count += frames
 
     def finish(self) -> None:
         """Flush the encoders."""
-        self._container.mux(self._stream.encode(None))
+        self._mux(self._video.finish())
         if self._audio:
             self._audio.encode_until(self.count / self._fps, last=True)

@@ -76,6 +76,11 @@ class LetterField:
                 self._thread = threading.Thread(target=self._run, name="letters", daemon=True)
                 self._thread.start()
 
+    def clear(self) -> None:
+        """Forget all letters that were asked for; not while a thread makes any."""
+        self._cells.clear()
+        self._done.clear()
+
     def made(self) -> tuple[int, Field] | None:
         """Return the cell and field (112, 112) of a letter that was made since the last call, or None."""
         return self._done.popleft() if self._done else None

@@ -16,6 +16,11 @@ _READS_LAST: Final = re.compile(r"\blast\s*\(")
 _BEAT_PERIOD: Final = 4096.0
 
 
+def reads_last_picture(own: CustomShader) -> bool:
+    """Whether a shader reads its own last picture, so that it may remember all before."""
+    return _READS_LAST.search(own.source) is not None
+
+
 class CustomPass:
     """Draws with the last source that compiled; `replace_source` replaces it."""
 
@@ -31,7 +36,7 @@ class CustomPass:
     def _read_source(self, own: CustomShader) -> None:
         self.definition = own
         self.needs_surfaces = _READS_SURFACES.search(own.source) is not None
-        self._needs_last = _READS_LAST.search(own.source) is not None
+        self._needs_last = reads_last_picture(own)
 
     def _make(self, size: tuple[int, int]) -> None:
         self._size = size
@@ -40,6 +45,7 @@ class CustomPass:
         self._last.repeat_x = self._last.repeat_y = False
         self._last_target = self._ctx.framebuffer([self._last])
         self._last_target.clear()
+        self._has_last = False
 
     def replace_source(self, own: CustomShader) -> None:
         """Replace the source. Raises PersonError if it does not compile; the old one then stays in use."""
@@ -51,7 +57,9 @@ class CustomPass:
 
     def active(self, moment: Moment) -> bool:
         """Whether its amount is not 0."""
-        return moment.parameter(self._first) > 0.0
+        used = moment.parameter(self._first) > 0.0
+        self._has_last &= used  # the stored picture is outdated when the pass is switched on again
+        return used
 
     def draw(
         self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
@@ -59,7 +67,7 @@ class CustomPass:
         """Draw `source` through the shader."""
         linked, view, first = self._program, moment.view, self._first
         target.use()
-        textures = {"own_light_": source, "own_last_": source if moment.cut else self._last}
+        textures = {"own_light_": source, "own_last_": self._last if self._has_last and not moment.cut else source}
         if surfaces is not None:
             textures |= {"own_depth_": surfaces.depth, "own_shape_": surfaces.shape, "own_who_": surfaces.identity}
         for unit, (name, texture) in enumerate(textures.items(), start=1):
@@ -77,6 +85,7 @@ class CustomPass:
         self._triangle.render(moderngl.TRIANGLES, vertices=3)
         if self._needs_last:
             self._ctx.copy_framebuffer(self._last_target, target)
+            self._has_last = True
 
     def resize(self, size: tuple[int, int]) -> None:
         """New size of the picture [pixels]."""

@@ -10,11 +10,12 @@ from typing import Final
 import moderngl
 import numpy as np
 
+from live.base.arrays import Float64
 from live.base.picture_parameters import BY_ADDRESS
 from live.base.stage_snapshot import Camera, StageView
 from live.render.camera import FAR, NEAR, view_matrix
 from live.render.headless import is_software
-from live.render.pass_context import HDR, Moment, PassSetup, Surfaces
+from live.render.pass_context import HDR, NO_MEMORY, Memory, Moment, PassSetup, Surfaces
 from live.render.shader import FullscreenShader, release_all
 from live.render.uniforms import WALL_DISTANCE
 
@@ -38,6 +39,8 @@ _CENTRE: Final = 0.2
 """The automatic focus lies on a dancer who is no farther from the picture's middle than this share of the depth."""
 _HALF_LIFE_S: Final = 0.2
 """Half-life of the automatic focus' approach [s]."""
+_MEMORY_HALF_LIVES: Final = 60.0
+"""After so many half-lives no bit of the distance depends on where the focus was."""
 _CONSTANTS: Final = (("NEAR", NEAR), ("FAR", FAR), ("WALL_BEHIND", WALL_DISTANCE))
 
 
@@ -70,6 +73,16 @@ class FocusPass:
             texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
         self._textures[0].filter = (moderngl.NEAREST, moderngl.NEAREST)  # radii between two things belong to neither
         self._targets = [self._ctx.framebuffer([texture]) for texture in self._textures]
+
+    @staticmethod
+    def memory(row: Float64) -> Memory:
+        """Return how long the automatic focus approaches in a picture with these parameters."""
+        moves = row[_AMOUNT] > 0.0 and row[_DISTANCE] <= 0.0
+        return Memory(seconds=_MEMORY_HALF_LIVES * _HALF_LIFE_S) if moves else NO_MEMORY
+
+    def follow(self, moment: Moment) -> None:
+        """Move the automatic focus in a moment that is not drawn."""
+        self._focus(moment)
 
     def active(self, moment: Moment) -> bool:
         """Whether its amount is not 0."""

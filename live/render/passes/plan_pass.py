@@ -12,7 +12,7 @@ import numpy as np
 from live.base.arrays import Float64
 from live.base.picture_parameters import PLAN
 from live.base.stage_snapshot import StageView
-from live.render.pass_context import Moment, PassSetup, ScenePass
+from live.render.pass_context import NO_MEMORY, Memory, Moment, PassSetup, ScenePass
 from live.render.shader import compile_program, release_all, set_uniform
 
 HISTORY: Final = 64
@@ -52,6 +52,11 @@ class PlanPass(ScenePass):
         self._colours.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._tint = np.ones((count, 4), np.float32)
 
+    @staticmethod
+    def memory(row: Float64) -> Memory:
+        """Return how long the paths are in a picture with these parameters."""
+        return Memory(beats=(HISTORY + 1) / PER_BEAT) if row[PLAN] > 0.0 else NO_MEMORY
+
     def active(self, moment: Moment) -> bool:
         """Whether the plan is on."""
         return moment.parameter(PLAN) > 0.0
@@ -76,6 +81,8 @@ class PlanPass(ScenePass):
             self._sample_count = min(self._sample_count + 1, self._history - 1)
             self._last_sample = eighth
         self._places.write(self._row, viewport=(0, self._newest_row, self._count, 1))
+
+    follow = prepare
 
     def _read_dancers(self, view: StageView, colours: Float64) -> None:
         """Read place, facing and colour of all dancers."""

@@ -121,9 +121,7 @@ class BackdropPass:
     def draw(self, worlds: Mapping[str, float], *, moving: bool) -> None:
         """Fill `texture` unless it holds what is due, with the share of each world; `moving`: light or camera have
         changed since the last frame."""
-        if moving:
-            self._patience = 1 if self._still >= LONG_STILL else LONG_STILL
-        self._still = 0 if moving else self._still + 1
+        self._count(moving=moving)
         coarse = self._divisor > 1 and self._still < self._patience
         if self._is_cached and (coarse or self.texture is self._full_size):
             return
@@ -139,6 +137,16 @@ class BackdropPass:
             self._ctx.blend_func = moderngl.ONE, moderngl.ONE
         self._ctx.disable(moderngl.BLEND)
         self._is_cached = True
+
+    def _count(self, *, moving: bool) -> None:
+        if moving:
+            self._patience = 1 if self._still >= LONG_STILL else LONG_STILL
+        self._still = 0 if moving else self._still + 1
+
+    def follow(self, *, moving: bool) -> None:
+        """Count a frame that is not drawn; `moving` as for `draw`."""
+        self._count(moving=moving)
+        self._is_cached = False
 
     def invalidate(self) -> None:
         """Invalidate the cache, after light or camera have changed."""

@@ -9,13 +9,22 @@ from typing import Any
 import moderngl
 import numpy as np
 
-from live.base.picture_parameters import MAX_GHOSTS, PART_COUNT
+from live.base.arrays import Float64
+from live.base.picture_parameters import (
+    LONGEST_RIBBON,
+    MAX_GHOSTS,
+    PART_COUNT,
+    STYLE_ADDRESS_PREFIX,
+    STYLE_SIZE,
+    STYLES_START,
+    group_parameter,
+)
 from live.base.stage_snapshot import StageView
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.dancers.group_styles import NEARNESS
 from live.render.dancers.motion_trails import PoseHistory
 from live.render.dancers.xray_skeleton import bone_vertices
-from live.render.pass_context import Moment, PassSetup, ScenePass
+from live.render.pass_context import Memory, Moment, PassSetup, ScenePass
 from live.render.passes.particle_pass import ParticlePass
 from live.render.passes.trail_pass import RibbonPass
 from live.render.shader import HEAD, WORN, compile_program, release_all, set_uniform
@@ -130,6 +139,11 @@ class GhostPass:
 
 
 _TRANSLUCENT_STYLES = ("trails", "ribbons", "xray", "particles")
+_RIBBONS, _GHOSTS, _SPACING = (
+    group_parameter(f"{STYLE_ADDRESS_PREFIX}{name}", 0).first - STYLES_START
+    for name in ("ribbons", "trails", "trails/spacing")
+)
+"""Columns of a group's style."""
 
 
 class StylePasses(ScenePass):
@@ -140,6 +154,14 @@ class StylePasses(ScenePass):
         self._styled = StyledPass(making.ctx, characters=bool(making.scene.characters))
         self._ghosts, self._ribbons = GhostPass(making), RibbonPass(making)
         self._particles, self._xray = ParticlePass(making), XrayPass(making)
+
+    @staticmethod
+    def memory(row: Float64) -> Memory:
+        """Return what ribbons and ghosts show of earlier moments in a picture with these parameters."""
+        styles = row[STYLES_START:].reshape(-1, STYLE_SIZE)
+        ghosts = styles[styles[:, _GHOSTS] > 0.0, _SPACING]
+        beats = (MAX_GHOSTS + 1.0) * float(ghosts.max(initial=0.0))
+        return Memory(beats=max(beats, LONGEST_RIBBON + 1.0) if (styles[:, _RIBBONS] > 0.0).any() else beats)
 
     def active(self, moment: Moment) -> bool:
         """Whether any group has a style other than plain."""
@@ -153,10 +175,14 @@ class StylePasses(ScenePass):
         """Record motion for ribbons and ghosts while any group shows them."""
         styles = moment.batch.styles
         for each, name in ((self._ribbons, "ribbons"), (self._ghosts, "trails")):
+            if moment.cut:
+                each.history.clear()
             if styles.masks[name].any():
                 each.record(moment.batch, moment.view)
             else:
                 each.history.clear()
+
+    follow = prepare
 
     def draw_surfaces(self, moment: Moment) -> None:
         """Draw styled bodies into the G-buffer."""

@@ -1,5 +1,6 @@
 """Render pass for titles and words: standing in the stage, hidden by dancers before them, or over the picture."""
 
+from collections.abc import Sequence
 from typing import Final
 
 import moderngl
@@ -42,6 +43,18 @@ class TitlePass(ScenePass):
         self._field = LetterField(dict(making.scene.fonts), blocking=making.blocking_video)
         self._laid_out: tuple[tuple[str, str, float], ...] = ()
         self._parts: list[tuple[int, int, float]] = []  # of each title: first vertex, vertices, half width [ems]
+
+    def prepare_titles(self, view: StageView) -> None:
+        """Have the letters of a moment's titles made: their cells are given in the order of the titles."""
+        if view.titles:
+            self._prepare(view)
+
+    def begin_anew(self, texts: Sequence[tuple[str, str]]) -> None:
+        """Give all cells anew: as if these texts, with the names of their fonts, had been shown in this order."""
+        self._field.clear()
+        self._laid_out = ()
+        for text, font in texts:
+            self._field.request(text, font)
 
     @property
     def problems(self) -> list[str]:

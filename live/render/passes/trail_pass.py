@@ -5,12 +5,12 @@ from typing import Any, Final
 import moderngl
 import numpy as np
 
-from live.base.arrays import Float32
+from live.base.arrays import Float32, Float64
 from live.base.picture_parameters import BY_ADDRESS
 from live.base.stage_snapshot import StageView
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.dancers.motion_trails import LIMBS, LimbHistory
-from live.render.pass_context import HDR, Moment, PassSetup, Surfaces
+from live.render.pass_context import HDR, NO_MEMORY, Memory, Moment, PassSetup, Surfaces
 from live.render.shader import FullscreenShader, compile_program, release_all, set_uniform
 
 _ROOT: Final = "/dance/pass/trails"
@@ -46,6 +46,12 @@ class TrailsPass:
         self._index = 0
         self._has_last = False
 
+    @staticmethod
+    def memory(row: Float64) -> Memory:
+        """Return what trails keep of earlier pictures in one with these parameters."""
+        amount = float(row[_AMOUNT])
+        return Memory(half_life=_half_life(float(row[_BEATS]), amount)) if amount > 0.0 else NO_MEMORY
+
     def active(self, moment: Moment) -> bool:
         """Whether its amount is not 0."""
         here = moment.parameter(_AMOUNT) > 0.0
@@ -57,7 +63,7 @@ class TrailsPass:
         self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
     ) -> None:
         """Draw `source` and the faded previous frame."""
-        half = max(moment.parameter(_BEATS) * moment.parameter(_AMOUNT), 1e-3)
+        half = _half_life(moment.parameter(_BEATS), moment.parameter(_AMOUNT))
         there = self._has_last and not moment.cut
         # the colour parameter is the colour of faded white after one half-life
         tint = [min(max(value, 1e-3), 1.0) ** (moment.beats / half) for value in moment.uniforms.row[_COLOUR].tolist()]
@@ -80,6 +86,11 @@ class TrailsPass:
     def release(self) -> None:
         """Free everything."""
         release_all(*self._targets, *self._textures, self._full, self._feedback)
+
+
+def _half_life(beats: float, amount: float) -> float:
+    """Return after how many beats a trail is half as bright."""
+    return max(beats * amount, 1e-3)
 
 
 _LIMBS_UNIT: Final = 2

@@ -13,8 +13,9 @@ import numpy.typing as npt
 from live.base.arrays import Bool, Float32, Float64
 from live.base.stage_snapshot import FLOOR_MARGIN, StageView
 from live.motion.skeleton import SKELETON
-from live.render.pass_context import Moment, PassSetup, ScenePass
+from live.render.pass_context import NO_MEMORY, Memory, Moment, PassSetup, ScenePass
 from live.render.shader import SHARED_TEXTURES, compile_program, release_all
+from live.render.uniforms import rings_are_seen
 
 LASTING: Final = 2.5
 """How long a ring is seen [beats]."""
@@ -22,6 +23,8 @@ CAPACITY: Final = 256
 """Largest number of rings; the oldest give way."""
 _DOWN, _UP = 0.045, 0.075
 """A foot has come down below the first height of its toes, after it was above the second [m]."""
+_FOOT_MEMORY: Final = 8.0
+"""Within so many beats each foot has been clearly up or down."""
 _ON_BEAT: Final = 0.35
 """Strength of the rings below those who stand."""
 _SEGMENTS: Final = 28
@@ -71,10 +74,12 @@ class StepRings:
         self._next = (self._next + len(places)) % CAPACITY
 
     def seen(self, beat: float) -> Float32:
-        """Return x, z [m], age [beats] and strength of the rings that are seen on a beat, shape (N, 4)."""
-        age = beat - self.rows[:, 2]
+        """Return x, z [m], age [beats] and strength of the rings that are seen on a beat, the oldest first, shape
+        (N, 4)."""
+        ordered = np.roll(self.rows, -self._next, axis=0)  # light is added in one order, whichever was the first ring
+        age = beat - ordered[:, 2]
         seen = (age >= 0.0) & (age < LASTING)
-        rows = self.rows[seen]
+        rows = ordered[seen]
         rows[:, 2] = age[seen]
         return rows.astype(np.float32)
 
@@ -96,6 +101,11 @@ class RipplePass(ScenePass):
         self._texture.repeat_x = self._texture.repeat_y = False
         self._target = ctx.framebuffer([self._texture])
 
+    @staticmethod
+    def memory(row: Float64) -> Memory:
+        """Return how long rings are seen in a picture with these parameters."""
+        return Memory(beats=LASTING + _FOOT_MEMORY) if rings_are_seen(row) else NO_MEMORY
+
     def active(self, moment: Moment) -> bool:
         """Whether any ring could be seen."""
         if moment.uniforms.rippled:
@@ -103,11 +113,15 @@ class RipplePass(ScenePass):
         self._rings.clear()
         return False
 
-    def prepare(self, moment: Moment) -> None:
-        """Draw the rings, and bind the map for all programs."""
+    def follow(self, moment: Moment) -> None:
+        """Begin the rings of the steps since the last moment."""
         if moment.cut:
             self._rings.clear()
         self._rings.update(moment.view)
+
+    def prepare(self, moment: Moment) -> None:
+        """Draw the rings, and bind the map for all programs."""
+        self.follow(moment)
         rows: npt.NDArray[np.float32] = self._rings.seen(moment.view.beat)
         ctx = self._ctx
         self._target.use()

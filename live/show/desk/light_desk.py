@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.picture_parameters import BY_ADDRESS, MAX_BACKGROUNDS
+from live.base.picture_parameters import BY_ADDRESS, GOBO_TURN, MAX_BACKGROUNDS
 from live.base.scalar_kernels import damper
 from live.clock.ticks import TICK
 from live.control.events import events
@@ -169,6 +169,7 @@ class LightDesk:
         """Smoothed energy of the music, 0 to 1."""
         self.background_age = np.zeros((MAX_BACKGROUNDS, 2))
         """Seconds and beats since each background was last dark, shape (8, 2)."""
+        self._gobo_turns = 0.0
         self.scenes = Scenes(patch, self.parameters, self.camera_rig)
         self.titles = Titles(patch)
         self._score_runner = score_runner
@@ -262,6 +263,12 @@ class LightDesk:
         self.background_age += ticks * TICK, beats
         self.background_age[self.parameters.picture[_BACKGROUND_ROWS] <= 0.0] = 0.0
         self.energy = damper(self.energy, self._score_runner.mood.value("energy"), ENERGY_HALFLIFE, ticks * TICK)
+        self._gobo_turns = self.gobo_turns(beats / now.timeline.beats_per_measure)
+
+    def gobo_turns(self, measures: float) -> float:
+        """Return how far the pattern in the key light has turned `measures` after the last tick [turns], 0 to 1: it
+        goes on from where it is when its speed changes."""
+        return (self._gobo_turns + float(self.parameters.picture[GOBO_TURN]) * measures) % 1.0
 
     def fire(self, danced_beats: float, time: float) -> list[ControlEvent]:
         """Return the events of cues due by the danced beat, at `time` [s]."""

@@ -128,10 +128,13 @@ class JournalWriter:
             return f"journal: {self._snapshots.problem}"
         return ""
 
-    def close(self, tick: int, *, ended: bool = True) -> None:
-        """Record the last tick if the show has `ended`, write all waiting lines and close."""
+    def close(self, tick: int, *, ended: bool = True, seconds: float | None = None) -> None:
+        """Record the last tick if the show has `ended`, write all waiting lines and close.
+
+        `seconds`: exact length of a show that was rendered as a film.
+        """
         if ended:
-            self._put({"tick": tick, "end": True})
+            self._put({"tick": tick, "end": True} | ({} if seconds is None else {"seconds": seconds}))
         self.sink.close()
 
     def _put(self, line: dict[str, Any]) -> None:

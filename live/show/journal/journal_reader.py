@@ -123,6 +123,16 @@ class Journal:
                 return int(_parse(row.decode("utf-8", "replace"), self.path, 0)["tick"])
         return 0
 
+    @property
+    def seconds(self) -> float | None:
+        """Exact length [s] of a show that was rendered as a film; None for others."""
+        for row in self._tail()[-2:-1] if self.complete else ():
+            with contextlib.suppress(JournalError):
+                seconds = _parse(row.decode("utf-8", "replace"), self.path, 0).get("seconds")
+                if isinstance(seconds, int | float) and not isinstance(seconds, bool) and 0.0 < seconds < 1e9:
+                    return float(seconds)
+        return None
+
     def _tail(self) -> list[bytes]:
         """Return its last rows; the last one is empty if the file is complete."""
         with self.path.open("rb") as file:

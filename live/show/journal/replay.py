@@ -1,7 +1,7 @@
 """Replay of a journal from its beginning or from a snapshot, with a comparison of every measure's state hash."""
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Final
@@ -42,6 +42,8 @@ class ReplayStart:
 
     show: Show
     tick: int
+    snapshot: bytes | None = None
+    """The snapshot that it is; None: the beginning."""
 
 
 def load_journal(journal: Journal) -> LoadedShow:
@@ -102,14 +104,25 @@ def first_start(journal: Journal, loaded: LoadedShow) -> ReplayStart:
 
 def start_before(journal: Journal, loaded: LoadedShow, measure: int, problems: list[str]) -> ReplayStart:
     """Return the last start before `measure` (from 1): a snapshot, or tick 0. Damage is added to `problems`."""
+    return _last_start(journal, loaded, lambda facts: facts["measure"] < measure, problems)
+
+
+def start_until(journal: Journal, loaded: LoadedShow, tick: int, problems: list[str]) -> ReplayStart:
+    """Return the last start at or before `tick`: a snapshot, or tick 0. Damage is added to `problems`."""
+    return _last_start(journal, loaded, lambda facts: facts["tick"] <= tick, problems)
+
+
+def _last_start(
+    journal: Journal, loaded: LoadedShow, fits: Callable[[dict[str, Any]], bool], problems: list[str]
+) -> ReplayStart:
     best, gaps = None, skipped_gaps(journal.path)
     for data in read_snapshots(snapshots_of(journal), problems):
         facts = snapshot_header(data)
-        if facts["measure"] < measure and not any(gap.invalidates(facts["tick"]) for gap in gaps):
+        if fits(facts) and not any(gap.invalidates(facts["tick"]) for gap in gaps):
             best = data
     if best is not None:
         try:
-            return _restored(journal, loaded, best)
+            return start_at(journal, loaded, best)
         except SnapshotError as error:
             problems.append(str(error))
     return first_start(journal, loaded)
@@ -122,7 +135,7 @@ def later_starts(journal: Journal, loaded: LoadedShow, tick: float, problems: li
         now = snapshot_header(data)["tick"]
         if now > tick and not any(gap.invalidates(now) for gap in gaps):
             try:
-                yield _restored(journal, loaded, data)
+                yield start_at(journal, loaded, data)
             except SnapshotError as error:
                 problems.append(str(error))
 
@@ -132,8 +145,8 @@ def snapshots_of(journal: Journal) -> Path:
     return journal.path.with_name(journal.path.name + ".snap")
 
 
-def _restored(journal: Journal, loaded: LoadedShow, data: bytes) -> ReplayStart:
-    """Return the start at a snapshot, with the patch and steps of that time."""
+def start_at(journal: Journal, loaded: LoadedShow, data: bytes) -> ReplayStart:
+    """Return the start at a snapshot, with the patch and steps of that time; SnapshotError if it cannot be used."""
     facts = snapshot_header(data)
     for event in _changes(journal):
         if all(facts.get(key) == found for key, found, _ in origin_hashes(loaded)):
@@ -142,7 +155,7 @@ def _restored(journal: Journal, loaded: LoadedShow, data: bytes) -> ReplayStart:
             loaded = _apply_change(loaded, event)
         except ValueError as error:
             raise SnapshotError(f"the journal is damaged: {error}") from None
-    return ReplayStart(restore(loaded, data), facts["tick"])
+    return ReplayStart(restore(loaded, data), facts["tick"], data)
 
 
 def _apply_change(loaded: LoadedShow, event: ControlEvent) -> LoadedShow:

@@ -201,8 +201,8 @@ KINDS: Final = [
     Kind("cues.given", _TriggeredCue, "index:int due:float earliest:float revert_event:event|none"),
     Kind("desk", LightDesk, """
         parameters:parameters camera_rig:camera-rig spots:spots director:camera-director score_light:score-light
-        energy:float background_age:f8 scenes:scenes _score_runner:prompter cues:cues undo_history:edits beats:int
-        master:master held:bool titles:titles
+        energy:float background_age:f8 _gobo_turns:float scenes:scenes _score_runner:prompter cues:cues
+        undo_history:edits beats:int master:master held:bool titles:titles
     """),
     Kind("directions", StepRequests, """
         _motion:group-motion _casting:casting _dancers:dancers _variation:variation _scheduler:scheduler

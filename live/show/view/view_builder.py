@@ -8,7 +8,7 @@ import numpy as np
 
 from live.base.arrays import Float32, Float64
 from live.base.picture_parameters import EYE, FIELD_OF_VIEW, PLAN, TARGET
-from live.base.stage_snapshot import StageView
+from live.base.stage_snapshot import StageView, Title
 from live.clock.ticks import TICK
 from live.control.events.events import FreezePicture
 from live.motion.pose.arm_clearance import ArmEasing
@@ -132,11 +132,17 @@ class ViewBuilder:
         view.measure, view.beats_per_measure = span.number, timeline.beats_per_measure
         view.phase = fraction * timeline.beats_per_measure
         self._audience.show(view)
-        view.titles = (*self._audience.words.seen_at(beat), *self._desk.titles.seen_at(beat))
+        view.titles = self.titles_at(beat)
         view.background_age[:] = self._desk.background_age
         view.energy = self._desk.energy
+        after = min(max(time - now.time, 0.0), 2.0 * TICK)
+        view.gobo_turns = self._desk.gobo_turns(after * timeline.tempo / 60.0 / timeline.beats_per_measure)
         counted = self._desk.cues.count_in(span.danced_beats(beat, self._desk.beats))
         view.count_in = 0.0 if counted is None else max(counted[0], 0.0)
+
+    def titles_at(self, beat: float) -> tuple[Title, ...]:
+        """Return the titles and words that are seen at a beat."""
+        return (*self._audience.words.seen_at(beat), *self._desk.titles.seen_at(beat))
 
     def handle(self, event: FreezePicture, now: Now) -> None:
         """Store the picture when it is frozen, for views of a restored show; drop it when it is released.
