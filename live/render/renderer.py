@@ -150,6 +150,7 @@ class Renderer:
         """Take in a moment that is not drawn, for what later pictures remember of it (`picture_memory.py`)."""
         frame, moment = self._begin(view)
         if frame.level > 0.0:
+            self._batch.reserve(view)
             self._pipeline.follow(moment)
         moment.cut = frame.level <= 0.0
 

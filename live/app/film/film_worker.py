@@ -177,19 +177,25 @@ class FilmWorker:
                     file.close()
 
 
+class WorkerEnded(Exception):
+    """The process that drew a part has ended; the message is its last words."""
+
+
 def draw_alone(
     order: FilmOrder, part: FilmPart, out: Path, snapshot: Path | None, *, threads: int
 ) -> Iterator[dict[str, Any]]:
-    """Draw one part in a process of its own; yield its messages. PersonError if it is refused or the process ends."""
+    """Draw one part in a process of its own; yield its messages. PersonError if it is refused, WorkerEnded if the
+    process ends."""
     heard: SimpleQueue[tuple[FilmWorker, dict[str, Any]]] = SimpleQueue()
     worker = FilmWorker(order, heard, threads=threads)
     try:
         worker.ask(part, out, snapshot)
         while True:
             _, message = heard.get()
-            for word in ("refused", "ended"):
-                if word in message:
-                    raise PersonError(str(message[word]))
+            if "refused" in message:
+                raise PersonError(str(message["refused"]))
+            if "ended" in message:
+                raise WorkerEnded(str(message["ended"]))
             yield message
             if "done" in message:
                 return

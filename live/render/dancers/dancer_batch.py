@@ -180,13 +180,18 @@ class DancerBatch:
         """Number of dancers that buffers are allocated for; it grows with the number of dancers."""
         return self._capacity
 
+    def reserve(self, view: StageView) -> None:
+        """Allocate for the dancers of a view, of whom there may be more than in the scene."""
+        count = len(view.joint_position)
+        if count > self._capacity:
+            self._allocate(count)
+
     def update(self, view: StageView, light: Float32) -> None:
         """Upload poses, colours and instance lists; `light` (3,): direction towards the key light."""
         if self.styles.has_effects:
             self.styles.bind()
+        self.reserve(view)
         count = len(view.joint_position)
-        if count > self._capacity:
-            self._allocate(count)
         changed = not np.array_equal(view.appearance, self._appearance[:count])
         if changed:
             self._appearance[:count] = view.appearance
