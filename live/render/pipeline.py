@@ -255,6 +255,11 @@ class Pipeline:
             self.faults.record_failure(error)
             raise
 
+    def begin_anew(self, titles: Sequence[tuple[str, str]]) -> None:
+        """Forget what does not depend on `Moment.cut`; `titles` as for `TitlePass.begin_anew`."""
+        self._backdrop.begin_anew()
+        self.titles.begin_anew(titles)
+
     def follow(self, moment: Moment) -> None:
         """Let the passes take in a moment that is not drawn."""
         for one in self._followers:

@@ -157,8 +157,12 @@ class Renderer:
     def begin_anew(self, titles: Sequence[tuple[str, str]] = ()) -> None:
         """Forget all pictures so far, before those of another part of the show; `titles`: texts that have been shown
         before it, with the names of their fonts."""
+        self._uniforms.begin_anew()
+        self._set_camera(self._uniforms.camera)
+        self._batch.set_colours(self._uniforms.group_colours)
+        self._batch.set_styles(self._uniforms.row)
+        self._pipeline.begin_anew(titles)
         self._moment.cut = True
-        self._pipeline.titles.begin_anew(titles)
 
     def _begin(self, view: StageView) -> tuple[FrameUniforms, Moment]:
         """Write the values of a moment, and tell all that depends on them."""

@@ -128,6 +128,10 @@ class FrameUniforms:
         self.resize(size)
         self._set_light(self._row)
 
+    def begin_anew(self) -> None:
+        """Forget all moments: go on from the scene's parameters."""
+        self._apply_row(self._initial_row)
+
     def set_stage_size(self, stage_size: tuple[float, float]) -> None:
         """Set the scene's stage: width and depth [m]."""
         width, depth = self._stage_size = stage_size

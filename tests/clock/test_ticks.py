@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from live.clock.ticks import STALL, TICK, TickCounter
+from live.clock.ticks import STALL, TICK, FrameGrid, TickCounter
 
 
 def due(ticks: TickCounter, target: float) -> Iterator[float]:
@@ -42,3 +42,16 @@ def test_stalled_ticks_are_skipped_and_counted() -> None:
     assert ticks.skipped == missed == 127
     assert list(due(ticks, 2.0)) == [2.0]
     assert ticks.stalled(2.0 + STALL) == 0
+
+
+@pytest.mark.parametrize("fps", [1.0, 12.5, 24000 / 1001, 30.0, 60.0, 60000 / 1001, 64.0, 120.0, 480.0])
+def test_frame_grid_and_ticks_agree(fps: float) -> None:
+    grid, ticks = FrameGrid(fps), TickCounter()
+    for frame in range(500):
+        for _ in due(ticks, grid.time(frame)):
+            pass
+        assert grid.tick(frame) == ticks.index
+        assert grid.tick(grid.first_from(ticks.index)) >= ticks.index
+        assert grid.first_from(ticks.index) <= frame
+        assert grid.first_from(ticks.index + 1) > frame
+    assert grid.count(10.0) == pytest.approx(10.0 * fps, abs=1.0)

@@ -148,6 +148,11 @@ class BackdropPass:
         self._count(moving=moving)
         self._is_cached = False
 
+    def begin_anew(self) -> None:
+        """Forget all frames."""
+        self._still = self._patience = LONG_STILL
+        self.texture, self._is_cached = self._full_size, False
+
     def invalidate(self) -> None:
         """Invalidate the cache, after light or camera have changed."""
         self._is_cached = False

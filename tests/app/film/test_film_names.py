@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from live.app.film.film_names import parse_film_path, parse_rate
+from live.app.film.film_names import parse_film_path, parse_frames, parse_rate
 from live.base.errors import PersonError
 
 
@@ -60,3 +60,16 @@ def test_alpha_in_mp4_and_input_file_are_refused(tmp_path: Path) -> None:
     song.write_bytes(b"")
     with pytest.raises(PersonError, match="the show reads this file"):
         parse_film_path(song, "--out", inputs=[str(song)])
+
+
+def test_frames_are_half_open_and_from_0() -> None:
+    assert parse_frames(None) is None
+    assert parse_frames("0:240") == (0, 240)
+    assert parse_frames(":7") == (0, 7)
+    assert parse_frames(" 12: ") == (12, None)
+
+
+@pytest.mark.parametrize("text", ["", "5", "7:7", "9:3", "-1:4", "1:2:3", "a:b", "1.5:3", "0x1:4"])
+def test_frames_that_are_none_are_refused(text: str) -> None:
+    with pytest.raises(PersonError, match="--frames"):
+        parse_frames(text)

@@ -221,14 +221,14 @@ def test_floor_pattern_moves_with_the_beat_and_stays_on_the_stage(plain, name):
     assert np.abs(one - bare)[off_stage[1], off_stage[0]].max() <= 2
 
 
-def test_gobo_goes_on_turning_from_where_it_is_when_its_speed_changes(plain):
-    frame, angles = plain.renderer._uniforms, []
-    for beat, turn in ((40.0, 0.5), (40.1, 0.5), (40.2, -1.0), (40.3, -1.0)):
-        plain.draw(world_row("", light__gobo__leaves=1.0, light__gobo__turn=turn), empty(), beat)
-        angles.append(frame._gobo_turns)
-    np.testing.assert_allclose(
-        np.remainder(np.diff(angles) + 0.5, 1.0) - 0.5, [0.5 * 0.1 / 4, -0.1 / 4, -0.1 / 4], atol=1e-9
-    )
+def test_gobo_is_turned_as_the_view_says(plain):
+    row = seen_from(world_row("", light__gobo__window=1.0, pass__mirror=0.0), ABOVE)
+    views = [crowd() for _ in range(3)]
+    for view, turns in zip(views, (0.1, 0.1, 0.35), strict=True):
+        view.gobo_turns = turns
+    first, same, other = (plain.still(row, view, 1.1) for view in views)
+    assert np.array_equal(first, same)
+    assert np.abs(first - other).max() > 10
 
 
 @pytest.mark.long

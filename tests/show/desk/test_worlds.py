@@ -140,3 +140,17 @@ def test_unknown_world_is_refused_with_the_names():
 def test_each_world_leaves_room_for_every_style():
     for world in WORLDS:
         assert all(not is_drawing_style(key) or key in GROUP_PARAMETERS for key in world.values)
+
+
+def test_gobo_goes_on_turning_from_where_it_is_when_its_speed_changes():
+    session = DeskSession(look("gobo_leaves = 1.0"))
+    view, angles = session.show.view(), []
+    for turn in (0.5, -1.0, -1.0):
+        session.say("/dance/light/gobo/turn", turn)
+        session.run(beats=1)
+        session.show.fill(view, session.show.time)
+        angles.append(view.gobo_turns)
+    passed = np.remainder(np.diff(angles) + 0.5, 1.0) - 0.5
+    np.testing.assert_allclose(passed, [-0.25, -0.25], atol=0.02)  # a beat is a quarter of a measure
+    session.show.fill(view, session.show.time + 1 / 128)
+    assert angles[-1] - 0.01 < view.gobo_turns < angles[-1]  # between two ticks, too
