@@ -147,7 +147,7 @@ class Renderer:
         self._pipeline.faults.record_success()
 
     def follow(self, view: StageView) -> None:
-        """Take in a moment that is not drawn, for what later pictures remember of it (`picture_memory.py`)."""
+        """Take in a moment that is not drawn, for what later pictures remember of it (`film/picture_memory.py`)."""
         frame, moment = self._begin(view)
         if frame.level > 0.0:
             self._batch.reserve(view)

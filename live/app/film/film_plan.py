@@ -1,7 +1,7 @@
 """Plan of a film in parts: which frames, where each part begins, and from which state it is drawn.
 
 The journal is replayed once without drawing. On the way the state is kept as snapshots, and what pictures remember
-(`live/render/picture_memory.py`); so each part can be drawn by another process, with the same pictures.
+(`live/render/film/picture_memory.py`); so each part can be drawn by another process, with the same pictures.
 """
 
 import math
@@ -15,7 +15,7 @@ from live.base.errors import PersonError
 from live.base.stage_snapshot import Title
 from live.clock.ticks import TICK, FrameGrid
 from live.render.film.container_formats import FORMATS, segment_length
-from live.render.picture_memory import PictureMemory, Reach
+from live.render.film.picture_memory import PictureMemory, Reach
 from live.show.journal.journal_reader import Journal
 from live.show.journal.replay import (
     Replayer,

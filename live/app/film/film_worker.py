@@ -19,8 +19,8 @@ from live.app.film.film_plan import FilmPart
 from live.base.errors import PersonError
 from live.base.jit import KERNEL_SET
 from live.base.system.process_control import own_session
+from live.render.film.picture_memory import Reach
 from live.render.film.streams import ENCODER_THREADS
-from live.render.picture_memory import Reach
 from live.show.journal.journal_reader import Journal
 from live.show.loader import LoadedShow
 

@@ -2,6 +2,7 @@
 
 import contextlib
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Final
 
@@ -43,16 +44,18 @@ def film_journal(
     problems: list[str],
     console: Console,
     threads: int = ENCODER_THREADS,
+    on_drawn: Callable[[int], None] = lambda count: None,
 ) -> ReplayResult:
     """Render a journal to `path`: `measures` or `frames` of it (see `film_frames`), by so many `workers` on this
     machine, or by a Dask `cluster`. Return how its hashes compare. Raise PersonError if rendering fails.
 
-    `threads`: of each encoder in parts.
+    `threads`: of each encoder in parts. `on_drawn` is told how many more frames are drawn, fewer if a worker was lost.
     """
     first, end, total = film_frames(journal, loaded, look.grid, measures=measures, frames=frames, problems=problems)
     if workers is None and cluster is None:
         result, made = film_replay(
-            journal, loaded, path, look, (first, end), to_end=end == total, problems=problems
+            journal, loaded, path, look, (first, end), to_end=end == total, problems=problems, console=console,
+            on_drawn=on_drawn,
         )  # fmt: skip
         console.print(made, soft_wrap=True, markup=False)
         return result
@@ -74,7 +77,7 @@ def film_journal(
             bounds = part_bounds(first, end, workers or found.size, look.grid.fps)
             crew = found
         stack.callback(crew.close)
-        film = _PartedFilm(journal, loaded, path, look, bounds, folder, crew)
+        film = _PartedFilm(journal, loaded, path, look, bounds, folder, crew, on_drawn)
         result = film.make(console, problems, to_end=end == total)
     console.print(f"the film is here: {path.resolve()}", soft_wrap=True, markup=False)
     return result
@@ -94,11 +97,18 @@ class _PartedFilm:
     """Plans a film, has its parts drawn, compares where they meet, and joins them."""
 
     def __init__(
-        self, journal: Journal, loaded: LoadedShow, path: Path, look: FilmLook, bounds: list[int], folder: Path,
+        self,
+        journal: Journal,
+        loaded: LoadedShow,
+        path: Path,
+        look: FilmLook,
+        bounds: list[int],
+        folder: Path,
         crew: Crew,
-    ) -> None:  # fmt: skip
+        on_drawn: Callable[[int], None],
+    ) -> None:
         self._journal, self._loaded, self._path, self._look = journal, loaded, path, look
-        self._bounds, self._folder, self._crew = bounds, folder, crew
+        self._bounds, self._folder, self._crew, self._on_drawn = bounds, folder, crew, on_drawn
         self._parts: dict[int, FilmPart] = {}
         self._done: dict[int, PartResult] = {}
 
@@ -135,6 +145,7 @@ class _PartedFilm:
                 self._done[found.number] = found
             else:
                 progress.advance(task, found)
+                self._on_drawn(found)
 
     def _finish(self, progress: Any, task: Any) -> None:
         while self._crew.busy:

@@ -2,7 +2,7 @@
 
 import contextlib
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -40,11 +40,19 @@ class FilmLook:
 
 
 def film_replay(
-    journal: Journal, loaded: LoadedShow, path: Path, look: FilmLook, frames: tuple[int, int], *, to_end: bool,
+    journal: Journal,
+    loaded: LoadedShow,
+    path: Path,
+    look: FilmLook,
+    frames: tuple[int, int],
+    *,
+    to_end: bool,
     problems: list[str],
-) -> tuple[ReplayResult, str]:  # fmt: skip
+    console: Console,
+    on_drawn: Callable[[int], None],
+) -> tuple[ReplayResult, str]:
     """Render the `frames` of a journal (half-open, of the whole show); return how its hashes compare, and where the
-    file is. `to_end`: with them the show ends.
+    file is. `to_end`: with them the show ends. `on_drawn` is told how many more frames are drawn.
 
     By its suffix the path is a film or the dancers' motion. The sound is the music file of the show, if there was one,
     with click and taps as in the patch. Raise PersonError if rendering fails.
@@ -75,10 +83,11 @@ def film_replay(
             )
             picture.begin_anew(part.titles)
             output = picture
-        progress = stack.enter_context(progress_bar(Console(stderr=True)))
+        progress = stack.enter_context(progress_bar(console))
         task = progress.add_task("", total=part.count)
         for _ in draw_part(part, running, output, look.grid, loaded.patch, mixed, detailed=as_motion):
             progress.advance(task)
+            on_drawn(1)
         if to_end:
             running.advance(math.inf)
         made = output.close()

@@ -16,7 +16,7 @@ from live.app.film.parted_film import film_journal
 from live.app.film.replay_film import FilmLook
 from live.base.errors import PersonError
 from live.clock.ticks import FrameGrid
-from live.render.picture_memory import Reach
+from live.render.film.picture_memory import Reach
 from tests.app.film.part_show import SIZE, film_first, pictures
 from tests.cli.command import run_live
 from tests.cli.test_show_commands import gl_or_skip

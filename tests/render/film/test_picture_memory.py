@@ -15,7 +15,7 @@ from live.base.picture_parameters import (
 )
 from live.base.stage_snapshot import Camera, Scene
 from live.motion.skeleton import JOINT_COUNT
-from live.render.picture_memory import DRAWN_FRAMES, EASING_MEMORY_S, STILL_FRAMES, PictureMemory
+from live.render.film.picture_memory import DRAWN_FRAMES, EASING_MEMORY_S, STILL_FRAMES, PictureMemory
 
 FPS, BEATS_PER_S = 30.0, 2.0
 SCENE = Scene((8.0, 6.0), Camera(), 3, JOINT_COUNT)
