@@ -179,8 +179,8 @@ KINDS: Final = [
         element_count:int light:f4 light_count:int obstacle:f4 obstacle_count:int wall:f4 wall_count:int time:float
         beat:float measure:int phase:float beats_per_measure:int tempo:float stage_size:tuple[float,float]
         brightness:float flash_limit_lifted:bool filled:bool picture:f8|none energy:float spot:f8
-        gobo_turns:float count_in:float caption:row[tuple[str,float]] caption_level:float background_age:f8 titles:row[title]
-        overlay:row[str] guide:f4 guide_count:int
+        gobo_turns:float count_in:float caption:row[tuple[str,float]] caption_level:float background_age:f8
+        titles:row[title] overlay:row[str] guide:f4 guide_count:int
     """, {"detailed": bool}),
     Kind("consensus", Consensus, "_estimates:deque[consensus.heard] half_beats:bool"),
     Kind("consensus.heard", WeightedBeat, "time:float period:float weight:float"),

@@ -36,8 +36,8 @@ from live.show.state.type_check import check_state
 
 Array = npt.NDArray[Any]
 
-FORMAT: Final = 8
-"""Format 1 was a pickle; formats 2 to 7 had other fields. These are refused."""
+FORMAT: Final = 9
+"""Format 1 was a pickle; formats 2 to 8 had other fields. These are refused."""
 CONSTANT_PATHS: Final = {
     "graph": "graph",
     "patch": "patch",
