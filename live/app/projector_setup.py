@@ -104,6 +104,12 @@ class OutputSetup:
             for screen in self._named(name) if card is not None else ():
                 screen.card = card or "off"
 
+    def replace_cards(self, cards: Mapping[str, str]) -> None:
+        """Show exactly these cards."""
+        for screen in self._projection.screens:
+            screen.card = "off"
+        self.restore_cards(cards)
+
     def _named(self, name: str) -> list[Screen]:
         return [one for one in self._projection.screens if name in ("*", one.output.name.casefold())]
 

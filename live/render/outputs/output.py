@@ -47,6 +47,8 @@ class Output:
     name: str = "picture"
     monitor: str | None = None
     """Its monitor, by number, name or place; None: the show's default monitor."""
+    node: str = ""
+    """The render node that draws it; empty: the machine that plays the show."""
     crop: tuple[float, float, float, float] = FULL_CROP
     """The part of the picture that is shown: x, y of its upper left corner, width, height."""
     corners: tuple[Point, Point, Point, Point] = FULL_WINDOW
