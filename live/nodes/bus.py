@@ -6,6 +6,7 @@ hold the key of a pinned certificate: the certificates that `live pair` has exch
 processes of one user on one machine.
 """
 
+import atexit
 import base64
 import contextlib
 import json
@@ -102,6 +103,7 @@ class ZenohBus:
             where = "" if listen is None else " at {}:{}".format(*listen)
             words = " ".join(str(error).split())[:200]
             raise PersonError(f"the bus of the nodes cannot be opened{where}: {words}", "choose another port") from None
+        atexit.register(self.close)  # an open session would keep the process from ending
         self._publishers: dict[str, Any] = {}
         self._kept: list[Any] = []
 
@@ -139,7 +141,8 @@ class ZenohBus:
             )  # fmt: skip
 
     def close(self) -> None:
-        """Close the session."""
+        """Close the session; harmless if it is closed."""
+        atexit.unregister(self.close)
         with contextlib.suppress(self._zenoh.ZError):
             self._session.close()
 

@@ -18,7 +18,7 @@ from live import __version__
 from live.control.message_codec import PacketError
 from live.nodes import messages
 from live.nodes.bus import Question
-from live.nodes.messages import ClusterStatus, Join, Joined, Lines, NodeState, Pulse, Refused
+from live.nodes.messages import ClusterStatus, Join, Joined, Lines, NodeState, Order, Pulse, Refused
 from live.nodes.signed_bus import SignedBus
 from live.supervisor.network.show_stream import ShowStream
 from live.supervisor.recovery_log import RecoveryLog
@@ -59,7 +59,7 @@ class NodeLeader:
         self.refused = 0
         """Messages that were invalid."""
         bus.serve(messages.question_key(self.name, messages.CLOCK), self._tell_time, anyone=True)
-        for what in (messages.JOIN, messages.STATUS):
+        for what in (messages.JOIN, messages.STATUS, messages.COMMAND):
             bus.serve(messages.question_key(self.name, what), partial(self._queue, what))
         bus.receive(messages.STATE, lambda data: self._states.append((now(), data)))
 
@@ -115,6 +115,8 @@ class NodeLeader:
             what, asked = self._questions.popleft()
             if what == messages.STATUS:
                 asked.answer(messages.encode(self._status(now)))
+            elif what == messages.COMMAND:
+                self._pass_on(asked)
             elif self._leads:
                 self._answer_join(log, asked, now)
         self._look_at_nodes(now)
@@ -163,6 +165,16 @@ class NodeLeader:
             self._told[name] = state
             words = f": {one_line(told.why)}" if told.why else ""
             self._say(f"node {name}: {state}{words}")
+
+    def _pass_on(self, asked: Question) -> None:
+        """Send an operator's order to the nodes: an operator's bus reaches only the leader."""
+        try:
+            order = messages.decode(asked.data, Order)
+        except PacketError:
+            self.refused += 1
+            return
+        self._bus.publish(messages.ORDER, messages.encode(order))
+        asked.answer(messages.encode(order))
 
     def _status(self, now: float) -> ClusterStatus:
         nodes = [self._nodes[name] for name in sorted(self._nodes)]

@@ -10,8 +10,8 @@ from typing import Any, Final, TypeVar
 from live.control.message_codec import PacketError, decode_packet, encode_packet, registered
 
 LINES, PULSE, STATE, ORDER = "live/lines", "live/pulse", "live/state", "live/order"
-"""Keys of what is published."""
-CLOCK, JOIN, STATUS = "clock", "join", "status"
+"""Keys of what is published: by a leader, but for the state, which is by its nodes."""
+CLOCK, JOIN, STATUS, COMMAND = "clock", "join", "status", "command"
 """What a leader answers, below its name: see `question_key`."""
 MAX_MESSAGE: Final = 64 * 1024 * 1024
 """Most bytes of a message: what a machine that joins is sent of a long show without a snapshot."""

@@ -65,6 +65,17 @@ class Operator:
 
     def status(self, leader: str) -> SeenCluster:
         """Return what a leader knows; PersonError if it does not answer."""
+        try:
+            told = messages.decode(self._ask(leader, messages.STATUS, b""), ClusterStatus)
+            nodes = [messages.decode(each, NodeState) for each in told.nodes]
+        except PacketError as error:
+            raise PersonError(
+                f"{leader} sends what is no status: {error}", "install the same version on both"
+            ) from None
+        return SeenCluster(told, tuple(map(SeenNode, nodes, told.ages)))
+
+    def _ask(self, leader: str, what: str, data: bytes) -> bytes:
+        """Return a leader's answer; PersonError if it does not answer."""
         answers: list[bytes] = []
         came = threading.Event()
 
@@ -72,17 +83,10 @@ class Operator:
             answers.append(data)
             came.set()
 
-        self._bus.ask(messages.question_key(leader, messages.STATUS), b"", hear, timeout=ANSWERS_WITHIN)
+        self._bus.ask(messages.question_key(leader, what), data, hear, timeout=ANSWERS_WITHIN)
         if not came.wait(ANSWERS_WITHIN):
             raise PersonError(f"{leader} does not answer", "look at the machine that leads")
-        try:
-            told = messages.decode(answers[0], ClusterStatus)
-            nodes = [messages.decode(each, NodeState) for each in told.nodes]
-        except PacketError as error:
-            raise PersonError(
-                f"{leader} sends what is no status: {error}", "install the same version on both"
-            ) from None
-        return SeenCluster(told, tuple(map(SeenNode, nodes, told.ages)))
+        return answers[0]
 
     def restart(self, leader: str, names: list[str], sleep: Callable[[float], None] = time.sleep) -> Iterator[str]:
         """Start nodes again, one after another, each once the one before follows; yield the name of each that is back.
@@ -95,7 +99,7 @@ class Operator:
                 there = ", ".join(sorted(known)) or "none"
                 raise PersonError(f"there is no node {name!r}; nodes: {there}", "live cluster status")
         for name in names:
-            self._bus.publish(messages.ORDER, messages.encode(Order(name)))
+            self._ask(leader, messages.COMMAND, messages.encode(Order(name)))
             for _ in range(int(BACK_WITHIN / LOOK_EVERY)):
                 sleep(LOOK_EVERY)
                 found = next((seen.told for seen in self.status(leader).nodes if seen.told.name == name), None)

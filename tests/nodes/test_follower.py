@@ -273,8 +273,11 @@ def test_operator_sees_all_nodes_and_starts_them_again_in_turn(cluster, loaded):
     assert [(told.name, told.state) for told in seen] == [("left", "follows"), ("right", "follows")]
     assert seen[0].offset_ms == pytest.approx(-2000.0, abs=2.0)
     assert [told.version for told in seen] == [__version__] * 2
-    bus.publish(messages.ORDER, messages.encode(messages.Order("right")))
+    key = messages.question_key(leader.nodes.name, messages.COMMAND)
+    bus.ask(key, messages.encode(messages.Order("right")), lambda data: None, timeout=1.0)
+    bus.ask(key, messages.encode("restart all"), lambda data: None, timeout=1.0)
     cluster.run(0.1)
+    assert leader.nodes.refused == 1
     assert [node.follower.restart_asked for node in nodes] == [False, True]
 
 

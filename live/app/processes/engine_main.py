@@ -229,6 +229,7 @@ def _open_nodes(
     assert identity is not None
     assert pairings is not None
     ahead = Latencies.of(options.read_venue(), nodes=True).nodes
+    raise_priority(ENGINE_NICE)  # all nodes wait for the lines that this process sends on
     scout = not _is_this_machine(host)
     bus = SignedBus(ZenohBus(identity, pairings, listen=(host, port), scout=scout), identity, pairings)
     return NodeLeader(bus, say, ahead=ahead)

@@ -9,8 +9,8 @@ import secrets
 import sys
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Final
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Final
 
 from rich.console import Console
 
@@ -23,6 +23,8 @@ from live.app.exit_codes import (
 )
 from live.app.launch_options import LaunchOptions
 from live.base.errors import PersonError
+from live.clock.ticks import TICK
+from live.supervisor.cpu_priority import ENGINE_NICE, raise_priority
 from live.supervisor.heartbeat import Phase as Beat
 from live.supervisor.process import AuxiliaryProcess, Child, ProcessManager
 from live.supervisor.supervisor_link import SupervisorLink, is_abandoned
@@ -52,8 +54,11 @@ class NodePlan:
     """Addresses of leaders, and of machines that may take over; none: any that answers in the network."""
 
 
-def keep_node(plan: NodePlan) -> int:
-    """Run a node until it ends for good, and start it again until then; return its exit code."""
+def keep_node(plan: NodePlan, command: Sequence[str] = (sys.executable, "-m", MODULE)) -> int:
+    """Run a node until it ends for good, and start it again until then; return its exit code.
+
+    `command`: starts its process; it gets its channel and its heartbeat as two more arguments.
+    """
     console = Console(stderr=True, highlight=False)
     codes: list[int] = []
 
@@ -70,7 +75,7 @@ def keep_node(plan: NodePlan) -> int:
     starter = ProcessManager()
 
     def start() -> Child:
-        child = starter.start("node", [sys.executable, "-m", MODULE], hear)
+        child = starter.start("node", command, hear)
         show = json.dumps([plan.options.encode(), plan.leaders])
         child.channel.send_json(alive="node", show=show)
         return child
@@ -92,8 +97,8 @@ def keep_node(plan: NodePlan) -> int:
         starter.close()
 
 
-def main() -> None:
-    """Run a node until its keeper or an operator ends it; exit codes as for `live`."""
+def main(now: Callable[[], float] = time.perf_counter) -> None:
+    """Run a node until its keeper or an operator ends it; exit codes as for `live`. `now`: this machine's clock [s]."""
     install_signal_handlers()
     collect_garbage_rarely()
     lifeline = SupervisorLink.of_arguments(*sys.argv[1:3])
@@ -101,7 +106,7 @@ def main() -> None:
     plan = NodePlan(LaunchOptions.decode(word), tuple((str(host), int(port)) for host, port in leaders))
     code = 0
     try:
-        run_node(plan, lifeline)
+        run_node(plan, lifeline, now=now)
     except PersonError as error:
         show_person_error(error)
         code = EXIT_PERSON_ERROR
@@ -127,6 +132,7 @@ def run_node(plan: NodePlan, lifeline: SupervisorLink, *, now: Callable[[], floa
     from live.nodes.bus import ZenohBus
     from live.nodes.follower import NodeFollower, NodeIdentity
     from live.nodes.signed_bus import SignedBus
+    from live.show.background_work import import_late_modules
     from live.show.stages.row_threads import row_threads
     from live.show.venue.venue import Latencies
     from live.supervisor.network.identity import Pairings, load_identity
@@ -137,17 +143,22 @@ def run_node(plan: NodePlan, lifeline: SupervisorLink, *, now: Callable[[], floa
     load_kernels()
     loaded, venue = options.load(), options.read_venue()
     check_status_writable(options)
+    loaded.start(seed=options.seed).tick(TICK)  # fills the values cached in the graph, and loads what a tick needs
+    import_late_modules()
     transport = ZenohBus(identity, pairings, connect=plan.leaders, scout=not plan.leaders)
     bus = SignedBus(transport, identity, pairings)
     follower: NodeFollower | None = None
     output = StandbyOutput(
-        options, loaded, venue, AudioChoice(), lambda: {} if follower is None else vars_of(follower.state())
+        options, loaded, venue, AudioChoice(), lambda: {} if follower is None else asdict(follower.state())
     )
     try:
+        if output.window is None and not options.headless:
+            raise PersonError("this node has no monitor to draw on", "connect one, or follow with --headless")
         me = NodeIdentity(
             options.node, secrets.token_hex(8), KERNEL_SET, str(clock_discipline()), describe_output(output)
         )
         follower = NodeFollower(me, loaded, bus, lifeline.send_note, heartbeat=lifeline.heartbeat, now=now)
+        raise_priority(ENGINE_NICE)
         with row_threads():
             gc.freeze()
             gc.disable()
@@ -196,6 +207,8 @@ def _draw(
             if setup is not None and cards != shown.show.desk.master.cards:
                 cards = dict(shown.show.desk.master.cards)
                 setup.replace_cards(cards)
+            for screen in () if window is None else window.screens:
+                screen.tick = shown.tick
             output.frame(shown.show, shown.tick, shown.time)
         lifeline.channel.flush()
         gc.collect(0)
@@ -227,13 +240,6 @@ def describe_output(output: "StandbyOutput") -> str:
     if output.headless is not None:
         return f"shared ({output.headless.ctx.info['GL_RENDERER']})"
     return "no picture"
-
-
-def vars_of(state: Any) -> dict[str, Any]:
-    """Return the fields of a dataclass as plain values."""
-    from dataclasses import asdict
-
-    return asdict(state)
 
 
 def parse_leaders(texts: Sequence[str]) -> tuple[tuple[str, int], ...]:

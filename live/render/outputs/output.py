@@ -47,8 +47,6 @@ class Output:
     name: str = "picture"
     monitor: str | None = None
     """Its monitor, by number, name or place; None: the show's default monitor."""
-    node: str = ""
-    """The render node that draws it; empty: the machine that plays the show."""
     crop: tuple[float, float, float, float] = FULL_CROP
     """The part of the picture that is shown: x, y of its upper left corner, width, height."""
     corners: tuple[Point, Point, Point, Point] = FULL_WINDOW
@@ -66,6 +64,8 @@ class Output:
     """Factor of the light."""
     gamma: float = 1.0
     """Values above 1 darken the middle tones, to match another projector."""
+    node: str = ""
+    """The render node that draws it; empty: the machine that plays the show."""
 
     @property
     def is_warped(self) -> bool:
