@@ -131,13 +131,13 @@ def _drift(frames: list[tuple[float, int]], origin: float) -> float:
 class Node:
     """A node's keeper, and what is needed to find its process."""
 
-    def __init__(self, number: int, process: "subprocess.Popen[bytes]") -> None:
-        self.number, self.process = number, process
+    def __init__(self, folder: Path, number: int, process: "subprocess.Popen[bytes]") -> None:
+        self.folder, self.number, self.process = folder, number, process
 
     def child(self) -> int:
         """The process that follows."""
-        children = psutil.Process(self.process.pid).children()
-        return int(next(one.pid for one in children if "node_child" in one.cmdline()))
+        line = (self.folder / f"joins-{self.number}").read_text().splitlines()[-1]
+        return int(json.loads(line)["process"])
 
 
 def _port(folder: Path) -> int:
@@ -183,7 +183,7 @@ def _node(folder: Path, number: int, *, draws: bool) -> Iterator[Node]:
             start_new_session=True,
         )
     try:
-        yield Node(number, process)
+        yield Node(folder, number, process)
     finally:
         _end(process)
 
@@ -336,7 +336,7 @@ def child_main(folder: Path, number: int, drift: float, offset: float) -> None:
             if len(first) == 1:
                 first.append(time.perf_counter())
                 with (folder / f"joins-{number}").open("a") as file:
-                    file.write(json.dumps({"joined_s": first[1] - first[0]}) + "\n")
+                    file.write(json.dumps({"joined_s": first[1] - first[0], "process": os.getpid()}) + "\n")
             noted.write(f"{time.perf_counter() + lead:.6f} {shown.tick}\n")
         return shown
 

@@ -1,8 +1,10 @@
 """Render node: follows a leader's show and draws the outputs that the venue gives to it (`live node`).
 
-The command keeps one process running that does all this, and starts it again if it dies or an operator asks for it.
+The command keeps one process running that does all this, and another one that has everything loaded: if the first dies,
+the next is forked from it and is there in a moment. On an operator's order all is loaded anew.
 """
 
+import contextlib
 import gc
 import json
 import secrets
@@ -24,8 +26,9 @@ from live.app.exit_codes import (
 from live.app.launch_options import LaunchOptions
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
-from live.supervisor.cpu_priority import ENGINE_NICE, raise_priority
+from live.supervisor.cpu_priority import ENGINE_NICE, lower_priority, raise_priority
 from live.supervisor.heartbeat import Phase as Beat
+from live.supervisor.prefork import PreforkProcess, serve_forks
 from live.supervisor.process import AuxiliaryProcess, Child, ProcessManager
 from live.supervisor.supervisor_link import SupervisorLink, is_abandoned
 
@@ -33,12 +36,15 @@ if TYPE_CHECKING:
     from live.app.processes.standby_output import StandbyOutput
     from live.app.projector_setup import OutputSetup
     from live.nodes.follower import NodeFollower
+    from live.show.loader import LoadedShow
 
 MODULE: Final = "live.app.processes.node_main"
 RESTART_CODE: Final = 75
 """Exit code of a node that is to be started again (EX_TEMPFAIL of sysexits.h)."""
 SEARCH_PERIOD: Final = 0.02
 """Seconds between two looks at the bus while there is nothing to draw."""
+SPARE_AFTER: Final = 2.0
+"""Seconds that a node has run before the process from which the next would be forked is started."""
 LONGEST_WAIT: Final = 0.02
 SETTLE: Final = 0.0005
 """Seconds by which a node without a picture wakes up after a tick is due, so that it is due for certain."""
@@ -73,27 +79,40 @@ def keep_node(plan: NodePlan, command: Sequence[str] = (sys.executable, "-m", MO
             codes.append(int(told["code"]))
 
     starter = ProcessManager()
+    prefork = PreforkProcess(starter)
+    show = json.dumps([plan.options.encode(), plan.leaders])
 
     def start() -> Child:
-        child = starter.start("node", command, hear)
-        show = json.dumps([plan.options.encode(), plan.leaders])
+        child = None
+        if prefork.ready:
+            with contextlib.suppress(OSError):
+                child = starter.start("node", (), hear, spawn=prefork.fork_engine)
+        child = child or starter.start("node", command, hear)
         child.channel.send_json(alive="node", show=show)
         return child
 
-    node = AuxiliaryProcess(start, say)
+    node, draws_since = AuxiliaryProcess(start, say), None
     try:
         node.begin(time.monotonic())
         while not codes:
-            node.update(starter.poll(), starter.load.slowdown)
+            now = starter.poll()
+            node.update(now, starter.load.slowdown)
+            prefork.update()
+            child = node.child
+            draws_since = (draws_since or now) if child is not None and child.phase is Beat.RUNNING else None
+            if child is not None and draws_since is not None and now - draws_since > SPARE_AFTER:
+                prefork.ensure_started(command, {"show": show}, {}, child.memory)
             if codes == [RESTART_CODE]:
                 codes.clear()
+                prefork.stop()  # it has loaded what was there before
                 node.close()
-                node.begin(time.monotonic())
+                node.begin(now)
         return codes[0]
     except KeyboardInterrupt:
         return EXIT_INTERRUPTED
     finally:
         node.close()
+        prefork.close()
         starter.close()
 
 
@@ -102,11 +121,23 @@ def main(now: Callable[[], float] = time.perf_counter) -> None:
     install_signal_handlers()
     collect_garbage_rarely()
     lifeline = SupervisorLink.of_arguments(*sys.argv[1:3])
-    word, leaders = json.loads(lifeline.receive_brief().show)
+    brief, loaded, code = lifeline.receive_brief(), None, 0
+    word, leaders = json.loads(brief.show)
     plan = NodePlan(LaunchOptions.decode(word), tuple((str(host), int(port)) for host, port in leaders))
-    code = 0
     try:
-        run_node(plan, lifeline, now=now)
+        if brief.role == "nursery":
+            processors = lower_priority()
+            loaded = load_node(plan.options)
+            raise_priority(0, processors)
+            gc.collect()
+            gc.freeze()
+            forked = serve_forks(lifeline)
+            if forked is None:
+                return
+            install_signal_handlers()
+            lifeline = forked
+            lifeline.receive_brief()
+        run_node(plan, lifeline, loaded, now=now)
     except PersonError as error:
         show_person_error(error)
         code = EXIT_PERSON_ERROR
@@ -118,13 +149,31 @@ def main(now: Callable[[], float] = time.perf_counter) -> None:
     sys.exit(code)
 
 
-def run_node(plan: NodePlan, lifeline: SupervisorLink, *, now: Callable[[], float] = time.perf_counter) -> None:
+def load_node(options: LaunchOptions) -> "LoadedShow":
+    """Load all that a node needs and return its show; nothing is opened, and no thread is started."""
+    from live.app.machine.kernel_warmup import compile_all, load_kernels
+    from live.app.processes import standby_output
+    from live.nodes import follower
+    from live.show.background_work import import_late_modules
+
+    del standby_output, follower  # imported for later
+    compile_all(Console(stderr=True, highlight=False))
+    load_kernels()
+    loaded = options.load()
+    loaded.start(seed=options.seed).tick(TICK)  # fills the values cached in the graph, and loads what a tick needs
+    import_late_modules()
+    return loaded
+
+
+def run_node(
+    plan: NodePlan, lifeline: SupervisorLink, loaded: "LoadedShow | None" = None, *,
+    now: Callable[[], float] = time.perf_counter,
+) -> None:  # fmt: skip
     """Follow and draw until the keeper goes; PersonError if the leader refuses this machine or its show cannot be drawn
     here; SystemExit with RESTART_CODE on an operator's order.
 
-    `now`: this machine's monotonic clock [s].
+    `loaded`: by `load_node`; `now`: this machine's monotonic clock [s].
     """
-    from live.app.machine.kernel_warmup import compile_all, load_kernels
     from live.app.processes.standby_output import StandbyOutput, check_status_writable
     from live.app.session_audio import AudioChoice
     from live.base.jit import KERNEL_SET
@@ -132,19 +181,14 @@ def run_node(plan: NodePlan, lifeline: SupervisorLink, *, now: Callable[[], floa
     from live.nodes.bus import ZenohBus
     from live.nodes.follower import NodeFollower, NodeIdentity
     from live.nodes.signed_bus import SignedBus
-    from live.show.background_work import import_late_modules
     from live.show.stages.row_threads import row_threads
     from live.show.venue.venue import Latencies
     from live.supervisor.network.identity import Pairings, load_identity
 
     options, console = plan.options, Console(stderr=True, highlight=False)
     identity, pairings = load_identity(), Pairings()
-    compile_all(console)
-    load_kernels()
-    loaded, venue = options.load(), options.read_venue()
+    loaded, venue = loaded or load_node(options), options.read_venue()
     check_status_writable(options)
-    loaded.start(seed=options.seed).tick(TICK)  # fills the values cached in the graph, and loads what a tick needs
-    import_late_modules()
     transport = ZenohBus(identity, pairings, connect=plan.leaders, scout=not plan.leaders)
     bus = SignedBus(transport, identity, pairings)
     follower: NodeFollower | None = None
