@@ -71,6 +71,7 @@ def test_top_packages_are_the_listed_ones() -> None:
         "graph",
         "library",
         "motion",
+        "nodes",
         "rehearse",
         "render",
         "show",

@@ -16,7 +16,7 @@ from typing import Final
 ROOT: Final = Path(__file__).resolve().parents[1]
 PLATFORMS: Final = {"windows": "Windows x86-64", "aarch64-apple-darwin": "macOS 14 arm64"}
 PYTHONS: Final = ("3.11", "3.12", "3.13", "3.14")
-EXTRAS: Final = ("cluster", "link", "fast", "usd")
+EXTRAS: Final = ("cluster", "link", "fast", "nodes", "usd")
 OLDEST_MACOS: Final = "14.0"
 """The oldest macOS for which all of them, PyAV first, have wheels."""
 GUARDED: Final = {"choreographics_live_kernels", "jax", "mir_eval", "optax", "soundfile", "pymotion", "pybvh", "pyrvo"}

@@ -213,11 +213,17 @@ class LaunchOptions:
         None, "Follow the show of the machine that leads there, and take over when it falls silent.", RECOVERY,
         metavar="HOST[:PORT]",
     )  # fmt: skip
+    nodes: str | None = option(
+        None, "Let render nodes (`live node`) draw this show in lockstep; they connect here: the host of --lead, port "
+        "9022, without a value. The show runs ahead for them, as the venue says.", RECOVERY, metavar="[[HOST:]PORT]",
+    )  # fmt: skip
     service: str | None = option(
         None, "Which service this is (`live service install` writes it): a start resumes what was cut off.",
         RECOVERY, metavar="NAME",
     )  # fmt: skip
 
+    node: str = ""
+    """The render node that these options are of; empty: none."""
     bridges: Mapping[str, Any] = field(default_factory=dict)
     """Options of bridges that differ from their defaults: by the bridge's name, a value of its `options`."""
 

@@ -32,8 +32,10 @@ def parse_endpoint(text: str, name: str = "--osc") -> tuple[str, int]:
 
 AUDIENCE_PORT = 8020
 """Default port for phones."""
-GATEWAYS_PORT = 9022
+GATEWAYS_PORT = 9023
 """Default port where gateways of other machines join a show."""
+NODES_PORT = 9022
+"""Default port for render nodes."""
 _AUDIENCE = re.compile(r"(?:(\[[0-9A-Fa-f:.%]+\]|[^\s:\[\]]+):)?(\d{1,5})")
 
 
@@ -52,14 +54,16 @@ def parse_audience_link(text: str | None) -> str | None:
     return text
 
 
-def expand_audience_option(words: list[str]) -> list[str]:
-    """Return the command line with `--audience` without a value expanded to the default port on localhost."""
+def expand_optional_values(words: list[str]) -> list[str]:
+    """Return the command line with `--audience` and `--nodes` without a value expanded to their defaults."""
     found = []
     for index, word in enumerate(words):
         found.append(word)
         after = words[index + 1] if index + 1 < len(words) else ""
         if word == "--audience" and _AUDIENCE.fullmatch(after) is None:
             found.append(f"127.0.0.1:{AUDIENCE_PORT}")
+        elif word == "--nodes" and _AUDIENCE.fullmatch(after) is None:
+            found.append(str(NODES_PORT))
     return found
 
 

@@ -28,12 +28,23 @@ if TYPE_CHECKING:
     from live.app.session import Session
 
 
-def outputs_of(venue: Venue | None, name: str | None) -> tuple[Output, ...]:
-    """Return the outputs of a venue; if it has none, one that shows the whole picture. `name`: of the venue."""
+def outputs_of(venue: Venue | None, name: str | None, node: str = "") -> tuple[Output, ...]:
+    """Return the outputs of a venue that a render node draws, or (`node` empty) the machine that plays the show.
+
+    If the venue has none at all, or none for that machine, one shows the whole picture. `name`: of the venue.
+    PersonError for a node that the venue does not name.
+    """
     if venue is None or name is None or not venue.output:
-        return (Output(),)
+        return (Output(node=node),)
+    mine = [one for one in venue.output if (one.node or "") == node]
+    if not mine and node:
+        nodes = ", ".join(sorted({one.node for one in venue.output if one.node})) or "none yet"
+        raise PersonError(
+            f"venue {name}: no output is drawn by a node {node!r}; nodes: {nodes}",
+            f'write node = "{node}" below one of its [[output]]',
+        )
     folder = venue_path(name).parent
-    return tuple(one.output(folder) for one in venue.output)
+    return tuple(one.output(folder) for one in mine) or (Output(),)
 
 
 def window_placement(
@@ -43,7 +54,7 @@ def window_placement(
 
     `--monitor` overrides the monitor of a venue with one output.
     """
-    outputs = outputs_of(venue, options.venue)
+    outputs = outputs_of(venue, options.venue, options.node)
     if hidden:  # a standby resumes the show without a mask whose file was lost
         outputs = tuple(one if _mask_exists(one) else replace(one, mask=None) for one in outputs)
     if len(outputs) == 1 and monitor is not None:

@@ -58,12 +58,13 @@ class OutputSetup:
         floor: FloorStore | None = None,
         *,
         has_audience: bool = False,
+        elsewhere: Sequence[str] = (),
     ) -> None:
         """`save_output` saves an output; `report_refusal` gets refusals in words; `floor`: corners of the real floor.
 
         `request_card` receives the output and the test card chosen by a key. It sends an event, so that the show stores
         the card; the event then comes back to `handle`. `has_audience`: an audience may join, so there is a card with
-        the link.
+        the link. `elsewhere`: outputs that render nodes draw; they get the event with the show's lines.
         """
         self._projection, self._save_output, self._refuse, self._ask = (
             projection,
@@ -74,6 +75,7 @@ class OutputSetup:
         self._floor = floor
         self._edited: Screen | None = None
         self._joins = has_audience
+        self._elsewhere = [name.casefold() for name in elsewhere]
         self.save_result = ""
         """Result of the last save, in words; empty before the first."""
 
@@ -90,7 +92,7 @@ class OutputSetup:
             self._refuse(f"{event.source}: there is no test card {event.card!r}; test cards: {', '.join(CARDS)}")
         elif known == JOIN_CARD and not self._joins:
             self._refuse(f"{event.source}: no audience can join: start the show with --audience")
-        elif not screens:
+        elif not screens and name not in (*self._elsewhere, "*"):
             names = ", ".join(one.output.name for one in self._projection.screens)
             self._refuse(f"{event.source}: there is no output {event.output!r}; outputs: {names}")
         else:
@@ -103,6 +105,12 @@ class OutputSetup:
             card = next((each for each in CARDS if each == wanted), None)
             for screen in self._named(name) if card is not None else ():
                 screen.card = card or "off"
+
+    def replace_cards(self, cards: Mapping[str, str]) -> None:
+        """Show exactly these cards."""
+        for screen in self._projection.screens:
+            screen.card = "off"
+        self.restore_cards(cards)
 
     def _named(self, name: str) -> list[Screen]:
         return [one for one in self._projection.screens if name in ("*", one.output.name.casefold())]
@@ -267,8 +275,9 @@ def make_output_setup(session: "Session", picture: Projection, reread: bool) -> 
 
     floor = FloorCorners(session, keeping, lambda: picture.size)
     setup = OutputSetup(
-        picture, keeping.save_output, session.show.refusals.add, ask, floor, has_audience=session.audience is not None
-    )
+        picture, keeping.save_output, session.show.refusals.add, ask, floor, has_audience=session.audience is not None,
+        elsewhere=() if session.venue is None else [one.name for one in session.venue.output if one.node],
+    )  # fmt: skip
     setup.restore_cards(session.show.desk.master.cards)
     session.engine.event_listeners.append(setup.handle)
     session.status.extra_figures["outputs"] = setup.facts

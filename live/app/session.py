@@ -3,8 +3,8 @@
 import contextlib
 import gc
 import threading
-from collections.abc import Callable, Iterator, Sequence
-from typing import TYPE_CHECKING, Final
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Final
 
 from rich.console import Console
 
@@ -138,6 +138,15 @@ def _audio_problem(listens: "AudioSource") -> str:
     return f"sound: {problem}" if problem else ""
 
 
+def nodes_notice(nodes: Mapping[str, Mapping[str, Any]]) -> str:
+    """Return what the operator has to know of the render nodes; empty if all follow. `nodes`: state of each by name."""
+    return "   ".join(
+        f"node {name}: {told['state']}" + (f" ({told['why']})" if told["why"] else "")
+        for name, told in nodes.items()
+        if told["state"] != "follows"
+    )
+
+
 class Session:
     """A running show: engine, inputs, journal, status."""
 
@@ -149,7 +158,7 @@ class Session:
 
         `lifeline`: link to the supervisor, if there is one; `resumed`: the show to resume.
         """
-        self.latencies = Latencies.of(venue)
+        self.latencies = Latencies.of(venue, nodes=options.nodes is not None)
         tempo = start_tempo(options, loaded, sound)
         show = loaded.start(seed=options.seed, tempo=tempo) if resumed is None else resumed.show
         self.lifeline = lifeline
@@ -209,6 +218,7 @@ class Session:
             self.status.extra_figures["audio"] = self._audio.source.status
         if lifeline is not None:
             self.status.extra_figures["alive"] = lifeline.status
+            self.status.notices.append(lambda: nodes_notice(lifeline.facts.get("nodes", {})))
         beside = ServiceBuilder(options, venue, self.inbox, self.clock, self.engine, self.status, self._publisher)
         beside.resumes = resumed is not None
         beside.add_click_and_link()
@@ -271,6 +281,8 @@ class Session:
                 origin=self.clock.origin,
                 audio_start=self._audio.start_time,
             )
+            if self.lifeline is not None:
+                self.lifeline.channel.send_json(alive="clock", origin=self.clock.origin)
             self._watch.start()
             self.notifier.start()
             gc.freeze()  # without a search before: it takes 0.2 s, and a show that is built leaves next to nothing

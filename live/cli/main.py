@@ -23,9 +23,24 @@ from live.app.exit_codes import (
 )
 from live.app.launch_options import COMMON_OPTIONS
 from live.app.machine import kernel_warmup as warm
-from live.app.option_values import expand_audience_option
+from live.app.option_values import expand_optional_values
 from live.base.errors import PersonError
-from live.cli import bench, docs, document, gateway, music, pair, play, render, replay, service, simulate, soak
+from live.cli import (
+    bench,
+    cluster,
+    docs,
+    document,
+    gateway,
+    music,
+    node,
+    pair,
+    play,
+    render,
+    replay,
+    service,
+    simulate,
+    soak,
+)
 from live.cli.beats import beats, clock_check
 from live.cli.inspect import check, contact_sheet, formation, journal, schema, score
 from live.cli.motion import bvh, character, export, sync
@@ -110,6 +125,8 @@ PANELS: Final[Mapping[str, Mapping[str, Registered]]] = {
         "calibrate": calibrate.calibrate,
         "pair": pair.pair,
         "gateway": gateway.gateway,
+        "node": node.node,
+        "cluster": cluster.app,
         "service": service.app,
         "warm": warm.warm,
     },
@@ -158,7 +175,7 @@ def main() -> None:
     """Run the command line and exit: 0 done, 1 a check failed, 2 a usage error, 130 Ctrl-C."""
     install_signal_handlers()
     collect_garbage_rarely()
-    sys.argv[1:] = expand_audience_option(sys.argv[1:])
+    sys.argv[1:] = expand_optional_values(sys.argv[1:])
     try:
         app()
     except PersonError as error:

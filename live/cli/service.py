@@ -40,10 +40,10 @@ def install(
         systemd_version,
         units_folder,
     )
-    from live.app.option_values import expand_audience_option
+    from live.app.option_values import expand_optional_values
     from live.library.whole_file import write_atomically
 
-    arguments = expand_audience_option(context.args)
+    arguments = expand_optional_values(context.args)
     asked = _parse_play_arguments(arguments)
     service = SystemdService(
         name or default_service_name(asked.get("patch")),

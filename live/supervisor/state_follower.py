@@ -3,14 +3,16 @@
 import base64
 import contextlib
 import json
+import math
 import time
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
 
 from live.base.compression import decompress_text
+from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.events.event_json import event_from_json
 from live.control.events.events import (
@@ -56,10 +58,13 @@ class StateFollower:
     snapshot corrects it. Thread: one.
     """
 
-    def __init__(self, loaded: LoadedShow, *, heartbeat: Heartbeat | None = None) -> None:
-        """`heartbeat`: of this process; shows beats and the running tick and stage during long runs."""
+    def __init__(
+        self, loaded: LoadedShow, *, heartbeat: Heartbeat | None = None, keeps_lines: bool = True
+    ) -> None:  # fmt: skip
+        """`heartbeat`: of this process; shows beats and the running tick and stage during long runs. `keeps_lines`:
+        whether the lines since the last snapshot are kept, for a repair; otherwise another follower takes its place."""
         self._first = self._loaded = loaded
-        self._heartbeat, self._log = heartbeat, RecoveryLog()
+        self._heartbeat, self._log, self._keeps_lines = heartbeat, RecoveryLog(), keeps_lines
         self._pending: deque[Line] = deque()
         self._since_snapshot: deque[Line] = deque()  # lines since the last snapshot, for a repair
         self._coming: tuple[Line, ...] = ()  # lines of `run`, which are not pending
@@ -68,6 +73,8 @@ class StateFollower:
         self.show: Show | None = None
         self.tick = 0
         """The last tick run."""
+        self.granted = 0
+        """The last tick that the sender is known to have run."""
         self.compared = self.differences = self.repaired = self.refused = 0
         """Measures compared; those that differed; corrections by a snapshot; events that failed."""
         self.problem = ""
@@ -82,6 +89,11 @@ class StateFollower:
     def ready(self) -> bool:
         """Whether this show is verified: a state was compared, and the last comparison found no difference."""
         return self.show is not None and self.compared > 0 and not (self._diverged or self._stuck or self._pending)
+
+    @property
+    def differs(self) -> bool:
+        """Whether the state differs from the sender's, or cannot be computed, until the next snapshot."""
+        return self._diverged or self._stuck
 
     @property
     def origin(self) -> float:
@@ -108,10 +120,12 @@ class StateFollower:
     def add_line(self, line: str, *, arrived: float | None = None) -> None:
         """Add a line without running it. `arrived` [s of perf_counter]: when it came from another machine."""
         value = json.loads(line)
-        self._log.add_line(line)
+        if self._keeps_lines:
+            self._log.add_line(line)
         if "journal" in value:
             self.header = value
             return
+        self.granted = max(self.granted, value["tick"])
         if len(value) == 1:
             if arrived is not None:
                 self._arrivals.append(arrived - value["tick"] * TICK)
@@ -208,6 +222,33 @@ class StateFollower:
             except TickFailed:
                 self._restart_from_snapshot(stuck=True)
 
+    def run_until(
+        self, tick: int, deadline: float = math.inf, *, ahead: bool = False,
+        now: Callable[[], float] = time.perf_counter,
+    ) -> bool:  # fmt: skip
+        """Run ticks and the lines among them up to `tick`; return whether all of that is done.
+
+        The sender is not overtaken, unless `ahead`: then this state may differ from its, which shows with its next
+        lines (`differs`). `deadline` [s of `now`]: none is begun after it.
+        """
+        goal = tick if ahead else min(tick, self.granted)
+        try:
+            while not self._stuck:
+                value = self._pending[0] if self._pending else None
+                due = value is not None and ("snapshot" in value or value["tick"] <= self.tick)
+                until = goal if value is None else min(goal, value["tick"])
+                if not due and self.tick >= until:
+                    return True
+                if now() >= deadline:
+                    return False
+                if due:
+                    self._run(self._pending.popleft())
+                else:
+                    self._run_to(self._ensure_started(), self.tick + 1)
+        except TickFailed:  # it ran on the original, but not here
+            self._stuck = True
+        return False
+
     def _run(self, value: Line) -> None:
         self._measures -= "measure" in value
         if "snapshot" in value:
@@ -215,13 +256,14 @@ class StateFollower:
             return
         show = self._ensure_started()
         self._run_to(show, value["tick"])
-        if len(value) > 1:
+        if len(value) > 1 and self._keeps_lines:
             self._since_snapshot.append(value)
         if "event" in value:
+            self._diverged = self._diverged or value["tick"] < self.tick  # it came after this show had gone ahead
             self._apply_json(show, value["event"])
         elif "measure" in value:
             self.compared += 1
-            self._diverged = self._last_measure != (self.tick, value["hash"])
+            self._diverged = self._last_measure != (value["tick"], value["hash"])
             self.differences += self._diverged
 
     def _run_to(self, show: Show, until: int) -> None:
@@ -342,6 +384,17 @@ class StateFollower:
         changed = (event for event in later if isinstance(event, StepsChanged))
         examples = [event for event in later if isinstance(event, ExamplesChanged)]
         self._loaded = load_from_header(header | {"patch_path": str(loaded.path)}, added, changed, examples)
+
+
+def check_show(following: StateFollower) -> None:
+    """Raise PersonError if this machine plays another show than the one that is received."""
+    if (other := following.show_mismatch()) is not None:
+        raise PersonError(f"the leader plays another show: {other}", "start all machines with the same patch")
+
+
+def cannot_run(error: ReplayError) -> PersonError:
+    """Return what the person has to know if the received show cannot be run here."""
+    return PersonError(f"the leader's show cannot run here: {error}", "use the same steps on all machines")
 
 
 def is_event(value: Line) -> bool:

@@ -113,6 +113,8 @@ class Supervisor:
         self.osc_reader.update(now, slowdown)
         self._reaper.update(now)
         self._remote.update(now)
+        if self._config.nodes is not None:
+            self._config.nodes.update(self.engines.log, self.report)
         if self._writing_engine is not None and self._writing_engine is not self.engines.engine:
             self._resume_journal()
         if self._osc_reading_engine is not None and self._osc_reading_engine is not self.engines.engine:
@@ -129,6 +131,8 @@ class Supervisor:
 
     def _broadcast(self, line: str, kept: bool) -> None:
         self._remote.broadcast(line)
+        if self._config.nodes is not None:
+            self._config.nodes.add_line(line)
         if kept:
             wire, count = self.engines.line_position
             if wire is not self._last_channel:
@@ -156,6 +160,8 @@ class Supervisor:
             self._remote.promote("on command")
         elif asked["alive"] == "cannot":
             self._remote.report_cannot_follow(asked["why"])
+        elif asked["alive"] == "clock":
+            self.report.origin = asked["origin"]
         elif asked["alive"] == "journal":
             self._resume_journal()
         elif asked["alive"] == "following":
@@ -235,6 +241,8 @@ class Supervisor:
 
     def _close(self) -> None:
         self._remote.close()
+        if self._config.nodes is not None:
+            self._config.nodes.close()
         self.engines.close()
         self.audio.close()
         self.fallback_window.close()

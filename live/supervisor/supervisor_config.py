@@ -4,9 +4,26 @@ import socket
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from live.supervisor.network.identity import Identity, Pairings
+from live.supervisor.recovery_log import RecoveryLog
+
+
+class ShowListener(Protocol):
+    """Gets all lines of the show: the leader's side of its render nodes. Thread: the supervisor's."""
+
+    def add_line(self, line: str) -> None:
+        """Take one line; never waits."""
+        ...
+
+    def update(self, log: RecoveryLog, report: "Report") -> None:
+        """Do what is due. `log`: the show so far; figures go into `report`. Called once a round."""
+        ...
+
+    def close(self) -> None:
+        """Release everything."""
+        ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,6 +60,8 @@ class SupervisorConfig:
     """... and the machines it is paired with."""
     follow: tuple[str, int] | None = None
     """The machine whose show is followed; this one takes over from it."""
+    nodes: ShowListener | None = None
+    """The leader's side of its render nodes, if it has any."""
     memory_budget: int = 0
     """Memory limit of an engine [bytes], above which the spare takes over; 0: none."""
 
@@ -106,6 +125,11 @@ class Report:
     repaired: int = 0
     """... and how often a snapshot removed the difference."""
 
+    origin: float | None = None
+    """Origin of the show's clock on this machine [s of perf_counter]; None before an engine plays here."""
+    nodes: dict[str, Any] = field(default_factory=dict)
+    """State of each render node, by name."""
+
     adopted: int = 0
     """How often another supervisor adopted this show's engine."""
 
@@ -116,6 +140,6 @@ class Report:
     def restore(self, facts: Mapping[str, Any]) -> None:
         """Restore from another supervisor's report the values that hold for this one."""
         for name in ("restarts", "calm", "takeover_s", "audio_restarts", "lines", "epoch", "fenced", "follows",
-                     "silent_s", "compared", "different", "repaired", "adopted"):  # fmt: skip
+                     "silent_s", "compared", "different", "repaired", "adopted", "origin"):  # fmt: skip
             if name in facts and (facts[name] is None or isinstance(facts[name], bool | int | float | str)):
                 setattr(self, name, facts[name])

@@ -25,11 +25,12 @@ ALL = LaunchOptions(
     tempo_share=0.8, osc=("0.0.0.0", 9010), osc_process=True, osc_musicians=("::", 9011),
     osc_out=(("127.0.0.1", 9000), ("localhost", 9001)), web=("127.0.0.1", 8001), web_key="k",
     web_hosts=("stage.example",), audience_tls=(Path("cert.pem"), Path("key.pem")), gateways=4,
-    gateways_listen=("0.0.0.0", 9022),
+    gateways_listen=("0.0.0.0", 9023),
     audience=("0.0.0.0", 80), audience_link="http://x", audience_secret=b"\x00\xff" * 16, journal=Path("night.jsonl"),
     status_json=Path("s.json"), seconds=3.5, record=Path("film.mp4"), share=("shm:x",), operator="2", size=(640, 360),
     fps=30.0, shaders=Path("shaders"), quality=2, monitor="HDMI-1", fullscreen=True, headless=True, alone=True,
-    lead="9020", standby="other", service="hall", audio_channel="3", venue="hall", link="lead", click="out",
+    lead="9020", standby="other", nodes="9022", node="left", service="hall",
+    audio_channel="3", venue="hall", link="lead", click="out",
     click_channels="1", midi="in", midi_out="out", midi_clock_out="clock", grid="auto", bridges={
         "lamps": LampOptions(dmx=("sacn:1",)),
         "oscquery": OscQueryOptions(oscquery=("127.0.0.1", 8000)),
@@ -66,7 +67,10 @@ def parse_command_line(*words):
 def test_empty_command_line_gives_default_options():
     values = parsed(parse_command_line())
     assert LaunchOptions(**values) == USUAL
-    assert set(values) == {each.name for each in fields(LaunchOptions)} - {"audience_secret"}  # nobody writes that
+    assert set(values) == {each.name for each in fields(LaunchOptions)} - {
+        "audience_secret",
+        "node",
+    }  # nobody writes these
 
 
 def test_each_option_sets_its_field(tmp_path):
@@ -77,10 +81,10 @@ def test_each_option_sets_its_field(tmp_path):
         "--osc-out 127.0.0.1:9000 --osc-out localhost:9001 --dmx sacn:1 --web 127.0.0.1:8001 --web-key k "
         "--web-host stage.example --psn 56565 --vmc-out 127.0.0.1:39539 --vmc 0.0.0.0:39540 "
         "--oscquery 127.0.0.1:8000 --audience 0.0.0.0:80 --audience-link http://x --audience-tls cert.pem,key.pem "
-        "--gateways 4 --gateways-listen 0.0.0.0:9022 --monitor HDMI-1 --fullscreen --operator 2 --headless "
+        "--gateways 4 --gateways-listen 0.0.0.0:9023 --monitor HDMI-1 --fullscreen --operator 2 --headless "
         "--size 640x360 --fps 30 --shaders shaders --quality 2 "
         f"--record {tmp_path}/film.mp4 --share shm:x --journal {tmp_path}/night.jsonl --status-json {tmp_path}/s.json "
-        "--alone --lead 9020 --standby other --service hall"
+        "--alone --lead 9020 --standby other --nodes 9022 --service hall"
     ).split()
     values = parsed(parse_command_line(*words))
     here = {"steps": Path("/tmp"), "journal": tmp_path / "night.jsonl", "status_json": tmp_path / "s.json"}

@@ -6,10 +6,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from live.app.output_config import DEFAULT_CORNERS, FloorCorners, VenueWriter, visible_corners
+from live.app.output_config import DEFAULT_CORNERS, FloorCorners, VenueWriter, outputs_of, visible_corners
+from live.base.errors import PersonError
 from live.base.picture_parameters import camera_from_row
 from live.base.stage_snapshot import Camera
 from live.render.camera import project_points
+from live.render.outputs.output import Output
 from live.show.patch.toml_model import parse_model
 from live.show.venue.venue import Venue, venue_path
 from tests.show.desk.desk_show import DeskSession
@@ -80,3 +82,33 @@ def test_corners_start_at_visible_floor_or_default():
     assert visible_corners(camera, (14.0, 8.0), (1600, 900)) == DEFAULT_CORNERS
     assert visible_corners(Camera((0.0, 1.0, 1.0), (0.0, 1.0, -5.0)), (10.0, 8.0), (1600, 900)) == DEFAULT_CORNERS
     assert visible_corners(None, (10.0, 8.0), (1600, 900)) == DEFAULT_CORNERS
+
+
+NODES = """
+[[output]]
+name = "desk"
+[[output]]
+name = "left wall"
+node = "left"
+crop = [0.0, 0.0, 0.6, 1.0]
+[[output]]
+name = "right wall"
+node = "right"
+crop = [0.4, 0.0, 0.6, 1.0]
+"""
+
+
+def test_each_machine_opens_only_its_outputs():
+    venue = parse_model(f'name = "hall"{NODES}', "hall.toml", Venue, "venue")
+    names = {node: [one.name for one in outputs_of(venue, "hall", node)] for node in ("", "left", "right")}
+    assert names == {"": ["desk"], "left": ["left wall"], "right": ["right wall"]}
+    assert outputs_of(venue, "hall", "right")[0].crop == (0.4, 0.0, 0.6, 1.0)
+    with pytest.raises(PersonError, match="no output is drawn by a node 'middle'; nodes: left, right") as error:
+        outputs_of(venue, "hall", "middle")
+    assert error.value.remedy == 'write node = "middle" below one of its [[output]]'
+
+
+def test_machine_whose_outputs_are_all_drawn_by_nodes_shows_the_whole_picture():
+    only = parse_model('name = "hall"\n[[output]]\nnode = "left"\n', "hall.toml", Venue, "venue")
+    assert outputs_of(only, "hall") == (Output(),)
+    assert outputs_of(None, None, "left") == (Output(node="left"),)

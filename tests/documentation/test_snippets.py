@@ -12,7 +12,7 @@ import pytest
 import typer
 
 from live.app.bridges import installed_bridges
-from live.app.option_values import expand_audience_option
+from live.app.option_values import expand_optional_values
 from live.base.errors import PersonError
 from live.cli.main import app
 from live.control.osc.osc_output import MESSAGES, PREFIX
@@ -40,7 +40,7 @@ _ADDRESS = re.compile(r"(?<![\w.])/dance/[a-z_/0-9]+")
 
 def parse_command(typed):
     """Parse a command line as `live` does, without running it."""
-    words = expand_audience_option(shlex.split(typed)[1:])
+    words = expand_optional_values(shlex.split(typed)[1:])
     command = typer.main.get_command(app)
     while hasattr(command, "commands") and words:
         name, *words = words

@@ -20,7 +20,7 @@ sys.path.insert(0, str(ROOT))
 from live.base.errors import PersonError  # noqa: E402
 from tools.release import artifacts, licences, version  # noqa: E402
 
-EXTRAS: Final = ("--extra=link", "--extra=fast", "--extra=usd")
+EXTRAS: Final = ("--extra=link", "--extra=fast", "--extra=nodes", "--extra=usd")
 """Extras of a show, whose packages are listed with those that it always has."""
 NAME: Final = "choreographics_live"
 

@@ -18,6 +18,7 @@ from typing import Final, Literal
 
 import live
 from live.app.machine.device_list import Section, audio_sections, midi_sections, monitor_section, one_line
+from live.base.system.clock_discipline import clock_discipline
 from live.base.system.native_stderr import suppress_native_stderr
 
 _PACKAGES = {
@@ -47,6 +48,11 @@ def install_command(library: str) -> str:
                 packages = "libasound2t64"
             return f"{command} {packages}"
     return f"install {library} with this system's package manager"
+
+
+def _package_command() -> str:
+    """Return the beginning of the command that installs a package here."""
+    return next((command for manager, command in _COMMANDS.items() if shutil.which(manager)), "install")
 
 
 def _has_time64_names() -> bool:
@@ -100,6 +106,7 @@ OSC_ADDRESS = ("127.0.0.1", 9010)
 MIN_OPENGL = 410
 EXTRAS: Final = {
     "link": "no Ableton Link",
+    "nodes": "no render nodes (live node, live play --nodes)",
     "usd": "no USD files of a show's motion",
     "fast": "floods of messages from phones cost more",
 }
@@ -269,6 +276,15 @@ def check_osc_port() -> Check:
     return Check("OSC port", "ok", f"udp {host}:{port} is free")
 
 
+def check_clock() -> Check:
+    """Check whether the clock's rate is disciplined, which keeps render nodes together while a network fails."""
+    found = clock_discipline()
+    if found.programs or found.synchronised or not sys.platform.startswith("linux"):
+        return Check("clock", "ok", str(found))
+    detail = "neither NTP nor PTP runs: render nodes follow the leader's clock, but drift while they are cut off"
+    return Check("clock", "limited", detail, f"{_package_command()} chrony, or linuxptp where network cards have PTP")
+
+
 def all_checks() -> Iterator[Check]:
     """Yield every check in table order."""
     yield check_python()
@@ -279,3 +295,4 @@ def all_checks() -> Iterator[Check]:
     yield from check_midi()
     yield check_kernels()
     yield check_osc_port()
+    yield check_clock()

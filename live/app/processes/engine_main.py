@@ -40,6 +40,7 @@ from live.supervisor.supervisor_config import SupervisorConfig
 from live.supervisor.supervisor_link import SupervisorLink
 
 if TYPE_CHECKING:
+    from live.nodes.leader import NodeLeader
     from live.show.loader import LoadedShow
     from live.show.show import Show
 
@@ -132,12 +133,13 @@ def is_supervised(options: LaunchOptions) -> bool:
     Films are made by one process, because a standby cannot continue half a film. Raise PersonError where the show
     has to follow another machine, or to be followed by one, and cannot be supervised.
     """
-    machines = options.lead is not None or options.standby is not None
+    machines = options.lead is not None or options.standby is not None or options.nodes is not None
     screen = options.headless or has_desktop()
     able = screen and options.record is None and options.shaders is None and not options.alone
     if machines and not (able and LINUX):
         raise PersonError(
-            "--lead and --standby need a supervisor: Linux, a screen or --headless, no --record, --shaders and --alone"
+            "--lead, --standby and --nodes need a supervisor: Linux, a screen or --headless, no --record, --shaders "
+            "and --alone"
         )
     short = options.seconds is not None and options.seconds < MIN_SUPERVISED_SECONDS
     return able and (machines or not short)
@@ -170,6 +172,7 @@ def supervise(options: LaunchOptions) -> None:
     follows = None if standby is None else _parse_endpoint(standby, "--standby")
     identity, pairings = _load_pairings(leads_at, follows)
     leads = None if leads_at is None else _listen(*leads_at)
+    nodes = None if options.nodes is None else _open_nodes(options, leads_at, say)
     try:
         osc = _osc_socket(options, there, hung)
     except CannotListen as error:
@@ -192,6 +195,7 @@ def supervise(options: LaunchOptions) -> None:
         identity=identity,
         pairings=pairings,
         follow=follows,
+        nodes=nodes,
         memory_budget=int(MEMORY_SHARE * machine_memory()),
         label=label if LINUX else "",
     )
@@ -209,6 +213,32 @@ def supervise(options: LaunchOptions) -> None:
         raise KeyboardInterrupt
     if code:
         raise SystemExit(code)
+
+
+def _open_nodes(
+    options: LaunchOptions, leads_at: tuple[str, int] | None, say: Callable[[str], None]
+) -> "NodeLeader":  # fmt: skip
+    """Open the bus of the render nodes; PersonError if that fails, or no other machine is paired."""
+    from live.nodes.bus import ZenohBus
+    from live.nodes.leader import NodeLeader
+    from live.nodes.signed_bus import SignedBus
+    from live.show.venue.venue import Latencies
+
+    host, port = nodes_address(str(options.nodes), "127.0.0.1" if leads_at is None else leads_at[0])
+    identity, pairings = _load_pairings(None, None, (host, port))
+    assert identity is not None
+    assert pairings is not None
+    ahead = Latencies.of(options.read_venue(), nodes=True).nodes
+    raise_priority(ENGINE_NICE)  # all nodes wait for the lines that this process sends on
+    scout = not _is_this_machine(host)
+    bus = SignedBus(ZenohBus(identity, pairings, listen=(host, port), scout=scout), identity, pairings)
+    return NodeLeader(bus, say, ahead=ahead)
+
+
+def nodes_address(text: str, host: str) -> tuple[str, int]:
+    """Parse [HOST:]PORT of --nodes; `host`: the default one."""
+    named = text if ":" in text else f"{f'[{host}]' if ':' in host else host}:{text}"
+    return _parse_endpoint(named, "--nodes")
 
 
 def _find_running_engine(label: str, say: Callable[[str], None]) -> Adoption | None:
@@ -264,14 +294,14 @@ def _parse_endpoint(text: str, option: str) -> tuple[str, int]:
 
 
 def _load_pairings(
-    lead: tuple[str, int] | None, follow: tuple[str, int] | None
+    lead: tuple[str, int] | None, follow: tuple[str, int] | None, nodes: tuple[str, int] | None = None
 ) -> tuple[Identity | None, Pairings | None]:
     """Return this machine's key and pairings if the show runs on several machines; raise PersonError if not paired."""
-    if lead is None and follow is None:
+    if lead is None and follow is None and nodes is None:
         return None, None
     identity, pairings = load_identity(), Pairings()
     paired = pairings.read()
-    for place, option in ((lead, "--lead"), (follow, "--standby")):
+    for place, option in ((lead, "--lead"), (follow, "--standby"), (nodes, "--nodes")):
         if place is not None and not paired and not _is_this_machine(place[0]):
             raise PersonError(
                 f"{option} {place[0]}: this machine is not paired with another one",

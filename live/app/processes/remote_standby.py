@@ -13,6 +13,7 @@ from live.app.processes.standby_output import StandbyOutput, check_status_writab
 from live.app.processes.warm_standby import available_audio, promote
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
+from live.clock.ticks import TICK
 from live.clock.time_source import SystemClock
 from live.control.events.events import ControlEvent, TakeOver
 from live.control.osc.osc_server import OscInput
@@ -21,7 +22,7 @@ from live.show.journal.replay import ReplayError
 from live.show.loader import LoadedShow
 from live.supervisor.cpu_priority import ENGINE_NICE, raise_priority
 from live.supervisor.heartbeat import Phase
-from live.supervisor.state_follower import StateFollower
+from live.supervisor.state_follower import StateFollower, cannot_run, check_show
 from live.supervisor.supervisor_link import SupervisorLink, is_abandoned
 
 STANDBY_FPS = 30.0
@@ -36,7 +37,7 @@ def run_remote_standby(options: LaunchOptions, lifeline: SupervisorLink, console
     venue = options.read_venue()
     sound = available_audio(options, loaded, venue)
     check_status_writable(options)
-    output = StandbyOutput(options, loaded, venue, sound, lifeline)
+    output = StandbyOutput(options, loaded, venue, sound, lifeline.status)
     try:
         order, following = _follow_until_order(loaded, lifeline, options, output)
         if order is None:
@@ -65,14 +66,11 @@ def _takeover_osc(lifeline: SupervisorLink, options: LaunchOptions) -> Iterator[
 
 def apply_log(following: StateFollower) -> None:
     """Apply the received log; raise PersonError if this machine plays another show or lacks its steps."""
-    if (other := following.show_mismatch()) is not None:
-        raise PersonError(f"the leader plays another show: {other}", "start both machines with the same patch")
+    check_show(following)
     try:
         following.run_pending()
     except ReplayError as error:
-        raise PersonError(
-            f"the leader's show cannot run here: {error}", "use the same steps on both machines"
-        ) from None
+        raise cannot_run(error) from None
 
 
 def _follow_until_order(
@@ -100,7 +98,10 @@ def _follow_until_order(
                 return order, following
             if any(isinstance(event, TakeOver) for event in inbox.drain()):
                 lifeline.channel.send_json(alive="takeover")
-            output.frame(following)
+            for _ in () if output.window is None else output.window.poll():
+                pass
+            if following.show is not None:
+                output.frame(following.show, following.tick, following.tick * TICK)
             lifeline.beat(following.tick, Phase.RUNNING)
             lifeline.send_following({**following.facts(), "ready": int(following.ready and output.is_drawing)})
             lifeline.channel.flush()

@@ -1,7 +1,9 @@
-"""Output of a standby machine while another one leads: picture, sharing and status file."""
+"""Output of a machine that follows another one, as a standby or as a render node: picture, sharing and status file."""
 
 import contextlib
 from collections import Counter
+from collections.abc import Callable
+from time import perf_counter
 from typing import Any
 
 from rich.console import Console
@@ -13,13 +15,10 @@ from live.app.processes.warm_standby import open_windows
 from live.app.session_audio import AudioChoice
 from live.app.session_records import resident_megabytes
 from live.base.errors import PersonError
-from live.clock.ticks import TICK
 from live.show.loader import LoadedShow
 from live.show.show import Show
 from live.show.venue.venue import Venue
 from live.show.view.status import Status, StatusFile
-from live.supervisor.state_follower import StateFollower
-from live.supervisor.supervisor_link import SupervisorLink
 
 
 class StandbyOutput:
@@ -31,10 +30,13 @@ class StandbyOutput:
         loaded: LoadedShow,
         venue: Venue | None,
         sound: AudioChoice,
-        lifeline: SupervisorLink,
+        alive: Callable[[], dict[str, Any]],
     ) -> None:
-        """Make everything that will be needed; raise PersonError if something fails."""
-        self._options, self._lifeline = options, lifeline
+        """Make everything that will be needed; raise PersonError if something fails.
+
+        `alive`: figures for the status on how this machine follows.
+        """
+        self._options, self._alive = options, alive
         self.window: Any = open_windows(options, loaded, venue, hidden=False)
         self.headless: HeadlessPicture | None = None
         self.sharing: LiveSharing | None = None
@@ -66,14 +68,8 @@ class StandbyOutput:
         """Whether the picture is drawn, or none is wanted."""
         return self._has_drawn or (self.window is None and self.headless is None)
 
-    def frame(self, following: StateFollower) -> None:
-        """Draw, share and report the followed show at its present tick."""
-        if self.window is not None:
-            for _ in self.window.poll():
-                pass
-        show, time = following.show, following.tick * TICK
-        if show is None:
-            return
+    def frame(self, show: Show, tick: int, time: float) -> None:
+        """Draw, share and report the followed show after `tick` as it is at `time` [s]."""
         if show is not self._show:
             self._start_show(show)
         if self.window is not None or self.headless is not None:
@@ -82,8 +78,18 @@ class StandbyOutput:
             self._has_drawn = True
         if self._status is not None and self._file is not None:
             self._status.frames += 1
-            self._status.ticks = following.tick
+            self._status.ticks = tick
             self._file.frame(time)
+
+    def dark(self) -> None:
+        """Show black: there is no show, or it has ended."""
+        if self._show is None:
+            return
+        if self._view is not None and (self.window is not None or self.headless is not None):
+            self._view.brightness = 0.0
+            self._draw(perf_counter())
+        self._end_status()
+        self._show = None
 
     def _draw(self, time: float) -> None:
         if self.window is not None:
@@ -103,7 +109,7 @@ class StandbyOutput:
         if self._options.status_json is None:
             return
         status = Status(show, rejected=Counter, memory=resident_megabytes())
-        status.extra_figures["alive"] = self._lifeline.status
+        status.extra_figures["alive"] = self._alive
         if self.sharing is not None:
             status.extra_figures["shared"] = self.sharing.facts
         with contextlib.suppress(OSError):  # the folder has been removed since; the show does not need it

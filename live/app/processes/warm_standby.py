@@ -90,7 +90,7 @@ def promote(
     for words in recovered.notes:
         lifeline.send_note(words)
         show.refusals.add(words)
-    lead = Latencies.of(venue).lead
+    lead = Latencies.of(venue, nodes=options.nodes is not None).lead
     origin = follower.local_origin(lead) if from_other_machine else follower.origin
     resumed = ResumeState(
         show, follower.tick, origin, follower.latencies, from_other_machine=from_other_machine,

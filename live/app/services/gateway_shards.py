@@ -35,7 +35,7 @@ class GatewayShards:
         count, self._clock = options.gateways, clock
         if not count and options.gateways_listen is None:
             raise PersonError(
-                "--gateways 0: nobody serves the phones", "--gateways-listen 0.0.0.0:9022, and live gateway elsewhere"
+                "--gateways 0: nobody serves the phones", "--gateways-listen 0.0.0.0:9023, and live gateway elsewhere"
             )
         if count > 1 and not LINUX:
             raise PersonError(

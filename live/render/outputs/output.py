@@ -64,6 +64,8 @@ class Output:
     """Factor of the light."""
     gamma: float = 1.0
     """Values above 1 darken the middle tones, to match another projector."""
+    node: str = ""
+    """The render node that draws it; empty: the machine that plays the show."""
 
     @property
     def is_warped(self) -> bool:

@@ -12,7 +12,7 @@ from live.base.arrays import Float32
 from live.base.errors import PersonError
 from live.render.lettering.glyph_atlas import bake_atlas
 from live.render.outputs.output import Output, Point
-from live.render.outputs.test_card import CARDS, TINTS, Card, render_label
+from live.render.outputs.test_card import CARDS, TINTS, Card, render_digits, render_label
 from live.render.outputs.warp import MAX_VERTICES, vertices
 from live.render.shader import compile_program, release_all, set_uniform
 
@@ -49,8 +49,9 @@ class OutputPass:
         self._label = _grey_texture(ctx, picture)
         self._mask = _grey_texture(ctx, np.full((1, 1), 255, np.uint8) if output.mask is None else read_mask(output))
         self._join_card = _grey_texture(ctx, np.full((1, 1), 255, np.uint8))
+        self._digits = _grey_texture(ctx, render_digits())
         self._set_uniforms("sheet_size", (1, 1))
-        for unit, name in enumerate(("picture", "mask", "words", "sheet"), start=1):
+        for unit, name in enumerate(("picture", "mask", "words", "sheet", "digits"), start=1):
             self._set_uniforms(name, unit)
         self._set_uniforms("words_size", (picture.shape[1], picture.shape[0]))
         self._set_uniforms("card_tint", TINTS[number % len(TINTS)])
@@ -81,9 +82,11 @@ class OutputPass:
         self._set_uniforms("sheet_size", (image.shape[1], image.shape[0]))
 
     def draw(
-        self, picture: moderngl.Texture, target: moderngl.Framebuffer, *, card: Card = "off", light_share: float = 1.0
-    ) -> None:
-        """Draw `picture`, or a test card, over all of `target`; `light_share`: the light allowed by the flash limit."""
+        self, picture: moderngl.Texture, target: moderngl.Framebuffer, *, card: Card = "off", light_share: float = 1.0,
+        tick: int = -1,
+    ) -> None:  # fmt: skip
+        """Draw `picture`, or a test card, over all of `target`; `light_share`: the light allowed by the flash limit;
+        `tick`: the one that a render node presents, for its cards."""
         width, height = target.viewport[2:]
         upright = self._output.rotation in (0, 180)
         drawn = int(card != "off")
@@ -95,6 +98,7 @@ class OutputPass:
             linked, "light", (self._output.brightness, self._output.gamma, light_share ** (1.0 / DISPLAY_GAMMA))
         )
         set_uniform(linked, "card", CARDS.index(card))
+        set_uniform(linked, "tick", tick)
         target.use()
         target.clear(0.0, 0.0, 0.0, 1.0)
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
@@ -102,11 +106,14 @@ class OutputPass:
         self._mask.use(2)
         self._label.use(3)
         self._join_card.use(4)
+        self._digits.use(5)
         array.render(moderngl.TRIANGLES, vertices=self._count)
 
     def release(self) -> None:
         """Free everything."""
-        release_all(*self._arrays, self._buffer, self._label, self._mask, self._join_card, *self._programs)
+        release_all(
+            *self._arrays, self._buffer, self._label, self._mask, self._join_card, self._digits, *self._programs
+        )
 
 
 def rotation_matrix(output: Output) -> npt.NDArray[np.float32]:

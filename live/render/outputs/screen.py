@@ -93,11 +93,15 @@ class Screen:
         self.output, self.window = output, window
         self.card: Card = "off"
         """The test card that is shown."""
+        self.tick = -1
+        """The tick that a render node presents, for its cards; negative: this is no node."""
         self._keeps_aspect = keep_aspect
         self._join_card: npt.NDArray[np.uint8] | None = None
         self._fitted: tuple[Any, ...] = ()
         window.make_current()
         self._number, self._detail = number, f"{window.size[0]} x {window.size[1]}   {window.monitor.name}"
+        if output.node:
+            self._detail += f"   node {output.node}"
         self._pass = self._make_pass()
         self._shared_textures: dict[int, moderngl.Texture] = {}
         self.editing: WarpEditor | FloorEditor | None = None
@@ -174,7 +178,7 @@ class Screen:
         if self._keeps_aspect and self._fitted != (self.window.size, pictures.size):
             self._fitted = (self.window.size, pictures.size)
             self.set(Output(self.output.name, corners=_letterbox_corners(self.window.size, pictures.size)))
-        self._pass.draw(self._texture(pictures), target, card=self.card, light_share=left)
+        self._pass.draw(self._texture(pictures), target, card=self.card, light_share=left, tick=self.tick)
 
     def _texture(self, pictures: FrameBuffers) -> moderngl.Texture:
         """Return the last frame as a texture of this window's context."""

@@ -40,6 +40,15 @@ def render_label(name: str, detail: str) -> npt.NDArray[np.uint8]:
     return np.array(image, np.uint8)
 
 
+def render_digits() -> npt.NDArray[np.uint8]:
+    """Render 0 to 9 beside each other, each in a cell of 48 x 80 pixels: coverage, row 0 on top, shape (80, 480)."""
+    image = Image.new("L", (480, 80))
+    draw, font = ImageDraw.Draw(image), ImageFont.load_default(size=68)
+    for digit in range(10):
+        draw.text((48 * digit + 24, 40), str(digit), fill=255, font=font, anchor="mm")
+    return np.array(image, np.uint8)
+
+
 MODULE_SIZE: Final = 14
 """Pixels per module of the QR code."""
 QUIET_ZONE: Final = 4

@@ -82,6 +82,14 @@ class VenueOsc(Section):
     """Addresses like `192.168.1.20:57120`."""
 
 
+class VenueNodes(Section):
+    """`[nodes]`: render nodes, which draw the outputs that name them (`live node`)."""
+
+    ahead_ms: Annotated[float, Field(ge=10, le=500, allow_inf_nan=False)] = 80.0
+    """How far the show runs ahead of its pictures, so that its lines reach every node in time; it adds to what a press
+    of a key takes to be seen. Wired networks need 40, those that lose packets 80 or more."""
+
+
 Host = Annotated[str, Field(pattern=HOST_NAME_PATTERN)]
 
 
@@ -103,6 +111,7 @@ class Venue(WholeFile):
     web: VenueWeb = VenueWeb()
     audience: VenueAudience = VenueAudience()
     latency: VenueLatency = VenueLatency()
+    nodes: VenueNodes = VenueNodes()
     projector: VenueProjector | None = None
     """Position of the projector, and the floor's corners in its picture."""
     output: Annotated[tuple[VenueOutput, ...], Field(max_length=MAX_OUTPUTS)] = ()
@@ -206,24 +215,26 @@ class Latencies:
     display: float = TICK
     """From drawing to the display."""
     projector: float = 0.0
+    nodes: float = 0.0
+    """How far the show runs ahead for its render nodes."""
 
     @classmethod
-    def of(cls, venue: Venue | None) -> "Latencies":
-        """Return the delays of a venue; the defaults without one."""
-        if venue is None:
-            return cls()
-        one = venue.latency
+    def of(cls, venue: Venue | None, *, nodes: bool = False) -> "Latencies":
+        """Return the delays of a venue; the defaults without one. `nodes`: the show has render nodes."""
+        one = VenueLatency() if venue is None else venue.latency
+        ahead = VenueNodes() if venue is None else venue.nodes
         return cls(
             one.input_ms / 1000.0,
             None if one.output_ms is None else one.output_ms / 1000.0,
             one.display_ms / 1000.0,
             one.projector_ms / 1000.0,
+            ahead.ahead_ms / 1000.0 if nodes else 0.0,
         )
 
     @property
     def lead(self) -> float:
         """Total picture delay [s]: a frame must be drawn for this much later than the clock."""
-        return self.display + self.projector
+        return self.display + self.projector + self.nodes
 
     def set(self, what: str, seconds: float) -> None:
         """Change one delay by name; unknown names are ignored (replays of other versions)."""

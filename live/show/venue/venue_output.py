@@ -1,5 +1,6 @@
 """`[[output]]` and `[projector]` of a venue: outputs with crop and warp, and the projector's position."""
 
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -20,7 +21,11 @@ Point = tuple[WindowCoordinate, WindowCoordinate]
 BlendWidth = Annotated[float, Field(ge=0, le=0.5, allow_inf_nan=False)]
 Curve = Annotated[float, Field(ge=0.5, le=4, allow_inf_nan=False)]
 
-MAX_OUTPUTS: Final = 8
+MAX_OUTPUTS: Final = 64
+MAX_MACHINE_OUTPUTS: Final = 8
+"""Most outputs of one machine."""
+NODE_PATTERN: Final = r"^[A-Za-z0-9_-]{1,64}$"
+"""Regular expression for the name of a render node."""
 
 
 class VenueSoftEdge(Section):
@@ -53,6 +58,8 @@ class VenueOutput(Section):
     """Its name in `/dance/output/card` and on its test card."""
     monitor: Annotated[str, Field(min_length=1, max_length=200)] | None = None
     """Its monitor: a number, a name as in `live devices`, or a position, as in "right of primary"."""
+    node: Annotated[str, Field(pattern=NODE_PATTERN)] | None = None
+    """The render node that draws it (`live node`); left out: the machine that plays the show."""
     crop: tuple[Share, Share, Share, Share] = FULL_CROP
     """The part of the picture that it shows: x, y of the upper left corner, width, height, each 0 to 1."""
     corners: tuple[Point, Point, Point, Point] = FULL_WINDOW
@@ -112,7 +119,7 @@ class VenueOutput(Section):
     def output(self, folder: Path) -> Output:
         """Return the renderer's value; `folder`: the folder of the venue's file."""
         return Output(
-            name=self.name, monitor=self.monitor, crop=self.crop, corners=self.corners,
+            name=self.name, monitor=self.monitor, node=self.node or "", crop=self.crop, corners=self.corners,
             mesh=self.mesh, rotation=self.rotation, mirror=self.mirror,
             edge=SoftEdge(**self.soft_edge.model_dump()), mask=None if self.mask is None else folder / self.mask,
             brightness=self.brightness, gamma=self.gamma,
@@ -135,6 +142,10 @@ def check_outputs(outputs: Sequence[VenueOutput]) -> None:
         if one.name.casefold() in names:
             raise InvalidEntry(f"another output has the name {one.name!r}, too", number, "name")
         names.add(one.name.casefold())
+    for node, count in Counter(one.node for one in outputs).items():
+        if count > MAX_MACHINE_OUTPUTS:
+            whose = "the machine that plays the show" if node is None else f"node {node!r}"
+            raise InvalidEntry(f"{count} outputs of {whose}; at most {MAX_MACHINE_OUTPUTS}", len(outputs) - 1, "node")
 
 
 class VenueProjector(Section):

@@ -23,7 +23,7 @@ from live.base.errors import PersonError
 from live.base.system.files import create_private, is_private
 
 if TYPE_CHECKING:
-    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey
+    from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PrivateKey, Ed25519PublicKey
 
 VALID: Final = datetime.timedelta(days=3 * 365)
 """Validity of a certificate. An expired one is reported but still accepted: see `tls`."""
@@ -73,17 +73,23 @@ class Peer:
 
         return x509.load_der_x509_certificate(self.certificate).not_valid_after_utc
 
-    def verify(self, signature: bytes, data: bytes) -> bool:
-        """Return whether it signed the data."""
+    @property
+    def public_key(self) -> "Ed25519PublicKey":
+        """The key in its certificate; ValueError if that is none, or of another kind."""
         from cryptography import x509
-        from cryptography.exceptions import InvalidSignature
         from cryptography.hazmat.primitives.asymmetric.ed25519 import Ed25519PublicKey
 
         key = x509.load_der_x509_certificate(self.certificate).public_key()
         if not isinstance(key, Ed25519PublicKey):
-            return False
+            raise ValueError("a certificate with an Ed25519 key expected")
+        return key
+
+    def verify(self, signature: bytes, data: bytes) -> bool:
+        """Return whether it signed the data."""
+        from cryptography.exceptions import InvalidSignature
+
         try:
-            key.verify(signature, data)
+            self.public_key.verify(signature, data)
         except InvalidSignature:
             return False
         return True

@@ -7,13 +7,11 @@ machine whose link broke resumes where it was.
 
 import os
 import secrets
-from collections import deque
 from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 from live import __version__
 from live.base.system.process_control import on_promotion_signal
-from live.show.journal.skipped_events import MAX_SKIPPED, SKIPPED_KEY
 from live.supervisor.engine_failover import EngineFailover
 from live.supervisor.heartbeat import Phase
 from live.supervisor.network.leadership import Action, Drop, Follow, Lead, Leadership, Role, Send, StepDown
@@ -33,6 +31,7 @@ from live.supervisor.network.peer_messages import (
     verified,
 )
 from live.supervisor.network.peers import Link, Peers
+from live.supervisor.network.show_stream import ShowStream, is_show_line
 from live.supervisor.process import ROUND, ProcessManager
 from live.supervisor.supervisor_config import Report, SupervisorConfig
 
@@ -44,13 +43,6 @@ MAX_TURN: Final = 2.5 * ROUND
 """Longest turn that counts [s]: in a longer one this process did not run and could not listen."""
 MAX_BEAT_AGE: Final = 1.0
 """Greatest age of its last heartbeat for an engine that follows to be ready [s]."""
-RECENT: Final = 8 * 1024 * 1024
-"""Most bytes of recent lines that are kept for machines that reconnect, ..."""
-RECENT_LINES: Final = 8192
-"""... and most lines: about a minute."""
-MOST_TICKS: Final = 64 * 600
-"""Lines farther ahead of all before are refused: ten minutes."""
-LATEST_TICK: Final = 64 * 86400 * 30
 MAX_SHOW_BYTES: Final = 64 * 1024 * 1024
 """Most bytes of lines since the last snapshot that are accepted from another machine."""
 LINE_OVERHEAD_BYTES: Final = 200
@@ -75,9 +67,7 @@ class RemoteStandby:
         self._promote_requested = self._drain_on_close = False
         self._ready_engine: object = None  # the engine that reported itself ready
         self._last_run: float | None = None
-        self._stream, self._number = secrets.token_hex(8), 0
-        self._recent: deque[str] = deque()
-        self._recent_bytes = 0
+        self._stream = ShowStream()
         self._leader_stream, self._leader_line, self._received_bytes = "", 0, 0
         self._source_link = ""  # the link whose lines are the show's
         self._peers: Peers | None = None
@@ -144,11 +134,7 @@ class RemoteStandby:
         """Send a line of the show to all followers."""
         if self._peers is None or self._report.fenced:
             return
-        self._number += 1
-        self._recent.append(line)
-        self._recent_bytes += len(line)
-        while self._recent_bytes > RECENT or len(self._recent) > RECENT_LINES:
-            self._recent_bytes -= len(self._recent.popleft())
+        self._stream.add(line)
         for link in self._peers.links.values():
             if link.follows:
                 link.channel.send_line(line)
@@ -322,12 +308,10 @@ class RemoteStandby:
     def _serve_show(self, link: Link, wanted: FollowRequest) -> None:
         """Let a machine follow: from where it was after a short break of its link, else from the last snapshot."""
         link.follows = True
-        first = self._number - len(self._recent)
-        anew = wanted.stream != self._stream or not first <= wanted.number <= self._number
-        number = self._number if anew else wanted.number
-        link.channel.send_line(format_message(StreamStart(self._stream, number, anew)))
-        lines = self._engines.log.replay_lines() if anew else list(self._recent)[number - first :]
-        for line in lines:
+        recent = self._stream.since(wanted.stream, wanted.number)
+        number = self._stream.number if recent is None else wanted.number
+        link.channel.send_line(format_message(StreamStart(self._stream.name, number, recent is None)))
+        for line in self._engines.log.replay_lines() if recent is None else recent:
             link.channel.send_line(line)
 
     def _handle_stream_start(self, link: Link, told: StreamStart) -> None:
@@ -347,19 +331,19 @@ class RemoteStandby:
         report = self._report
         report.fenced, self._ready_engine, self._received_bytes = False, None, 0
         report.compared = report.different = report.repaired = 0
-        self._stream, self._number, self._recent_bytes = secrets.token_hex(8), 0, 0
-        self._recent.clear()
+        self._stream.restart()
         assert self._peers is not None
         for link in self._peers.links.values():
             if link.follows:
-                link.channel.send_line(format_message(StreamStart(self._stream, 0, True)))
+                link.channel.send_line(format_message(StreamStart(self._stream.name, 0, True)))
 
     def _receive_show_line(self, link: Link, told: dict[str, Any], line: str) -> None:
         if link is not self._leader() or link.name != self._source_link:
             if not told:
                 self._reject(link)
             return  # late lines of a former leader
-        if not self._is_show_line(told):
+        log = self._engines.log
+        if not is_show_line(told, begun=bool(log.header), tick=log.tick):
             self._report.lines_refused += 1
             return
         self._received_bytes = (
@@ -379,21 +363,6 @@ class RemoteStandby:
         self._engines.handle_line(line)
         if self._engines.engine is not None:
             self._engines.engine.channel.send_line(line)
-
-    def _is_show_line(self, told: dict[str, Any]) -> bool:
-        """Return whether a line can belong to the followed show."""
-        if "journal" in told:
-            return True
-        tick = told.get("tick")
-        if not isinstance(tick, int) or isinstance(tick, bool) or not 0 <= tick <= LATEST_TICK:
-            return False
-        log = self._engines.log
-        if not log.header or (log.tick and tick > log.tick + MOST_TICKS):
-            return False
-        kinds = (("event", dict), ("measure", int), ("hash", str), ("snapshot", str), (SKIPPED_KEY, int))
-        if not all(isinstance(told[key], kind) for key, kind in kinds if key in told):
-            return False
-        return ("measure" in told) <= ("hash" in told) and 0 <= told.get(SKIPPED_KEY, 0) <= MAX_SKIPPED
 
 
 def run_delay() -> float:

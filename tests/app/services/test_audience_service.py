@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from live.app.launch_options import LaunchOptions
-from live.app.option_values import expand_audience_option, parse_audience_address, parse_audience_link
+from live.app.option_values import expand_optional_values, parse_audience_address, parse_audience_link
 from live.app.services.audience_service import AudienceService, beat_of, rules_of
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
@@ -167,9 +167,9 @@ def test_audience_addresses_are_parsed_and_shown_and_busy_port_is_refused():
     for text in ("play.example", "ftp://x", "http://x/path", "http://x y"):
         with pytest.raises(PersonError):
             parse_audience_link(text)
-    assert expand_audience_option(["play", "--audience"]) == ["play", "--audience", "127.0.0.1:8020"]
-    assert expand_audience_option(["--audience", "a.toml"]) == ["--audience", "127.0.0.1:8020", "a.toml"]
-    assert expand_audience_option(["--audience", "8021", "x"]) == ["--audience", "8021", "x"]
+    assert expand_optional_values(["play", "--audience"]) == ["play", "--audience", "127.0.0.1:8020"]
+    assert expand_optional_values(["--audience", "a.toml"]) == ["--audience", "127.0.0.1:8020", "a.toml"]
+    assert expand_optional_values(["--audience", "8021", "x"]) == ["--audience", "8021", "x"]
     made = made_show(), EventQueue().add_queue(), SystemClock()
     public = AudienceService(LaunchOptions(audience=("0.0.0.0", 8020), audience_secret=b"x"), *made)
     assert public.is_public

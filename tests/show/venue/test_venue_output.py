@@ -59,6 +59,7 @@ def test_output_without_keys_is_plain():
         ("soft_edge = { left = 0.7 }", "output.1.soft_edge.left"),
         ("brightness = 2", "output.1.brightness"),
         ('name = "*"', "not \\* alone"),
+        ('node = "on the left"', r"output\.1\.node"),
         ('name = "A"\n[[output]]\nname = "a"', "line 5: output.2.name: another output has the name 'a'"),
     ],
 )
@@ -68,8 +69,13 @@ def test_invalid_output_key_is_refused_with_its_line(text, words):
 
 
 def test_more_than_eight_outputs_are_refused():
-    with pytest.raises(PersonError, match="output: at most 8"):
-        venue("".join(f'[[output]]\nname = "{n}"\n' for n in range(9)))
+    nine = [f'[[output]]\nname = "{n}"\n' for n in range(9)]
+    with pytest.raises(PersonError, match=r"output\.9\.node: 9 outputs of the machine that plays the show; at most 8"):
+        venue("".join(nine))
+    with pytest.raises(PersonError, match=r"output\.9\.node: 9 outputs of node 'left'; at most 8"):
+        venue("".join(f'{each}node = "left"\n' for each in nine))
+    shared = venue("".join(f'{each}node = "node-{n // 3}"\n' for n, each in enumerate(nine)))
+    assert [one.node for one in shared.output] == [f"node-{n // 3}" for n in range(9)]
 
 
 def test_project_venue_has_matching_soft_edges():

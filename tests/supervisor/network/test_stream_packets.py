@@ -21,6 +21,7 @@ from live.supervisor.network.leadership import HandOver, Pulse, Term
 from live.supervisor.network.peer_messages import CannotFollow, FollowRequest, Hello, StreamStart, format_message
 from live.supervisor.network.peers import Link
 from live.supervisor.network.remote_standby import MAX_SHOW_BYTES, RemoteStandby
+from live.supervisor.network.show_stream import is_show_line
 from live.supervisor.process import ProcessManager
 from live.supervisor.state_follower import StateFollower
 from live.supervisor.supervisor_config import Report, SupervisorConfig
@@ -162,7 +163,8 @@ def test_no_line_accepted_by_supervisor_ends_following_engine(standby):
             told = json.loads(line)
         except (ValueError, RecursionError):
             continue
-        if not isinstance(told, dict) or "alive" in told or not standby._is_show_line(told):
+        log = standby._engines.log
+        if not isinstance(told, dict) or "alive" in told or not is_show_line(told, begun=True, tick=log.tick):
             continue
         if isinstance(told.get("tick"), int):
             told["tick"] = following.tick + told["tick"] % 3

@@ -15,6 +15,12 @@ uniform vec2 words_size;     // pixels of that
 uniform sampler2D sheet;     // what an audience joins by
 uniform vec2 sheet_size;     // pixels of that
 
+uniform int tick;            // the one that a render node presents; negative: it is no node
+uniform sampler2D digits;    // 0 to 9 beside each other
+
+const int DIGITS = 7;        // 1.8 days of ticks
+const float SWEEP = 256.0;   // ticks in which the line crosses the picture
+
 const vec3 GREY = vec3(0.5);
 
 float line(float distance, float breadth) { return 1.0 - smoothstep(breadth - 0.5, breadth + 0.5, abs(distance)); }
@@ -142,11 +148,32 @@ vec3 join_card(vec2 pixel, vec3 dance) {
     return outside ? 0.35 * dance : vec3(texture(sheet, at).r * 0.92);
 }
 
+// The number of the tick, as tall as asked, around a point.
+float counted(vec2 pixel, vec2 middle, float height) {
+    vec2 one = vec2(0.6 * height, height);
+    vec2 at = (pixel - middle) / one + vec2(0.5 * float(DIGITS), 0.5);
+    if (at.x < 0.0 || at.x >= float(DIGITS) || at.y < 0.0 || at.y >= 1.0) return 0.0;
+    int place = DIGITS - 1 - int(at.x), left = tick;
+    for (int i = 0; i < DIGITS; ++i) if (i < place) left /= 10;
+    return texture(digits, vec2((float(left % 10) + fract(at.x)) / 10.0, at.y)).r;
+}
+
+// Over the card of a render node: a slanting line through the whole picture, which must meet across the seams and moves
+// with the ticks, so that it breaks where a node is late; and the number of the tick.
+vec3 with_tick(vec3 colour, vec2 pixel, vec2 part) {
+    float across = mod(float(tick), SWEEP) / SWEEP;
+    float off = mod(part.x + 0.25 * (part.y - 0.5) - across + 0.5, 1.0) - 0.5;
+    float sweep = line(off * picture_size.x, max(picture_size.y / 360.0, 1.5));
+    vec2 middle = vec2(0.5 * frame_size.x, 0.94 * frame_size.y);
+    float height = 0.06 * frame_size.y;
+    vec2 inside = abs(pixel - middle) / (vec2(0.3 * float(DIGITS) + 0.2, 0.55) * height);
+    if (max(inside.x, inside.y) < 1.0) return vec3(counted(pixel, middle, height));
+    return mix(colour, vec3(1.0, 0.9, 0.2), sweep);
+}
+
 vec3 card_colour(int card, vec2 at, vec2 part) {
     vec2 pixel = at * frame_size;
-    if (card == GRID) return grid_card(pixel, part);
-    if (card == BARS) return bars_card(at);
-    if (card == NAME) return name_card(pixel);
-    if (card == SAFE) return safe_card(pixel);
-    return focus_card(pixel);
+    vec3 colour = card == GRID ? grid_card(pixel, part) : card == BARS ? bars_card(at) : card == NAME ? name_card(pixel)
+                : card == SAFE ? safe_card(pixel) : focus_card(pixel);
+    return tick < 0 ? colour : with_tick(colour, pixel, part);
 }

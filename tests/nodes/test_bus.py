@@ -1,0 +1,94 @@
+"""The real bus over loopback: paired machines hear each other, others do not."""
+
+import threading
+import time
+
+import pytest
+
+from live.base.errors import PersonError
+from live.nodes.bus import ZenohBus, configuration
+from live.nodes.signed_bus import SignedBus
+from live.supervisor.network.identity import Pairings, load_identity
+from tests.supervisor.made_machines import free_port
+
+pytest.importorskip("zenoh", reason="Eclipse Zenoh is not installed: pip install 'choreographics-live[nodes]'")
+
+
+class Place:
+    """A machine with keys of its own, and its end of the bus."""
+
+    def __init__(self, folder, name):
+        self.identity, self.pairings = load_identity(folder / name), Pairings(folder / name)
+        self.bus = None
+        self.heard, self.event = [], threading.Event()
+
+    def pair(self, name, other):
+        self.pairings.add(name, other.identity.certificate)
+
+    def open(self, **how):
+        self.bus = SignedBus(ZenohBus(self.identity, self.pairings, **how), self.identity, self.pairings)
+        return self.bus
+
+    def hear(self, data):
+        self.heard.append(data)
+        self.event.set()
+
+
+@pytest.fixture
+def places(tmp_path):
+    leader, node, stranger = (Place(tmp_path, name) for name in ("leader", "node", "stranger"))
+    leader.pair("node", node)
+    node.pair("leader", leader)
+    stranger.pair("leader", leader)  # it knows the leader, which does not know it
+    yield leader, node, stranger
+    for place in (stranger, node, leader):
+        if place.bus is not None:
+            place.bus.close()
+
+
+def publish_until(bus, place, data, seconds):
+    """Publish again and again until a place has heard it; return whether it has in time."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        bus.publish("live/test", data)
+        if place.event.wait(0.05):
+            return True
+    return False
+
+
+def test_paired_machines_exchange_messages_and_others_do_not(places):
+    leader, node, stranger = places
+    port = free_port()
+    for place in (node, stranger):  # before the leader: they try again until it is there
+        place.open(connect=[("127.0.0.1", port)]).receive("live/test", place.hear)
+    bus = leader.open(listen=("127.0.0.1", port))
+    bus.serve("live/ask/me", lambda asked: asked.answer(b"answer to " + asked.data))
+    assert publish_until(bus, node, b"line", 20.0)
+    assert set(node.heard) == {b"line"}
+    answers, came = [], threading.Event()
+    node.bus.ask("live/ask/me", b"question", lambda data: (answers.append(data), came.set()), timeout=5.0)
+    assert came.wait(5.0)
+    assert answers == [b"answer to question"]
+    assert stranger.heard == []
+    assert stranger.bus.strangers == 0  # TLS has refused it: nothing reaches it at all
+
+
+def test_port_that_is_taken_is_a_persons_error(places):
+    leader, node, _ = places
+    port = free_port()
+    leader.open(listen=("127.0.0.1", port))
+    with pytest.raises(PersonError, match=rf"cannot be opened at 127\.0\.0\.1:{port}"):
+        node.open(listen=("127.0.0.1", port))
+
+
+def test_configuration_trusts_pinned_certificates_and_searches_only_if_asked(places):
+    leader, _, _ = places
+    quiet = configuration(leader.identity, leader.pairings, listen=None, connect=[("::1", 9022)], scout=False)
+    assert quiet["scouting"]["multicast"]["enabled"] is False
+    assert quiet["scouting"]["gossip"]["enabled"] is False
+    assert quiet["connect"]["endpoints"] == ["tls/[::1]:9022"]
+    assert quiet["transport"]["link"]["protocols"] == ["tls"]
+    assert quiet["transport"]["link"]["tls"]["enable_mtls"] is True
+    searching = configuration(leader.identity, leader.pairings, listen=("0.0.0.0", 9022), connect=[], scout=True)
+    assert searching["scouting"]["multicast"]["enabled"] is True
+    assert searching["listen"]["endpoints"] == ["tls/0.0.0.0:9022"]

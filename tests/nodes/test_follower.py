@@ -1,0 +1,290 @@
+"""Nodes follow a leader bit by bit and present its ticks at the moments that it says."""
+
+import json
+
+import pytest
+
+from live import __version__
+from live.base.errors import PersonError
+from live.control.events.events import PlaceElement, SetTempo
+from live.nodes import messages
+from live.nodes.follower import Phase
+from live.nodes.messages import Lines, Pulse
+from live.nodes.signed_bus import SignedBus
+from live.supervisor.network.identity import Pairings, load_identity
+from tests.nodes.made_cluster import MadeBus, MadeCluster, MadeNode, made_loaded
+from tests.show.made_show import PATCH
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    return made_loaded()
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    return MadeCluster(tmp_path)
+
+
+def tempo(value):
+    return SetTempo(time=0.0, source="osc", tempo=value)
+
+
+def follows(*nodes):
+    return lambda: all(node.follower.phase is Phase.FOLLOWS for node in nodes)
+
+
+def test_nodes_with_other_clocks_present_the_same_ticks(tmp_path, loaded):
+    """5 ms of jitter, 1 % of loss, 100 ppm of drift, clocks that are 2 s off."""
+    cluster = MadeCluster(tmp_path, jitter=0.005, loss=0.01)
+    leader = cluster.lead(loaded)
+    cluster.run(0.5)
+    nodes = [
+        MadeNode(cluster, "left", loaded, offset=2.0, drift=1e-4),
+        MadeNode(cluster, "right", loaded, offset=-2.0, drift=-1e-4),
+    ]
+    assert cluster.run(5.0, follows(*nodes)) < 3.0
+    begun = cluster.clock.now()
+    cluster.run(2.5)
+    leader.apply(tempo(131.0))
+    cluster.run(3.0)
+    for node in nodes:
+        wrong = node.wrong_ticks(begun)
+        assert len(wrong) <= 0.001 * len(node.presented), wrong
+        following = node.follower.following
+        assert following.compared >= 2
+        assert following.differences == 0
+        assert node.follower.joins == 1
+        assert node.follower.state().refused == 0
+
+
+def test_state_is_the_leaders_bit_by_bit(cluster, loaded):
+    leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
+    cluster.run(1.0, follows(node))
+    leader.apply(PlaceElement(time=0.4, source="osc", kind="attract", points=((2.0, -1.0),), strength=1.0))
+    cluster.run(1.0)
+    leader.running = False
+    cluster.run(0.1)  # it runs what the leader has run, not more
+    assert node.hash == (leader.tick, leader.show.state_hash())
+
+
+def test_node_that_is_killed_is_back_with_a_snapshot(cluster, loaded):
+    leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
+    cluster.run(3.5)
+    assert node.follower.phase is Phase.FOLLOWS
+    node.stop()
+    cluster.run(1.6)
+    again = MadeNode(cluster, "left", loaded)
+    assert cluster.run(5.0, follows(again)) < 3.0
+    cluster.run(0.1)
+    leader.running = False
+    cluster.run(0.1)
+    assert again.hash == (leader.tick, leader.show.state_hash())
+    assert again.follower.following.compared <= 2  # it began at the snapshot and not at the beginning
+
+
+def test_lost_lines_are_asked_for_again(tmp_path, loaded):
+    cluster = MadeCluster(tmp_path, loss=0.1)
+    leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
+    cluster.run(5.0, follows(node))
+    cluster.run(2.0)
+    leader.apply(tempo(140.0))
+    cluster.run(2.0)
+    assert node.follower.joins == 1
+    assert node.follower.following.differences == 0
+    assert node.follower.following.compared >= 1
+
+
+def test_node_that_is_cut_off_goes_on_alone_and_returns(cluster, loaded):
+    leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
+    cluster.run(2.0)
+    cluster.network.cut.add(node.place)
+    cluster.run(2.0)
+    assert node.follower.phase is Phase.ALONE
+    assert node.follower.state().why == "the leader is silent"
+    drawn = node.presented[-1][1]
+    assert drawn.tick == drawn.due  # it dances on
+    cluster.network.cut.clear()
+    assert cluster.run(3.0, follows(node)) < 2.0
+    assert node.follower.joins == 1  # nothing has happened meanwhile: what it has drawn was right
+    cluster.run(2.5)
+    assert node.follower.following.differences == 0
+    leader.running = False
+    cluster.run(0.2)
+    assert node.hash == (leader.tick, leader.show.state_hash())
+
+
+def test_node_that_missed_events_takes_a_snapshot(cluster, loaded):
+    leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
+    cluster.run(2.0)
+    cluster.network.cut.add(node.place)
+    cluster.run(1.0)
+    leader.apply(tempo(140.0))
+    cluster.run(1.0)
+    cluster.network.cut.clear()
+    back = cluster.clock.now()
+    cluster.run(4.0, lambda: follows(node)() and node.follower.joins == 2)
+    assert node.follower.joins == 2
+    drawn = [shown for at, shown in node.presented if at >= back]
+    assert len(drawn) > 0.9 * (cluster.clock.now() - back) / 0.004  # it has drawn all the time
+    cluster.run(0.3)
+    leader.running = False
+    cluster.run(0.2)
+    assert node.hash == (leader.tick, leader.show.state_hash())
+
+
+def test_of_two_leaders_the_first_is_kept_until_a_higher_epoch_rules(cluster, loaded):
+    first, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
+    cluster.run(1.0, follows(node))
+    other = cluster.lead(loaded)
+    cluster.run(1.0)
+    assert node.follower._pulse.leader == first.nodes.name
+    assert any("two leaders" in words for words in node.said)
+    assert node.follower.others > 0
+    other.report.epoch = 2
+    cluster.run(1.0)
+    assert node.follower._pulse.leader == other.nodes.name
+    first.report.epoch = 40  # more than a machine can have missed
+    cluster.run(0.5)
+    assert node.follower._pulse.leader == other.nodes.name
+
+
+def test_standby_that_takes_over_is_followed(cluster, loaded):
+    """It has the same lines and leads once its leader is dead."""
+    first, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
+    cluster.run(1.0, follows(node))
+    heir = cluster.lead(loaded, header=first.log.header)
+    heir.report.follows = "the first"
+    cluster.run(1.0)
+    assert node.follower.others == 0  # a machine that stands by is silent
+    cluster.leaders.remove(first)
+    cluster.run(0.3)
+    heir.report.follows, heir.report.epoch = "", 2
+    cluster.run(2.0)
+    assert node.follower._pulse.leader == heir.nodes.name
+    heir.running = False
+    cluster.run(0.2)
+    assert node.hash == (heir.tick, heir.show.state_hash())
+
+
+def test_other_kernels_are_refused_by_name_with_a_remedy(cluster, loaded):
+    leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded, kernels="other")
+    with pytest.raises(PersonError, match="node left has the kernels other") as error:
+        cluster.run(1.0)
+    assert "LIVE_KERNEL_TARGET" in (error.value.remedy or "")
+    assert any("node left has the kernels other" in words and "refused" in words for words in leader.said)
+    assert node.follower.following is None
+
+
+def test_other_version_is_refused_by_name(cluster, loaded, monkeypatch):
+    cluster.lead(loaded)
+    MadeNode(cluster, "left", loaded)
+    monkeypatch.setattr("live.nodes.follower.__version__", "0.0.1")
+    with pytest.raises(PersonError, match=r"node left has version 0\.0\.1, the leader"):
+        cluster.run(1.0)
+
+
+def test_other_patch_is_refused_with_what_differs(cluster, loaded):
+    cluster.lead(loaded)
+    MadeNode(cluster, "left", made_loaded(PATCH.replace("dancers = 5", "dancers = 6")))
+    with pytest.raises(PersonError, match=r"the leader plays another show: .*different: group"):
+        cluster.run(1.0)
+
+
+def test_name_of_another_node_is_refused_until_it_has_gone(cluster, loaded):
+    cluster.lead(loaded)
+    first = MadeNode(cluster, "left", loaded)
+    cluster.run(1.0, follows(first))
+    cluster.run(0.6)
+    second = MadeNode(cluster, "left", loaded)
+    cluster.run(1.0)
+    assert second.follower.phase is Phase.JOINS
+    assert second.follower.why == "another node is called left"
+    first.stop()
+    cluster.run(5.0, follows(second))
+    assert second.follower.phase is Phase.FOLLOWS
+
+
+def test_node_waits_for_the_next_show(cluster, loaded):
+    first, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
+    cluster.run(1.0, follows(node))
+    first.line(json.dumps({"tick": first.tick, "end": True}))
+    cluster.run(0.1)
+    assert node.follower.phase is Phase.ENDED
+    assert node.follower.present(0.0) is None
+    cluster.leaders.remove(first)
+    cluster.lead(loaded)
+    cluster.run(3.0, follows(node))
+    assert node.follower.phase is Phase.FOLLOWS
+
+
+def test_messages_of_strangers_and_damaged_ones_are_dropped_and_counted(cluster, loaded, tmp_path):
+    leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
+    cluster.run(1.0, follows(node))
+    stranger = tmp_path / "stranger"
+    outside = SignedBus(MadeBus(cluster.network, "stranger"), load_identity(stranger), Pairings(stranger))
+    outside.publish(messages.PULSE, messages.encode(Pulse("evil", 9, "x", "y", 0, 0.0, 0.0)))
+    cluster.run(0.1)
+    assert node.follower._bus.strangers == 1
+    assert node.follower._pulse.leader == leader.nodes.name
+    inside = SignedBus(MadeBus(cluster.network, "inside"), cluster.identity, cluster.pairings)
+    leader.running = False
+    cluster.run(0.1)
+    number = node.follower._number
+    for data in (
+        b"", b"\xc1", messages.encode({"leader": "x"}), messages.encode(Lines("s", 1, ())),
+        messages.encode(Pulse("evil", 9, "x", "y", 0, 0.0, 0.0))[:-3],
+    ):  # fmt: skip
+        inside.publish(messages.PULSE, data)
+    inside.publish(messages.STATE, b"\x00")
+    inside.publish(messages.LINES, messages.encode(Lines(node.follower._stream, number + 1, ('{"tick":"many"}', "no"))))
+    cluster.run(0.1)
+    assert node.follower.refused == 7
+    assert leader.nodes.refused == 1
+    assert node.follower.phase is Phase.FOLLOWS
+
+
+def test_pairing_that_is_removed_ends_the_trust(tmp_path):
+    here, there = tmp_path / "here", tmp_path / "there"
+    other = load_identity(there)
+    pairings = Pairings(here)
+    pairings.add("there", other.certificate)
+    network = MadeCluster(tmp_path / "net").network
+    mine = SignedBus(MadeBus(network, "here"), load_identity(here), pairings)
+    theirs = SignedBus(MadeBus(network, "there"), other, Pairings(there))
+    sealed = theirs.sealed("key", b"data")
+    assert mine.opened("key", sealed) == b"data"
+    assert mine.opened("other key", sealed) is None
+    assert mine.opened("key", sealed[:-1]) is None
+    assert pairings.forget("there")
+    mine._look_at = 0.0
+    mine.refresh()
+    assert mine.opened("key", sealed) is None
+    assert mine.strangers == 3
+
+
+def test_operator_sees_all_nodes_and_starts_them_again_in_turn(cluster, loaded):
+    leader = cluster.lead(loaded)
+    nodes = [MadeNode(cluster, name, loaded, offset=2.0) for name in ("left", "right")]
+    cluster.run(2.0, follows(*nodes))
+    cluster.run(0.6)
+    bus = SignedBus(MadeBus(cluster.network, "operator"), cluster.identity, cluster.pairings)
+    seen = asked_status(cluster, bus, leader)
+    assert [(told.name, told.state) for told in seen] == [("left", "follows"), ("right", "follows")]
+    assert seen[0].offset_ms == pytest.approx(-2000.0, abs=2.0)
+    assert [told.version for told in seen] == [__version__] * 2
+    key = messages.question_key(leader.nodes.name, messages.COMMAND)
+    bus.ask(key, messages.encode(messages.Order("right")), lambda data: None, timeout=1.0)
+    bus.ask(key, messages.encode("restart all"), lambda data: None, timeout=1.0)
+    cluster.run(0.1)
+    assert leader.nodes.refused == 1
+    assert [node.follower.restart_asked for node in nodes] == [False, True]
+
+
+def asked_status(cluster, bus, leader):
+    """The nodes, as the leader tells them."""
+    answers = []
+    bus.ask(messages.question_key(leader.nodes.name, messages.STATUS), b"", answers.append, timeout=1.0)
+    cluster.run(0.2, lambda: bool(answers))
+    told = messages.decode(answers[0], messages.ClusterStatus)
+    return [messages.decode(each, messages.NodeState) for each in told.nodes]
