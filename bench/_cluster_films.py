@@ -32,8 +32,9 @@ QUIET = Console(quiet=True)
 
 
 def film_rows(full: bool) -> list[Row]:
-    """Return the rows of films in parts. Pictures are compared byte by byte. Speed is that of a film from its first frame on, without the start of
-    processes; with `full` it is longer and drawn three times."""
+    """Return the rows of films in parts. Pictures are compared byte by byte. Speed is that of a film from its first
+    frame on, without the start of processes; with `full` it is longer and drawn three times.
+    """
     with tempfile.TemporaryDirectory() as folder:
         return [*_pictures(Path(folder)), *_speed(Path(folder), full=full)]
 
