@@ -39,6 +39,8 @@ DRIFT: Final = 1e-4
 OFFSET: Final = 2.0
 JITTER: Final = 0.005
 LOSS: Final = 0.01
+SETTLES: Final = 15.0
+"""Seconds in which clocks are learnt, and each node's spare process is loaded."""
 RESENT_AFTER: Final = 0.03
 """Seconds until a lost packet has been sent again, when more follow it (RFC 8985)."""
 SHOW: Final = """name = "small"
@@ -59,7 +61,7 @@ def rows(full: bool) -> list[Row]:
         folder = Path(name)
         alone = _leader_load(folder / "alone", seconds=10.0 if full else 5.0)
         for count in (2, 4, 8) if full else (2,):
-            found += _measure(folder / str(count), count, 60.0 if full else 15.0, alone=alone)
+            found += _measure(folder / str(count), count, 60.0 if full else 10.0, alone=alone)
         if full:
             found += _measure(folder / "drawn", 2, 30.0, draws=True)
     return found
@@ -77,7 +79,7 @@ def _measure(
         for node in nodes:
             _until(partial(_has_drawn, folder, node.number), f"node {node.number}")
         joined = max(_first(folder, node.number) for node in nodes)
-        time.sleep(5.0)  # clocks are learnt
+        time.sleep(SETTLES)
         since, load = time.perf_counter(), _processor_time(leader)
         time.sleep(seconds)
         load = (_processor_time(leader) - load) / (time.perf_counter() - since)
