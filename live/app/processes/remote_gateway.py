@@ -46,7 +46,7 @@ def run_gateway(
     async def run() -> None:
         ended, loop = asyncio.Event(), asyncio.get_running_loop()
         for number in (signal.SIGINT, signal.SIGTERM):
-            loop.add_signal_handler(number, ended.set)
+            signal.signal(number, lambda *_: loop.call_soon_threadsafe(ended.set))
         await run_shard(
             ShardUplink(name or socket.gethostname(), phones), where, keys, sock, ended,
             None if certificate is None else (certificate.certificate, certificate.key),
