@@ -15,7 +15,7 @@ def test_refusals_and_problems_of_all_parts_are_printed_once(capsys: pytest.Capt
     listens = SimpleNamespace(status=lambda: {"problem": problem})
     problem = ""
     watch = SimpleNamespace(problem="", message="")
-    news = make_notifier(cast(Any, show), cast(Any, osc), cast(Any, listens), None, cast(Any, watch), None)
+    news = make_notifier(cast(Any, show), cast(Any, osc), cast(Any, listens), None, cast(Any, watch), None, None)
     news.check()
     assert capsys.readouterr().err == ""
     problem = "stage box is not there"
