@@ -16,6 +16,7 @@ from live.base.arrays import Float64, Int64
 from live.motion import quaternion
 from live.motion.skeleton import SKELETON
 from live.motion.texture.drivers import REACHES, ROTATIONS, DriverSet, driver_signals, mirror_sampled, windows_of
+from live.motion.texture.fragment_search import squared_distances
 from live.motion.texture.frequency_bands import SampledClip, split_bands
 from live.motion.texture.take_splits import Fold
 from live.motion.texture.texture_settings import JOINT_GROUPS
@@ -77,9 +78,7 @@ class Basis:
 
     def distances(self, windows: Float64) -> Float64:
         """Return the squared distances (T, M) of windows from the centres, in mean variances of a driver."""
-        scaled = (windows - self.middle) * self.scale
-        squares = (scaled * scaled).sum(axis=1)[:, None] + (self.centres * self.centres).sum(axis=1)
-        return np.asarray(np.maximum(squares - 2.0 * scaled @ self.centres.T, 0.0))
+        return squared_distances((windows - self.middle) * self.scale, self.centres)
 
     def kernel(self, windows: Float64, width: float) -> Float64:
         """Return the kernel (T, M) of windows (T, W D) and centres."""

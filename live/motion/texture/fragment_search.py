@@ -69,7 +69,7 @@ def match_fragments(
         own_rows = np.flatnonzero(lengths == length)
         own = resample_fragments(sketch, sketch_parts.begin[own_rows], sketch_parts.end[own_rows], length + 1)
         own = own.reshape(len(own_rows), -1)
-        apart = _squares(own, flat) / flat.shape[1]
+        apart = squared_distances(own, flat) / flat.shape[1]
         for row, far in zip(own_rows.tolist(), apart, strict=True):
             best = np.argsort(far, kind="stable")[:keep]
             candidates[row], distances[row] = allowed[best], far[best]
@@ -81,7 +81,7 @@ def match_fragments(
     return Matches(tuple(candidates), tuple(distances), tuple(scales))
 
 
-def _squares(a: Float64, b: Float64) -> Float64:
+def squared_distances(a: Float64, b: Float64) -> Float64:
     """Return the squared distances (n, m) of rows (n, d) and (m, d)."""
     squares = np.sum(a * a, axis=1)[:, None] + np.sum(b * b, axis=1)[None] - 2.0 * (a @ b.T)
     return np.asarray(np.maximum(squares, 0.0))

@@ -14,6 +14,7 @@ import numpy as np
 
 from live.base.arrays import Bool, Float32, Float64, Int64
 from live.motion.texture.driver_choice import GROUPS, MAX_SAMPLES, SMOOTHNESS, gaussian, solve_sums
+from live.motion.texture.fragment_search import squared_distances
 from live.motion.texture.live_texture_kernels import FEATURES, LAGS, LIMIT, PER_BEAT, UPPER_COUNT
 from live.motion.texture.take_splits import Fold
 from live.motion.texture.texture_settings import UPPER
@@ -70,9 +71,8 @@ class LivePrediction:
     def predict(self, legs: Float64) -> Float64:
         """Return the rotation vectors (T, 39) at windows of legs (T, LAGS * FEATURES), as the kernel does."""
         scaled = (legs - self.middle) * self.scale
-        centres = self.centres.astype(np.float64)
-        far = (scaled**2).sum(axis=1)[:, None] + (centres**2).sum(axis=0) - 2.0 * scaled @ centres
-        return np.asarray(gaussian(np.maximum(far, 0.0), 1.0) @ self.weights + _within(scaled) @ self.slopes)
+        far = squared_distances(scaled, self.centres.T.astype(np.float64))
+        return np.asarray(gaussian(far, 1.0) @ self.weights + _within(scaled) @ self.slopes)
 
 
 def leg_windows(legs: Float64, starts: Sequence[int]) -> Float64:
@@ -138,7 +138,7 @@ def _fit(
     penalty = LINEAR_RIDGE * float(np.trace(products)) / len(products)
     slopes = solve_sums(products, near.T @ targets, np.eye(len(products)), max(penalty, 1e-12))
     centres = scaled[np.unique(np.linspace(0, len(scaled) - 1, min(CENTRES, len(scaled))).astype(np.int64))]
-    kernel, between = (gaussian(_far(one, centres), 1.0) for one in (scaled, centres))
+    kernel, between = (gaussian(squared_distances(one, centres), 1.0) for one in (scaled, centres))
     left = targets - near @ slopes
     weights = solve_sums(kernel.T @ kernel, kernel.T @ left, between, ridge * len(kernel))
     return middle, scale, centres, weights, slopes
@@ -146,11 +146,6 @@ def _fit(
 
 def _within(scaled: Float64) -> Float64:
     return np.clip(scaled, -LIMIT, LIMIT)
-
-
-def _far(a: Float64, b: Float64) -> Float64:
-    """Return the squared distances (n, m) of rows (n, d) and (m, d)."""
-    return np.asarray(np.maximum((a * a).sum(axis=1)[:, None] + (b * b).sum(axis=1) - 2.0 * a @ b.T, 0.0))
 
 
 def _left_out(
@@ -163,7 +158,7 @@ def _left_out(
         middle, scale, centres, weights, slopes = _fit(windows[learnt], targets[learnt], width, ridge)
         tested: Bool = fold.tested
         scaled = (windows[tested] - middle) * scale
-        made[tested] = gaussian(_far(scaled, centres), 1.0) @ weights + _within(scaled) @ slopes
+        made[tested] = gaussian(squared_distances(scaled, centres), 1.0) @ weights + _within(scaled) @ slopes
         error += float(((targets[tested] - made[tested]) ** 2).sum())
     return error, made
 
