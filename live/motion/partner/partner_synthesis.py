@@ -63,7 +63,7 @@ class SearchSettings:
 
 
 WALK_SEARCH: Final = SearchSettings(rate=10.0, stretch=0.2, k=4.0, context=(), hold_hands=False)
-"""Walks that a path leads: a larger k is better (H007), and the path is known as a whole."""
+"""Walks that a path leads: a larger k is better (H007); only the present of a path is compared."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
