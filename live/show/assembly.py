@@ -105,7 +105,7 @@ def assemble(
     interrupts = Interrupts(patch, dancers, motion, scheduler)
     commands = GroupCommands(patch, motion, dancers, variation, score_runner.score)
     measure_s = clock.timeline.beats_per_measure * 60.0 / clock.timeline.tempo
-    node = initial_nodes(graph, scheduler, motion.partners.mirrored, clock.span.number, measure_s)
+    node = initial_nodes(graph, scheduler, variation.sides, motion.partners.mirrored, clock.span.number, measure_s)
     dancers.start(node, motion.state.position.astype(np.float64), motion.starting_heading)
     scheduler.targets.headings.reset(motion.starting_heading)
     expression = Expression(dancers, motion, seed=seed)

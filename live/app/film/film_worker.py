@@ -143,11 +143,17 @@ class FilmWorker:
         self._send(asdict(order))
 
     def _read(self) -> None:
+        """Hand on its messages. A line that is none ends it. Whoever waits always hears of its end."""
         assert self.process.stdout is not None
-        for line in self.process.stdout:
-            self._heard.put((self, json.loads(line)))
+        ended = ""
+        try:
+            for line in self.process.stdout:
+                self._heard.put((self, json.loads(line)))
+        except Exception as error:
+            ended = f"it wrote what is no message: {error}"
+            self.process.kill()
         self.process.wait()
-        self._heard.put((self, {"ended": self.last_words()}))
+        self._heard.put((self, {"ended": ended or self.last_words()}))
 
     def ask(self, part: FilmPart, out: Path, snapshot: Path | None) -> None:
         """Let it draw a part into `out`: a file, or a folder of pictures."""

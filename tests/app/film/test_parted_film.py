@@ -2,16 +2,17 @@
 
 import os
 import signal
+from queue import SimpleQueue
 from typing import ClassVar
 
 import av
 import pytest
 from rich.console import Console
 
-from live.app.film import film_crew
+from live.app.film import film_crew, film_worker
 from live.app.film.film_crew import LocalCrew, PartResult
 from live.app.film.film_plan import FilmPart, film_frames, part_bounds
-from live.app.film.film_worker import FilmOrder, check_needs, needed_files
+from live.app.film.film_worker import FilmOrder, FilmWorker, check_needs, needed_files
 from live.app.film.parted_film import film_journal
 from live.app.film.replay_film import FilmLook
 from live.base.errors import PersonError
@@ -151,6 +152,16 @@ def test_worker_without_music_or_font_is_refused_by_name(tmp_path):
         check_needs(FilmOrder("a.jsonl", "film.mp4", SIZE, FPS, kernels="others"))
     with pytest.raises(PersonError, match=r"the music .*song\.ogg cannot be read"):
         needed_files(Journal(), Loaded())
+
+
+def test_worker_that_writes_no_message_is_ended_and_heard_of(monkeypatch):
+    monkeypatch.setattr(film_worker, "_MODULE", "this")  # a module that prints
+    heard = SimpleQueue()
+    worker = FilmWorker(FilmOrder("a.jsonl", "film.mp4", SIZE, FPS), heard, threads=1)
+    sender, message = heard.get(timeout=20.0)
+    worker.close()
+    assert sender is worker
+    assert message["ended"].startswith("it wrote what is no message: ")
 
 
 class MadeWorker:

@@ -5,11 +5,15 @@ import pytest
 
 from live.base.motion_parameters import MOOD_NAMES
 from live.clock.ticks import TICK
+from live.graph.motion_graph import build_graph
+from live.graph.step_library import build_library
 from live.library.step_folder import StepsError, sketched_steps
 from live.motion.quality.body_contact import self_contacts
 from live.motion.quality.metrics import StandingFeet
 from live.motion.skeleton import SKELETON
-from tests.show.dancers.danced_step import danced_step, shipped
+from live.show.assembly import assemble
+from live.show.patch.patch_reader import parse_patch
+from tests.show.dancers.danced_step import GROUP, PATCH, danced_step, shipped
 
 HIPS = SKELETON.index("hips")
 FEET = [SKELETON.index(side + name) for side in ("left", "right") for name in ("Foot", "Toes")]
@@ -42,7 +46,7 @@ def test_a_jump_flies_and_lands_at_every_end_of_every_mood():
         assert mean_slide(found[:, dancer]) < 0.03, moods[dancer]
 
 
-ONE_KEY = 'name = "still"\n[chest]\n"1" = "turn left 20"\n'
+ONE_PART = '[chest]\n"1" = "turn left 20"\n'
 
 
 @pytest.mark.parametrize("part", ['[chest]\n"1" = "turn left 20"', '[left_foot]\n"1" = "out 10"',
@@ -93,3 +97,12 @@ def test_25_counts_in_five_are_danced_step():
     found = danced_step(text, beats=5, seconds=6.0, moods=["", "energy = -1.0"])
     assert np.isfinite(found).all()
     assert mean_slide(found[:, 0]) < 0.03
+
+
+def test_the_first_measure_has_the_wanted_side():
+    clips = sketched_steps({"step.toml": f'name = "still"\n{ONE_PART}'})
+    group = GROUP.format(number=0, step="still", x=0.0, mood="")
+    mirrored = group.replace('"g0"', '"g1"').replace('steps = ["still"]', 'like = "g0"\nmirrored = true')
+    patch = parse_patch(PATCH.format(bpm=112, beats=4) + group + mirrored, "hostile.toml")
+    show = assemble(patch, build_graph(build_library(clips)))
+    assert show.graph.library.node_side[show.dancers.node].tolist() == [-1, 1]
