@@ -13,6 +13,7 @@ import json
 import ssl
 import time
 from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import Any, Final, Protocol
 
 from live.base.errors import PersonError
@@ -25,7 +26,11 @@ SCOUT: Final = "224.0.0.224:9022"
 RETRY: Final = {"period_init_ms": 200, "period_max_ms": 1000, "period_increase_factor": 1.5}
 """How soon a lost connection is tried again."""
 LEASE_MS: Final = 2000
-"""Milliseconds of silence after which a connection counts as lost."""
+"""Milliseconds of silence after which a connection counts as lost, or in which none of an answer could be sent."""
+LONGEST_AT_ONCE: Final = 1 << 14
+"""Longer answers [bytes] are sent by other threads: they wait for the network, ..."""
+ANSWERS_AT_A_TIME: Final = 8
+"""... so many at a time."""
 
 Receive = Callable[[bytes], None]
 
@@ -38,7 +43,7 @@ class Question(Protocol):
     """When it arrived [s of perf_counter]."""
 
     def answer(self, data: bytes) -> None:
-        """Send the one answer."""
+        """Send the one answer; never waits."""
         ...
 
 
@@ -69,13 +74,21 @@ class Bus(Protocol):
 class ZenohQuestion:
     """A query of Zenoh's."""
 
-    def __init__(self, query: Any, key: str) -> None:
+    def __init__(self, query: Any, key: str, senders: Executor) -> None:
+        """`senders`: threads that send long answers."""
         self.arrived = time.perf_counter()
-        self._query, self._key = query, key
+        self._query, self._key, self._senders = query, key, senders
         self.data = b"" if query.payload is None else bytes(query.payload)
 
     def answer(self, data: bytes) -> None:
         """Send the one answer; one who has gone is no error."""
+        if len(data) <= LONGEST_AT_ONCE:
+            self._reply(data)
+        else:
+            with contextlib.suppress(RuntimeError):  # the bus has been closed
+                self._senders.submit(self._reply, data)
+
+    def _reply(self, data: bytes) -> None:
         import zenoh
 
         with contextlib.suppress(zenoh.ZError):
@@ -104,6 +117,7 @@ class ZenohBus:
             words = " ".join(str(error).split())[:200]
             raise PersonError(f"the bus of the nodes cannot be opened{where}: {words}", "choose another port") from None
         atexit.register(self.close)  # an open session would keep the process from ending
+        self._senders = ThreadPoolExecutor(ANSWERS_AT_A_TIME, "bus answers")
         self._publishers: dict[str, Any] = {}
         self._kept: list[Any] = []
 
@@ -124,25 +138,30 @@ class ZenohBus:
 
     def serve(self, key: str, act: Callable[[Question], None]) -> None:
         """Call `act` with each question that is asked under this key."""
-        self._kept.append(self._session.declare_queryable(key, lambda query: act(ZenohQuestion(query, key))))
+        self._kept.append(
+            self._session.declare_queryable(key, lambda query: act(ZenohQuestion(query, key, self._senders)))
+        )
 
     def ask(self, key: str, data: bytes, act: Receive, *, timeout: float, bulk: bool = False) -> None:
         """Ask; `act` gets the answers."""
-        priority = self._zenoh.Priority.DATA_LOW if bulk else self._zenoh.Priority.REAL_TIME
+        zenoh = self._zenoh  # an answer goes as its question did
+        priority = zenoh.Priority.DATA_LOW if bulk else zenoh.Priority.REAL_TIME
+        congestion = zenoh.CongestionControl.BLOCK if bulk else zenoh.CongestionControl.DROP
 
         def hear(reply: Any) -> None:
             if reply.ok is not None:
                 act(bytes(reply.ok.payload))
 
-        with contextlib.suppress(self._zenoh.ZError):
+        with contextlib.suppress(zenoh.ZError):
             self._session.get(
-                key, hear, payload=data, timeout=timeout, express=True, target=self._zenoh.QueryTarget.ALL,
-                consolidation=self._zenoh.ConsolidationMode.NONE, priority=priority,
+                key, hear, payload=data, timeout=timeout, express=True, target=zenoh.QueryTarget.ALL,
+                consolidation=zenoh.ConsolidationMode.NONE, priority=priority, congestion_control=congestion,
             )  # fmt: skip
 
     def close(self) -> None:
         """Close the session; harmless if it is closed."""
         atexit.unregister(self.close)
+        self._senders.shutdown(wait=False, cancel_futures=True)
         with contextlib.suppress(self._zenoh.ZError):
             self._session.close()
 
@@ -193,7 +212,11 @@ def configuration(
             "retry": RETRY,
         },
         "transport": {"link": {
-            "protocols": ["tls"], "tx": {"lease": LEASE_MS, "keep_alive": 4},
+            "protocols": ["tls"],
+            "tx": {
+                "lease": LEASE_MS, "keep_alive": 4,
+                "queue": {"congestion_control": {"block": {"wait_before_close": 1000 * LEASE_MS}}},
+            },
             "tls": {**tls, "enable_mtls": True, "verify_name_on_connect": False, "close_link_on_expiration": False},
         }},
     }  # fmt: skip

@@ -287,8 +287,7 @@ class NodeFollower:
         except PacketError:
             self.refused += 1
             return
-        finite = all(map(math.isfinite, (told.sent, told.received, told.answered)))
-        if self._pulse is None or leader != self._pulse.leader or not finite:
+        if self._pulse is None or leader != self._pulse.leader:
             return
         clock = self._coming_clock
         clock.add(Exchange.of(told.sent, told.received, told.answered, arrived))
@@ -330,6 +329,8 @@ class NodeFollower:
             self._hear_refusal(data)
             return
         fed = self._fed
+        if self._request is None:
+            return  # the second answer, of a request that was sent twice
         if told.restart:
             self._next = fed = StateFollower(self._loaded, heartbeat=self._heartbeat, keeps_lines=False)
             self.joins += 1

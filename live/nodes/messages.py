@@ -4,7 +4,7 @@ Nothing that comes from the bus can cause a call or an import (`live.control.mes
 or with a wrong field is refused and counted by its reader.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any, Final, TypeVar
 
 from live.control.message_codec import PacketError, decode_packet, encode_packet, registered
@@ -15,6 +15,9 @@ CLOCK, JOIN, STATUS, COMMAND = "clock", "join", "status", "command"
 """What a leader answers, below its name: see `question_key`."""
 MAX_MESSAGE: Final = 64 * 1024 * 1024
 """Most bytes of a message: what a machine that joins is sent of a long show without a snapshot."""
+
+FARTHEST: Final = 1e12
+"""Numbers beyond that, and those that are none, are refused: no clock shows them."""
 
 Kind = TypeVar("Kind")
 
@@ -185,4 +188,8 @@ def decode(data: bytes, kind: type[Kind]) -> Kind:
     found = decode_packet(data)
     if type(found) is not kind:
         raise PacketError(f"{kind.__name__} expected, {type(found).__name__} found")
+    for each in fields(found):  # type: ignore[arg-type]
+        value = getattr(found, each.name)
+        if isinstance(value, float) and not abs(value) <= FARTHEST:
+            raise PacketError(f"{kind.__name__}.{each.name} cannot be {value}")
     return found

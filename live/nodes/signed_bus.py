@@ -6,10 +6,12 @@ node. Therefore every message carries an Ed25519 signature (RFC 8032) over its k
 pair` decide. A pairing that is removed while the show runs ends this at once.
 """
 
+import contextlib
 import time
 from collections.abc import Callable
 from typing import Any, Final
 
+from live.base.errors import PersonError
 from live.nodes.bus import Bus, Question, Receive
 from live.supervisor.network.identity import Identity, Pairings, Peer
 
@@ -58,10 +60,8 @@ class SignedBus:
             return
         self._look_at = now + LOOK_EVERY
         if self._pairings.version() != self._version:
-            try:
+            with contextlib.suppress(PersonError, OSError, ValueError):  # the supervisor must not end because of it
                 self._read()
-            except (OSError, ValueError, LookupError):
-                return
 
     def sealed(self, key: str, data: bytes) -> bytes:
         """Return a message with its signature."""

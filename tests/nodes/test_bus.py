@@ -2,11 +2,12 @@
 
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
 from live.base.errors import PersonError
-from live.nodes.bus import ZenohBus, configuration
+from live.nodes.bus import LONGEST_AT_ONCE, ZenohBus, ZenohQuestion, configuration
 from live.nodes.signed_bus import SignedBus
 from live.supervisor.network.identity import Pairings, load_identity
 from tests.supervisor.made_machines import free_port
@@ -71,6 +72,33 @@ def test_paired_machines_exchange_messages_and_others_do_not(places):
     assert answers == [b"answer to question"]
     assert stranger.heard == []
     assert stranger.bus.strangers == 0  # TLS has refused it: nothing reaches it at all
+
+
+class SlowQuery:
+    """A query whose asker takes nothing: a long answer waits for it."""
+
+    payload = None
+
+    def __init__(self):
+        self.asker, self.replied = threading.Event(), []
+
+    def reply(self, key, data, **how):
+        if len(data) > LONGEST_AT_ONCE:
+            assert self.asker.wait(10.0)
+        self.replied.append(len(data))
+
+    def drop(self):
+        pass
+
+
+def test_whoever_answers_does_not_wait_for_a_slow_asker():
+    slow, other = SlowQuery(), SlowQuery()
+    with ThreadPoolExecutor(1) as senders:
+        ZenohQuestion(slow, "key", senders).answer(bytes(LONGEST_AT_ONCE + 1))
+        ZenohQuestion(other, "key", senders).answer(b"time")
+        assert (slow.replied, other.replied) == ([], [4])
+        slow.asker.set()
+    assert slow.replied == [LONGEST_AT_ONCE + 1]
 
 
 def test_port_that_is_taken_is_a_persons_error(places):

@@ -1,6 +1,7 @@
 """Nodes follow a leader bit by bit and present its ticks at the moments that it says."""
 
 import json
+import math
 
 import pytest
 
@@ -93,6 +94,21 @@ def test_lost_lines_are_asked_for_again(tmp_path, loaded):
     assert node.follower.joins == 1
     assert node.follower.following.differences == 0
     assert node.follower.following.compared >= 1
+
+
+def test_answer_that_comes_twice_begins_the_show_once(cluster, loaded):
+    """A slow answer was asked for again, and both come."""
+    leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
+    answer = leader.nodes._answer_join
+
+    def answer_twice(*asked):
+        answer(*asked)
+        answer(*asked)
+
+    leader.nodes._answer_join = answer_twice
+    assert cluster.run(5.0, follows(node)) < 3.0
+    cluster.run(0.5)
+    assert node.follower.joins == 1
 
 
 def test_node_that_is_cut_off_goes_on_alone_and_returns(cluster, loaded):
@@ -234,12 +250,13 @@ def test_messages_of_strangers_and_damaged_ones_are_dropped_and_counted(cluster,
     for data in (
         b"", b"\xc1", messages.encode({"leader": "x"}), messages.encode(Lines("s", 1, ())),
         messages.encode(Pulse("evil", 9, "x", "y", 0, 0.0, 0.0))[:-3],
+        *(messages.encode(Pulse("evil", 2, "x", "y", 0, number, 0.0)) for number in (math.nan, math.inf, 1e300)),
     ):  # fmt: skip
         inside.publish(messages.PULSE, data)
     inside.publish(messages.STATE, b"\x00")
     inside.publish(messages.LINES, messages.encode(Lines(node.follower._stream, number + 1, ('{"tick":"many"}', "no"))))
     cluster.run(0.1)
-    assert node.follower.refused == 7
+    assert node.follower.refused == 10
     assert leader.nodes.refused == 1
     assert node.follower.phase is Phase.FOLLOWS
 
@@ -261,6 +278,21 @@ def test_pairing_that_is_removed_ends_the_trust(tmp_path):
     mine.refresh()
     assert mine.opened("key", sealed) is None
     assert mine.strangers == 3
+
+
+def test_pairing_that_cannot_be_read_changes_nothing(tmp_path):
+    """A show must not end because a file is damaged while it runs."""
+    here, there = tmp_path / "here", tmp_path / "there"
+    other, pairings = load_identity(there), Pairings(here)
+    pairings.add("there", other.certificate)
+    network = MadeCluster(tmp_path / "net").network
+    mine = SignedBus(MadeBus(network, "here"), load_identity(here), pairings)
+    sealed = SignedBus(MadeBus(network, "there"), other, Pairings(there)).sealed("key", b"data")
+    (file,) = here.rglob("there.pem")
+    file.write_bytes(b"damaged")
+    mine._look_at = 0.0
+    mine.refresh()
+    assert mine.opened("key", sealed) == b"data"
 
 
 def test_operator_sees_all_nodes_and_starts_them_again_in_turn(cluster, loaded):
