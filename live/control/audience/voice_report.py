@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from live.control.audience.participant_state import Voices
-from live.control.audience.phone_registry import hue_of
-from live.control.audience.voice_sketch import UNIT, VoiceSketch
+from live.control.audience.phone_registry import MOST_NUMBER, hue_of
+from live.control.audience.voice_sketch import MAX_HALF, MODES, UNIT, VoiceSketch
 from live.control.events.audience import VoiceLight
 
 HIGHLIGHT_SECONDS: Final = 8.0
@@ -80,6 +80,14 @@ class VoiceReport:
     def tally(self) -> tuple[int, ...]:
         """The votes in hundredths."""
         return self.votes[:1] + tuple(round(100 * weight / UNIT) for weight in self.votes[1:])
+
+
+def is_light(row: VoiceLight) -> bool:
+    """Whether a light that came from another process can be one: of a phone, somewhere on a stage [cm]."""
+    number, x, z, hue, mode = row
+    farthest = 100.0 * MAX_HALF + 5.0
+    there = 0 < number < MOST_NUMBER and abs(x) <= farthest and abs(z) <= farthest
+    return there and 0 <= hue < 1000 and mode in MODES
 
 
 class VoiceReporter:

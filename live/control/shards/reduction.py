@@ -4,6 +4,7 @@ A gateway that is late or gone fades as a lifted finger does, with its phones, s
 gateway claims is bounded by the phones that it may have, and counted where it exceeds them.
 """
 
+import math
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -12,10 +13,11 @@ from typing import Any, Final
 import numpy as np
 
 from live import __version__
+from live.control.audience.admission import CROWD_SECONDS
 from live.control.audience.bans import exported
 from live.control.audience.participant_state import FADE_HALF_LIFE, FRESH_SECONDS, MIN_FRESHNESS
 from live.control.audience.session_state import ROW_KEPT_SECONDS, SPARE_ROWS, Rules
-from live.control.audience.voice_report import HIGHLIGHT_SECONDS, VoiceReport
+from live.control.audience.voice_report import HIGHLIGHT_SECONDS, VoiceReport, is_light
 from live.control.audience.voice_sketch import UNIT, VoiceSketch, grid_of, merge
 from live.control.message_codec import PacketError, decode_packet, encode_packet
 from live.control.shards.messages import (
@@ -43,6 +45,8 @@ MOST_AHEAD: Final = 1 << 20
 """A gateway may know of numbers so far above the reducer's own, which was restarted."""
 ORDER_TIMEOUT: Final = 0.5
 """Time for gateways to follow an operator's command [s]; the voices of one that has not do not count then."""
+CLOCKS_APART: Final = 5.0
+"""A gateway's clock may be so far off [s]."""
 TOLERANCE: Final = 1.01
 """Sums may exceed their bound by so much: they are rounded."""
 
@@ -174,7 +178,7 @@ class Reduction:
                 self._hear(shard, unpack_voices(data), now)
             else:
                 self._handle_object(shard, decode_packet(data), now)
-        except (PacketError, ValueError, TypeError):
+        except (PacketError, ValueError, TypeError, LookupError, ArithmeticError, AttributeError):
             self._count_lie(shard, 1)
 
     def _handle_object(self, shard: Shard, packet: Any, now: float) -> None:
@@ -183,7 +187,8 @@ class Reduction:
             case ShardShown():
                 self._show(shard, packet)
             case ShardChanges():
-                self._count_lie(shard, self.groups.update_groups(shard.name, packet.groups, most))
+                latest = now + CROWD_SECONDS + CLOCKS_APART
+                self._count_lie(shard, self.groups.update_groups(shard.name, packet.groups, most, latest))
                 self._count_lie(shard, self.groups.update_numbers(shard.name, packet.came, packet.went, most))
             case ShardPing():
                 shard.send(encode_packet(ShardPing(packet.sent, now)))
@@ -218,11 +223,11 @@ class Reduction:
 
     def _show(self, shard: Shard, packet: ShardShown) -> None:
         """Take a gateway's lights and votes, within its bounds."""
-        lights = tuple(row for row in packet.lights if row[0] > 0)[: shard.visible]
+        lights = tuple(row for row in packet.lights if is_light(row))
         most = max(shard.peak, 1) * UNIT * self._most_weight() * TOLERANCE
         fits = all(votes >= 0 for votes in packet.votes) and sum(packet.votes[1:]) <= most
-        self._count_lie(shard, (not fits) + (len(packet.lights) > self._visible))
-        shard.lights = lights
+        self._count_lie(shard, (not fits) + (len(packet.lights) > self._visible) + len(packet.lights) - len(lights))
+        shard.lights = lights[: shard.visible]
         if fits:
             shard.votes = packet.votes
 
@@ -378,10 +383,12 @@ def bounded(sketch: VoiceSketch, most: int, most_weight: float) -> tuple[VoiceSk
 
 
 def _checked_facts(facts: dict[Any, Any]) -> dict[str, Any]:
-    """Return a gateway's facts; ValueError or TypeError if they are of other types."""
+    """Return a gateway's facts; an error of some kind if they are of other types, or numbers that are none."""
     found: dict[str, Any] = {name: int(facts[name]) for name in ("messages", "crowded", "missed_frames")}
     found |= {name: float(facts[name]) for name in ("voices", "clock_ms")}
     found |= {name: [float(value) for value in facts[name]][:2] or [0.0] for name in ("late_ms", "ways_ms")}
+    if not all(math.isfinite(each) for value in found.values() for each in np.atleast_1d(value)):
+        raise ValueError("figures expected")
     found["version"] = str(facts["version"])
     reasons = list(dict(facts["refused"]).items())[:64]
     found["refused"] = {str(why)[:60]: int(count) for why, count in reasons}

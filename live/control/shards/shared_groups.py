@@ -25,12 +25,13 @@ class SharedGroups:
         self._due: dict[str, dict[int, None]] = {}
         self._gone: dict[str, dict[int, None]] = {}
 
-    def update_groups(self, shard: str, rows: Iterable[GroupRow], capacity: int) -> int:
-        """Take a gateway's rows; return how many were not believed."""
+    def update_groups(self, shard: str, rows: Iterable[GroupRow], capacity: int, latest: float) -> int:
+        """Take a gateway's rows; return how many were not believed. `latest`: until then at most a group may be crowded
+        [s of the show]."""
         own = self._of.setdefault(shard, {})
         refused = 0
         for key, phones, joined, until in rows:
-            fits = 0 <= phones <= capacity and 0 <= joined <= capacity
+            fits = 0 <= phones <= capacity and 0 <= joined <= capacity and until <= latest
             before = self._rows.get(key, {}).get(shard, (0, 0, -1.0))
             count = self._joined.get(shard, 0) + phones - before[0]
             if not fits or count > capacity or (key not in own and len(own) >= 2 * capacity + SPARE_GROUPS):
@@ -75,7 +76,7 @@ class SharedGroups:
 
     def remove(self, shard: str) -> None:
         """Forget a gateway."""
-        self.update_groups(shard, [(key, 0, 0, -1.0) for key in list(self._of.get(shard, ()))], 0)
+        self.update_groups(shard, [(key, 0, 0, -1.0) for key in list(self._of.get(shard, ()))], 0, 0.0)
         self._at = {number: at for number, at in self._at.items() if at != shard}
         tables: tuple[dict[str, Any], ...] = self._of, self._joined, self._numbers, self._due, self._gone
         for table in tables:

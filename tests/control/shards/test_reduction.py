@@ -14,7 +14,7 @@ from live.control.audience.session_state import Rules
 from live.control.audience.voice_report import HIGHLIGHT_SECONDS, VoiceReport
 from live.control.audience.voice_sketch import UNIT, VoiceSketch, grid_of
 from live.control.message_codec import decode_packet, encode_packet
-from live.control.shards.messages import PROTOCOL, ShardHello, ShardRefused, pack_voices
+from live.control.shards.messages import PROTOCOL, ShardChanges, ShardHello, ShardRefused, ShardShown, pack_voices
 from tests.control.shards.made_shards import Hall, touch
 
 VOTE = (259, "step", ("sway", "spin", "glide"), 64.0)
@@ -161,12 +161,36 @@ def test_gateway_that_lies_is_bounded_and_counted():
     liar.peak = 0
     hall.reduction.handle(liar, pack_voices(VoiceReport(0, 1, 1, other)), hall.time)
     assert hall.step().sketch.total() <= 61 * UNIT * 1.01
-    for data in (b"", b"V", b"V" + bytes(40), b"\xc1", encode_packet({"messages": "x"}), encode_packet(("bans", 3))):
+    facts = {**hall.shards[0].session.facts(), "late_ms": [0.0], "missed_frames": 0, "clock_ms": 0.0, "version": "1"}
+    wrong = [{"messages": 1}, *(facts | {"voices": number} for number in (math.nan, math.inf)), facts | {"held": 3}]
+    hall.reduction.handle(liar, encode_packet(facts), hall.time)
+    for data in (b"", b"V", b"V" + bytes(40), b"\xc1", encode_packet({"messages": "x"}), encode_packet(("bans", 3)),
+                 *map(encode_packet, wrong)):  # fmt: skip
         before = liar.lies
         hall.reduction.handle(liar, data, hall.time)
         assert liar.lies == before + 1
     rows = tuple((key, 1, 1, -1.0) for key in range(500))
-    assert hall.reduction.groups.update_groups(liar.name, rows, 100) == 400
+    assert hall.reduction.groups.update_groups(liar.name, rows, 100, 0.0) == 400
+
+
+def test_lights_and_crowds_that_cannot_be_are_left_out_and_counted():
+    """The show gets no number from a gateway that it could not hold."""
+    hall = Hall(2)
+    honest, liar = hall.shards
+    phone = hall.enter(honest, 5, 9)
+    touch(honest, phone, 1, 0.5, 0.5)
+    hall.step(30)
+    far, light = 10**15, (7, 100, -50, 300, 1)
+    lights = ((1 << 63, 0, 0, 0, 1), (8, far, 0, 0, 1), (8, 0, -far, 0, 1), (8, 0, 0, 5000, 1), (8, 0, 0, 0, 9), light)
+    liar.known.visible = 8
+    hall.reduction.handle(liar.known, encode_packet(ShardShown(lights, ())), hall.time)
+    assert liar.known.lights == (light,)
+    assert liar.known.lies == 5
+    for until in (math.nan, math.inf, hall.time + 1000.0):
+        hall.reduction.handle(liar.known, encode_packet(ShardChanges(((9, 0, 0, until),))), hall.time)
+    assert liar.known.lies == 8
+    hall.step(2)
+    assert honest.session.voices.share[phone.row] == 1.0
 
 
 def test_force_of_a_killed_gateway_fades_without_a_jump():
