@@ -50,6 +50,17 @@ _VERSION: Final = 1
 MAX_SKETCH_BYTES: Final = _HEAD.size + len(MODES) * (MAX_CELLS // 8 + 4 * MAX_CELLS)
 
 
+def _weights() -> Int64:
+    """Return the weight in `UNIT` of each half float that is one, by its bits, at least 1; 0 for 0."""
+    halves = np.arange(0x7C00, dtype=np.uint16).view(np.float16)  # those after that are infinite, or negative
+    found: Int64 = np.maximum(np.rint(halves.astype(np.float64) * UNIT), 1.0).astype(np.int64)
+    found[0] = 0
+    return found
+
+
+_WEIGHTS: Final = _weights()
+
+
 @dataclass(frozen=True, slots=True)
 class Place:
     """A cluster of voices: (x, z) [m], weight relative to the heaviest place, mode."""
@@ -148,7 +159,7 @@ class VoiceSketch:
 
     def total(self) -> int:
         """Return the weight of all that speak."""
-        return int(self.sums[0].sum())
+        return int(np.add.reduce(self.sums[0]))
 
     # -- places ----------------------------------------------------------------------------------------------------
 
@@ -198,12 +209,14 @@ class VoiceSketch:
         many, begin = len(cells), _HEAD.size + flags
         if len(data) != begin + 4 * many:
             raise ValueError(f"{begin + 4 * many} bytes expected for {many} cells")
-        weight = np.frombuffer(data, "<f2", many, begin).astype(np.float64)
-        if many and not (weight.min() > 0.0 and weight.max() < np.inf):
-            raise ValueError("weights of cells above 0 expected")
+        halves = np.frombuffer(data, "<u2", many, begin)
         sums: Int64 = np.empty((3, many), np.int64)
-        weight *= UNIT
-        sums[0] = np.maximum(np.rint(weight, out=weight), 1.0, out=weight)
+        try:
+            _WEIGHTS.take(halves, out=sums[0])
+        except IndexError:
+            sums[0] = 0
+        if many and not np.minimum.reduce(sums[0]):
+            raise ValueError("weights of cells above 0 expected")
         np.multiply(np.frombuffer(data, np.uint8, 2 * many, begin + 2 * many).reshape(2, many), sums[0], out=sums[1:])
         return cls(grid, cells, sums, people, shaken)
 
@@ -242,17 +255,18 @@ def _add_places(found: list[Place], grid: VoiceGrid, used: Int64, sums: Int64, m
     x = column * grid.cell + sums[1] / weight * step - grid.half[0]
     z = row * grid.cell + sums[2] / weight * step - grid.half[1]
     # (x, z, 1, 1 - r^2 / B^2): one product gives 1 - d^2 / B^2 of the distance d to any centre, one more the mean
-    at = np.stack([x, z, np.ones(len(used)), 1.0 - (x * x + z * z) / BANDWIDTH**2])
+    at = np.empty((4, len(used)))
+    at[0], at[1], at[2], at[3] = x, z, 1.0, 1.0 - (x * x + z * z) / BANDWIDTH**2
     left = weight / UNIT
     dense = np.zeros((grid.rows, grid.columns))
     down, across = _neighbours(grid.rows), _neighbours(grid.columns)
     most = max((place.weight for place in found), default=0.0)
     for _ in range(PLACES):
-        if left.sum() <= MIN_PLACE_WEIGHT * most:
+        if np.add.reduce(left) <= MIN_PLACE_WEIGHT * most:
             return
         dense.reshape(-1)[used] = left
         around = (down @ dense @ across).reshape(-1)[used]
-        around[left <= 0.0] = 0.0
+        around *= left > 0.0
         centre = at[:2, int(around.argmax())].tolist()
         for _ in range(4):
             near = np.maximum(_closeness(at, centre), 0.0)
