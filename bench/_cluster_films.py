@@ -93,9 +93,10 @@ class _FirstFrame:
 
 @contextmanager
 def _one_thread() -> Iterator[None]:
-    """Hold drivers that draw in software, in processes started within, to one thread."""
+    """Hold drivers that draw in software, in processes started within, to the thread that draws: with 1 they would have
+    another one beside it, which takes nearly as much, so that one worker alone filled two cores."""
     before = os.environ.get("LP_NUM_THREADS")
-    os.environ["LP_NUM_THREADS"] = "1"
+    os.environ["LP_NUM_THREADS"] = "0"
     try:
         yield
     finally:

@@ -44,9 +44,10 @@ def check_worker(order: dict[str, Any], journal: bytes) -> dict[str, str]:
 
 
 def draw_remote(
-    order: dict[str, Any], journal: bytes, part: FilmPart, threads: int
+    order: dict[str, Any], journal: bytes, part: FilmPart, at_a_time: int
 ) -> tuple[dict[str, str], dict[str, bytes]]:
-    """Run on a worker: draw a part; return the hashes of its pictures (`PartResult`), and the files.
+    """Run on a worker: draw a part; return the hashes of its pictures (`PartResult`), and the files. `at_a_time`: so
+    many parts are drawn on this machine, and share its processors.
 
     PersonError if it cannot be drawn here, WorkerEnded if the process that drew it has ended.
     """
@@ -60,7 +61,7 @@ def draw_remote(
         if here.film.endswith(".png"):
             out.mkdir()
         done: dict[str, Any] = {}
-        for message in draw_alone(here, part, out, snapshot, threads=threads):
+        for message in draw_alone(here, part, out, snapshot, threads=max(processor_count() // at_a_time, 1)):
             done = message
         files = sorted(out.iterdir()) if out.is_dir() else [out]
         return {key: str(done[key]) for key in ("before", "last")}, {file.name: file.read_bytes() for file in files}
@@ -137,10 +138,9 @@ class ClusterCrew:
 
     def add(self, part: FilmPart) -> None:
         """See `Crew`."""
-        threads = max(processor_count() // max(self._threads.values()), 1)
         future = self._client.submit(
-            draw_remote, self._order, self._journal, part, threads, workers=list(self._threads), pure=False,
-            priority=-part.number,
+            draw_remote, self._order, self._journal, part, max(self._threads.values()),
+            workers=list(self._threads), pure=False, priority=-part.number,
         )  # fmt: skip
         self._futures[future] = part
         future.add_done_callback(self._ended.put)

@@ -15,7 +15,7 @@ from live.base.errors import PersonError
 from live.base.stage_snapshot import Title
 from live.clock.ticks import TICK, FrameGrid
 from live.render.film.container_formats import FORMATS, segment_length
-from live.render.film.picture_memory import PictureMemory, Reach
+from live.render.film.picture_memory import PictureMemory, Reach, least_reach
 from live.show.journal.journal_reader import Journal
 from live.show.journal.replay import (
     Replayer,
@@ -175,7 +175,8 @@ class FilmPlan:
     def _parts(self, begin: int, patience: float, *, whole: bool) -> Iterator[FilmPart | None]:
         grid, bounds = self._grid, self._bounds
         start = start_until(self._journal, self._loaded, begin, self._problems)
-        running, states = Replayer(start.show, self._journal.lines_with_damage(), tick=start.tick), _States(start)
+        running = Replayer(start.show, self._journal.lines_with_damage(), tick=start.tick)
+        states = _States(start, [grid.tick(max(bound - least_reach(grid.fps), 0)) for bound in bounds[:-1]])
         first = grid.first_from(start.tick)
         memory, titles = PictureMemory(self._loaded.scene(), first), _TitleHistory()
         number, end = 0, bounds[-1] if whole else bounds[-2] + 1
@@ -213,20 +214,24 @@ class _TooLate(Exception):
 class _States:
     """The states of a show that were kept on the way, with their ticks."""
 
-    def __init__(self, start: ReplayStart) -> None:
+    def __init__(self, start: ReplayStart, likely: Sequence[int]) -> None:
+        """`likely`: ticks at which parts will probably start, ascending; their states are kept besides."""
         self._first = start.snapshot
         self._kept: deque[tuple[int, bytes]] = deque()
         self._taker = Snapshotter(start.show)
         self._due = start.tick + SNAPSHOT_TICKS
+        self._likely = deque(tick for tick in likely if tick > start.tick)
 
     def keep(self, show: Show, tick: int) -> None:
         """Keep the state after `tick` if one is due."""
-        if tick < self._due:
+        if tick < self._due and not (self._likely and tick >= self._likely[0]):
             return
         taken = self._taker.capture(tick)
         if taken is None:  # planning is in progress: some ticks later
             return
         self._due = tick + SNAPSHOT_TICKS
+        while self._likely and self._likely[0] <= tick:
+            self._likely.popleft()
         self._kept.append((tick, taken.seal()))
         while self._kept[0][0] < tick - LONGEST_REACH:
             self._kept.popleft()

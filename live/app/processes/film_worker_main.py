@@ -6,6 +6,7 @@ when its input does.
 
 import contextlib
 import json
+import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -81,8 +82,8 @@ class FilmDrawing:
 
 def main() -> None:
     """Draw what standard input asks for."""
-    out = sys.stdout
-    sys.stdout = sys.stderr  # nothing else may write between the messages
+    out = os.fdopen(os.dup(sys.stdout.fileno()), "w", encoding="utf-8")
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # nothing else may write between the messages, no driver either
 
     def tell(message: dict[str, Any]) -> None:
         out.write(json.dumps(message) + "\n")

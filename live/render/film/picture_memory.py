@@ -47,6 +47,11 @@ class Reach:
     draw: int
 
 
+def least_reach(fps: float) -> int:
+    """Return how many frames before a part have to be followed at least, whatever its pictures show."""
+    return DRAWN_FRAMES + max(math.ceil(EASING_MEMORY_S * fps), STILL_FRAMES) + 1
+
+
 class PictureMemory:
     """The memory of the pictures of one show, frame by frame; call `add` for each in order."""
 

@@ -2,6 +2,8 @@
 
 import os
 import signal
+import zlib
+from dataclasses import asdict
 from queue import SimpleQueue
 from typing import ClassVar
 
@@ -9,7 +11,7 @@ import av
 import pytest
 from rich.console import Console
 
-from live.app.film import film_crew, film_worker
+from live.app.film import film_cluster, film_crew, film_plan, film_worker
 from live.app.film.film_crew import LocalCrew, PartResult
 from live.app.film.film_plan import FilmPart, film_frames, part_bounds
 from live.app.film.film_worker import FilmOrder, FilmWorker, check_needs, needed_files
@@ -18,6 +20,7 @@ from live.app.film.replay_film import FilmLook
 from live.base.errors import PersonError
 from live.clock.ticks import FrameGrid
 from live.render.film.picture_memory import Reach
+from live.show.journal.replay import ReplayStart
 from tests.app.film.part_show import SIZE, film_first, pictures
 from tests.cli.command import run_live
 from tests.cli.test_show_commands import gl_or_skip
@@ -230,6 +233,21 @@ def test_crew_gives_up_a_part_whose_workers_die_and_workers_that_do_not_start(cr
         heard(crew)
 
 
+def test_worker_of_a_cluster_shares_its_own_processors_among_parts(monkeypatch, tmp_path):
+    asked = []
+
+    def draw(order, part, out, snapshot, *, threads):
+        asked.append((threads, out.write_bytes(b"packets")))
+        yield {"before": "b", "last": "l", "done": 0}
+
+    monkeypatch.setattr(film_cluster, "draw_alone", draw)
+    monkeypatch.setattr(film_cluster, "processor_count", lambda: 64)
+    order, part = FilmOrder("a.jsonl", "film.mp4", SIZE, FPS), FilmPart(0, 0, 10, Reach(0, 0))
+    done = film_cluster.draw_remote(asdict(order), zlib.compress(b"journal"), part, 4)
+    assert done == ({"before": "b", "last": "l"}, {"out": b"packets"})
+    assert asked[0][0] == 16
+
+
 def test_refusal_of_a_worker_ends_the_film(crew):
     MadeWorker.made[1].tell(refused="there is no OpenGL")
     with pytest.raises(PersonError, match="there is no OpenGL"):
@@ -243,6 +261,30 @@ def test_parts_begin_on_the_grid_of_segments():
         assert all(bound % round(2 * fps) == 0 for bound in bounds[1:-1])
         assert bounds == sorted(set(bounds))
         assert workers * 2 <= len(bounds) or end - first < workers * 4 * 2 * fps
+
+
+def test_states_are_kept_where_parts_will_probably_start(monkeypatch):
+    """So that a worker does not simulate two seconds for nothing before its part."""
+
+    class Taker:
+        def __init__(self, show):
+            pass
+
+        def capture(self, tick):
+            return None if tick == 300 else Taken(tick)
+
+    class Taken:
+        def __init__(self, tick):
+            self.tick = tick
+
+        def seal(self):
+            return self.tick
+
+    monkeypatch.setattr(film_plan, "Snapshotter", Taker)
+    states = film_plan._States(ReplayStart(None, 0), [0, 200, 300])
+    for tick in range(1, 500):
+        states.keep(None, tick)
+    assert [states.until(tick) for tick in (100, 199, 200, 300, 301, 430, 499)] == [None, 128, 200, 200, 301, 429, 429]
 
 
 @pytest.mark.gl

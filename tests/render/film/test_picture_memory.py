@@ -15,7 +15,7 @@ from live.base.picture_parameters import (
 )
 from live.base.stage_snapshot import Camera, Scene
 from live.motion.skeleton import JOINT_COUNT
-from live.render.film.picture_memory import DRAWN_FRAMES, EASING_MEMORY_S, STILL_FRAMES, PictureMemory
+from live.render.film.picture_memory import DRAWN_FRAMES, EASING_MEMORY_S, STILL_FRAMES, PictureMemory, least_reach
 
 FPS, BEATS_PER_S = 30.0, 2.0
 SCENE = Scene((8.0, 6.0), Camera(), 3, JOINT_COUNT)
@@ -46,6 +46,7 @@ def test_plain_picture_remembers_arms_and_backdrop_only():
     reach = reach_of()
     assert AT - reach.draw == DRAWN_FRAMES
     assert AT - reach.follow == pytest.approx(max(EASING_MEMORY_S * FPS, STILL_FRAMES), abs=4)
+    assert AT - reach.follow == least_reach(FPS)
     assert (reach_of(until=20).follow, reach_of(until=1).draw) == (0, 0)
 
 
