@@ -84,13 +84,15 @@ def _measure(
         time.sleep(seconds)
         load = (_processor_time(leader) - load) / (time.perf_counter() - since)
         origin = _origin(folder)
-        shares, drifts = [], []
+        shares, drifts, missed = [], [], []
         for node in nodes:
             frames = [each for each in _frames(folder, node.number) if each[0] >= since]
             shares.append(sum(_is_right(at, tick, origin) for at, tick in frames) / max(len(frames), 1))
             drifts.append(_drift(frames, origin))
+            missed.append(_missed(frames))
         found = [
-            Row(f"{words}: frames with the schedule's tick within 2 ms, worst", min(shares), "", 0.999, "at least"),
+            Row(f"{words}: frames with the schedule's tick within 2 ms, worst", min(shares), "", 0.999, "at least",
+                peers={} if draws else {"ticks that no frame showed, worst": max(missed)}),
             Row(f"{words}: change of lateness from the first to the last third", max(map(abs, drifts)), "ms", 2.0),
             Row(f"{words}: from connection to the first frame", joined - begun if joined else None, "s",
                 note="with the start of the processes"),
@@ -121,6 +123,12 @@ def _killed(folder: Path, node: "Node") -> list[Row]:
 def _is_right(at: float, tick: int, origin: float) -> bool:
     low, high = (int((at + off - origin) / TICK) for off in (-TOLERANCE, TOLERANCE))
     return low <= tick <= high
+
+
+def _missed(frames: list[tuple[float, int]]) -> float:
+    """Share of the ticks from the first frame to the last that no frame showed."""
+    ticks = {tick for _, tick in frames}
+    return 1.0 - len(ticks) / (max(ticks) - min(ticks) + 1) if ticks else 1.0
 
 
 def _drift(frames: list[tuple[float, int]], origin: float) -> float:

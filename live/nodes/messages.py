@@ -134,7 +134,7 @@ class NodeState:
     late: int = 0
     """Frames that showed an older tick than was due."""
     late_ms: float = 0.0
-    """The most by which a frame of the last second was behind."""
+    """The most by which a frame was behind since the last report."""
     joins: int = 0
     """How often it took a snapshot."""
     compared: int = 0

@@ -173,7 +173,8 @@ def proxy_config(folder, port, gateways):
     """The configuration of the manual, for this machine."""
     page = (Path(__file__).parents[3] / "docs/how-to/hall/stadium.md").read_text("utf-8")
     text = page.partition("```text\n")[2].partition("```")[0]
-    lines = [line for line in text.splitlines() if not line.startswith("  server ")]
+    owner = () if os.geteuid() == 0 else ("  user ", "  group ")  # only root can become another
+    lines = [line for line in text.splitlines() if not line.startswith(("  server ", *owner))]
     lines += [f"  server gateway{k} 127.0.0.1:{at}" for k, at in enumerate(gateways)]
     text = "\n".join(lines).replace("bind :443", f"bind 127.0.0.1:{port}").replace("maxconn 130000", "maxconn 500")
     certificate, key = write_certificate(folder)
