@@ -34,6 +34,8 @@ NAME_FREE_AFTER: Final = 1.5
 """Seconds of silence after which another process may have a node's name."""
 MAX_NODES: Final = 64
 LONGEST_NAME: Final = 64
+LONGEST_STATE: Final = 1 << 14
+"""Longer reports of nodes [bytes] are refused."""
 MOST_QUESTIONS: Final = 64
 """Questions that wait; further ones are dropped, and asked again."""
 
@@ -61,7 +63,7 @@ class NodeLeader:
         bus.serve(messages.question_key(self.name, messages.CLOCK), self._tell_time, anyone=True)
         for what in (messages.JOIN, messages.STATUS, messages.COMMAND):
             bus.serve(messages.question_key(self.name, what), partial(self._queue, what))
-        bus.receive(messages.STATE, lambda data: self._states.append((now(), data)))
+        bus.receive(messages.STATE, self._take_state)
 
     # -- by threads of the bus -------------------------------------------------------------------------------------
 
@@ -73,6 +75,12 @@ class NodeLeader:
             return
         received = asked.arrived if self._now is time.perf_counter else self._now()
         asked.answer(messages.encode(messages.ClockTold(question.sent, received, self._now())))
+
+    def _take_state(self, data: bytes) -> None:
+        if len(data) > LONGEST_STATE:
+            self.refused += 1
+        else:
+            self._states.append((self._now(), data))
 
     def _queue(self, what: str, asked: Question) -> None:
         self._questions.append((what, asked))
@@ -126,8 +134,8 @@ class NodeLeader:
         """Return state and lateness of each node, by name, for the status."""
         return {
             name: {
-                "state": told.state if now - heard < GONE_AFTER else "gone", "why": told.why, "late": told.late,
-                "late_ms": told.late_ms, "offset_ms": told.offset_ms, "different": told.different,
+                "state": one_line(told.state) if now - heard < GONE_AFTER else "gone", "why": one_line(told.why),
+                "late": told.late, "late_ms": told.late_ms, "offset_ms": told.offset_ms, "different": told.different,
             }
             for name, (heard, told) in sorted(self._nodes.items())
         }  # fmt: skip

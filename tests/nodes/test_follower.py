@@ -10,7 +10,7 @@ from live.base.errors import PersonError
 from live.control.events.events import PlaceElement, SetTempo
 from live.nodes import messages
 from live.nodes.follower import Phase
-from live.nodes.messages import Lines, Pulse
+from live.nodes.messages import Lines, NodeState, Pulse
 from live.nodes.signed_bus import SignedBus
 from live.supervisor.network.identity import Pairings, load_identity
 from tests.nodes.made_cluster import MadeBus, MadeCluster, MadeNode, made_loaded
@@ -259,6 +259,16 @@ def test_messages_of_strangers_and_damaged_ones_are_dropped_and_counted(cluster,
     assert node.follower.refused == 10
     assert leader.nodes.refused == 1
     assert node.follower.phase is Phase.FOLLOWS
+
+
+def test_report_of_a_node_is_bounded_and_printable(cluster, loaded):
+    leader = cluster.lead(loaded)
+    bus = SignedBus(MadeBus(cluster.network, "left"), cluster.identity, cluster.pairings)
+    for why in ("x" * 20_000, "\x1b[2Jlost"):
+        bus.publish(messages.STATE, messages.encode(NodeState("left", "p", __version__, "alone", why)))
+    cluster.run(0.1)
+    assert leader.nodes.refused == 1
+    assert leader.report.nodes["left"]["why"] == " [2Jlost"
 
 
 def test_pairing_that_is_removed_ends_the_trust(tmp_path):
