@@ -34,7 +34,8 @@ class SharedGroups:
             fits = 0 <= phones <= capacity and 0 <= joined <= capacity and until <= latest
             before = self._rows.get(key, {}).get(shard, (0, 0, -1.0))
             count = self._joined.get(shard, 0) + phones - before[0]
-            if not fits or count > capacity or (key not in own and len(own) >= 2 * capacity + SPARE_GROUPS):
+            full = phones > before[0] and count > capacity
+            if not fits or full or (key not in own and len(own) >= 2 * capacity + SPARE_GROUPS):
                 refused += 1
                 continue
             self._joined[shard] = count

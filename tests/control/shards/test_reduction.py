@@ -80,6 +80,25 @@ def test_address_on_all_gateways_has_one_voice_and_gives_it_back():
     assert not hall.shards[0].session.phones.elsewhere
 
 
+def test_groups_of_a_killed_gateway_are_forgotten():
+    """Else phones that come back at another gateway would share their voices with themselves."""
+    hall = Hall(2)
+    stays, dies = hall.shards
+    phone = hall.enter(stays, 1, 7)
+    for number in range(2, 8):
+        hall.enter(dies, number, 7 + number % 3)
+    hall.step(4)
+    assert stays.session.voices.share[phone.row] == pytest.approx(1 / 3)
+    hall.kill(dies)
+    hall.step(4)
+    assert stays.session.voices.share[phone.row] == 1.0
+    assert not stays.session.phones.elsewhere
+    for number in range(2, 8):
+        hall.enter(stays, number, 7 + number % 3, fresh=False)
+    hall.step(4)
+    assert stays.session.voices.share[phone.row] == pytest.approx(1 / 3)
+
+
 def test_crowded_address_is_crowded_on_all_gateways():
     hall = Hall(3)
     phone = hall.enter(hall.shards[2], 5, 9)
