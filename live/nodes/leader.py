@@ -51,7 +51,7 @@ class NodeLeader:
         self._bus, self._say, self._ahead, self._now = bus, say, ahead, now
         self._stream = ShowStream()
         self._unsent: list[str] = []
-        self._show = ""
+        self._header = self._show = ""
         self._pulse_at = 0.0
         self._leads, self._epoch, self._tick = False, 0, 0
         self._questions: deque[tuple[str, Question]] = deque(maxlen=MOST_QUESTIONS)
@@ -92,7 +92,6 @@ class NodeLeader:
         if line.startswith('{"journal"'):
             self._stream.restart()
             self._unsent.clear()
-            self._show = hashlib.sha256(line.encode()).hexdigest()[:16]
         elif '"snapshot":' not in line[:64]:
             self._stream.add(line)
             self._unsent.append(line)
@@ -103,7 +102,8 @@ class NodeLeader:
         self._bus.refresh()
         self._leads = not report.follows and not report.fenced and report.origin is not None and bool(log.header)
         self._epoch, self._tick = report.epoch, log.tick
-        if log.header and not self._show:  # the show of an adopted engine
+        if log.header != self._header:
+            self._header = log.header
             self._show = hashlib.sha256(log.header.encode()).hexdigest()[:16]
         if self._unsent and self._leads:
             first = self._stream.number - len(self._unsent) + 1

@@ -13,6 +13,7 @@ from live.nodes.follower import Phase
 from live.nodes.messages import Lines, NodeState, Pulse
 from live.nodes.signed_bus import SignedBus
 from live.supervisor.network.identity import Pairings, load_identity
+from live.supervisor.recovery_log import RecoveryLog
 from tests.nodes.made_cluster import MadeBus, MadeCluster, MadeNode, made_loaded
 from tests.show.made_show import PATCH
 
@@ -181,6 +182,22 @@ def test_standby_that_takes_over_is_followed(cluster, loaded):
     heir.running = False
     cluster.run(0.2)
     assert node.hash == (heir.tick, heir.show.state_hash())
+
+
+def test_machine_that_stands_by_knows_the_show_that_it_followed_last(cluster, loaded):
+    """Nodes change over to a leader of the same show sooner than to one of another show."""
+    first, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
+    header = json.dumps(json.loads(first.log.header) | {"seed": 6})
+    heir = cluster.lead(loaded, header=header)  # of the show before
+    heir.report.follows = "the first"
+    cluster.run(0.2)
+    heir.log = RecoveryLog()
+    heir.log.add_line(first.log.header)  # the next show comes from its leader and not from an engine of its own
+    cluster.run(0.8, follows(node))
+    heir.report.follows, heir.report.epoch = "", 2
+    cluster.run(0.3)
+    assert node.follower._pulse.leader == heir.nodes.name
+    assert node.follower._pulse.show == first.nodes._show
 
 
 def test_other_kernels_are_refused_by_name_with_a_remedy(cluster, loaded):
