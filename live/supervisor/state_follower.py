@@ -83,7 +83,7 @@ class StateFollower:
         """Latencies that were changed by hand [s]."""
         self._arrivals: deque[float] = deque(maxlen=MAX_ARRIVALS)
         self._last_measure: tuple[int, str] = (0, "")
-        self._diverged = self._stuck = False
+        self._diverged = self._stuck = self._was_ahead = False
 
     @property
     def ready(self) -> bool:
@@ -197,7 +197,7 @@ class StateFollower:
         """Continue from `show` as it was after `tick`; None: nothing of it has been run."""
         self._set_show(show)
         self.tick = tick
-        self._diverged = False
+        self._diverged = self._was_ahead = False
         self._since_snapshot.clear()
         if show is None:
             self._loaded = self._first
@@ -259,12 +259,14 @@ class StateFollower:
         if len(value) > 1 and self._keeps_lines:
             self._since_snapshot.append(value)
         if "event" in value:
-            self._diverged = self._diverged or value["tick"] < self.tick  # it came after this show had gone ahead
+            if value["tick"] < self.tick:  # it came after this show had gone ahead; a hash of measures misses a light
+                self._diverged = self._was_ahead = True
             self._apply_json(show, value["event"])
         elif "measure" in value:
             self.compared += 1
-            self._diverged = self._last_measure != (value["tick"], value["hash"])
-            self.differences += self._diverged
+            differs = self._last_measure != (value["tick"], value["hash"])
+            self.differences += differs
+            self._diverged = differs or self._was_ahead
 
     def _run_to(self, show: Show, until: int) -> None:
         while self.tick < until:
@@ -307,7 +309,7 @@ class StateFollower:
             return
         assert self.show is not None
         self.repaired += self._diverged
-        stood, self.tick, self._diverged = self.tick, tick, False
+        stood, self.tick, self._diverged, self._was_ahead = self.tick, tick, False, False
         for kept in self._since_snapshot:
             self._run_to(self.show, kept["tick"])
             if "event" in kept:

@@ -7,7 +7,7 @@ import pytest
 
 from live import __version__
 from live.base.errors import PersonError
-from live.control.events.events import PlaceElement, SetTempo
+from live.control.events.events import MuteAudience, PlaceElement, SetTempo
 from live.nodes import messages
 from live.nodes.follower import Phase
 from live.nodes.messages import Lines, NodeState, Pulse
@@ -148,6 +148,21 @@ def test_node_that_missed_events_takes_a_snapshot(cluster, loaded):
     leader.running = False
     cluster.run(0.2)
     assert node.hash == (leader.tick, leader.show.state_hash())
+
+
+def test_node_that_missed_what_no_hash_shows_takes_a_snapshot(cluster, loaded):
+    """The hash of a measure is that of the dancers: it is right after a late mute, and the picture is not."""
+    leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
+    cluster.run(2.0)
+    cluster.network.cut.add(node.place)
+    cluster.run(1.0)
+    leader.apply(MuteAudience(time=0.0, source="osc", on=True))
+    count = len(leader.hashes)
+    cluster.run(2.5)
+    assert len(leader.hashes) > count  # a measure began after it
+    cluster.network.cut.clear()
+    cluster.run(4.0, lambda: follows(node)() and node.follower.joins == 2)
+    assert node.follower.joins == 2
 
 
 def test_of_two_leaders_the_first_is_kept_until_a_higher_epoch_rules(cluster, loaded):

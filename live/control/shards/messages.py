@@ -5,7 +5,7 @@ the show's own packets (`Rules`, `BeatClock`, the stage) as they are.
 """
 
 import struct
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Final
 
 from live.control.audience.voice_report import VoiceReport
@@ -61,7 +61,7 @@ class ShardPlan:
 
     time: float
     """Time of the show [s]."""
-    secret: bytes
+    secret: bytes = field(repr=False)
     link: str
     """The address that phones open."""
     most: int

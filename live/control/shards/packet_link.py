@@ -9,7 +9,7 @@ import hashlib
 import socket
 import ssl
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final, Protocol
 
 from live.base.fault_isolation import FAULTS
@@ -42,7 +42,7 @@ class Link(Protocol):
 class LinkKeys:
     """By what both ends of a connection know each other."""
 
-    identity: bytes
+    identity: bytes = field(repr=False)
     """This machine's key and certificate (PEM)."""
     peers: tuple[bytes, ...]
     """Certificates (DER) of the machines that may be at the other end, with its own."""
