@@ -137,6 +137,8 @@ class Reduction:
             why = "a name and room for phones expected"
         elif len(self._there()) >= MAX_SHARDS and hello.name not in self.shards:
             why = f"there are {MAX_SHARDS} gateways already"
+        elif hello.name in self.shards and self.shards[hello.name].where != where:
+            why = "a gateway of another machine has this name"
         if why:
             self.refused["gateway: does not fit"] += 1
             send(encode_packet(ShardRefused(why)))

@@ -107,13 +107,16 @@ def join_parts(
             container.start_encoding()
             done = 0
             for part, frames in parts:
-                packets = _read(part, bytes(stream.codec_context.extradata or b""))
-                for count, packet in enumerate(packets, start=1):
+                count = 0
+                for packet in _read(part, bytes(stream.codec_context.extradata or b"")):
+                    count += 1
                     packet.stream, packet.time_base = stream, 1 / rate
                     packet.pts, packet.dts = packet.pts + done, packet.dts + done
                     container.mux(packet)
                     if audio is not None:
                         audio.encode_until((done + min(count, frames)) / rate)
+                if count != frames:
+                    raise FilmError(f"{part}: the part has {count} pictures instead of {frames}")
                 done += frames
             if audio is not None:
                 audio.encode_until(done / rate, last=True)

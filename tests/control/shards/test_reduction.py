@@ -308,6 +308,11 @@ def test_gateways_that_do_not_fit_are_told_why():
         assert isinstance(told, ShardRefused)
         assert why in told.why
     assert hall.reduction.refused["gateway: does not fit"] == 4
+    one, answer = hall.join("one"), []
+    hello = ShardHello(PROTOCOL, "1", one.known.name, 10, 0)
+    assert hall.reduction.enter(hello, "elsewhere", answer.append, lambda: None, 0.0) is None
+    assert "another machine" in decode_packet(answer[0]).why
+    assert not one.link.closed
 
 
 def test_rates_fall_smoothly_with_the_number_of_phones():

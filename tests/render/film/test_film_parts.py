@@ -85,6 +85,12 @@ def test_damaged_and_foreign_parts_are_refused(tmp_path):
         parts[1][0].write_bytes(bad)
         with pytest.raises(FilmError, match=words):
             join_parts(film, parts, size=SIZE, fps=FPS, sound=None)
+    ends = [0]
+    while ends[-1] < len(data):  # of its records, each with its size before it
+        ends.append(ends[-1] + 29 + int.from_bytes(data[ends[-1] + 25 : ends[-1] + 29], "little"))
+    parts[1][0].write_bytes(data[: ends[-2]])
+    with pytest.raises(FilmError, match="19 pictures instead of 20"):
+        join_parts(film, parts, size=SIZE, fps=FPS, sound=None)
     other = made_parts(tmp_path, tmp_path / "film.mov")
     with pytest.raises(FilmError, match="another version of the encoder"):
         join_parts(film, other, size=SIZE, fps=FPS, sound=None)
