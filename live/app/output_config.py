@@ -66,7 +66,19 @@ def window_placement(
     asked = options.operator or of_venue
     where = "--operator" if options.operator else f"venue {options.venue}: operator"
     operator = None if asked is None else configured_monitor(asked, where)
-    return WindowLayout(outputs, monitor, operator, options.size, fullscreen, hidden)
+    return WindowLayout(
+        outputs, monitor, operator, options.size, fullscreen, hidden,
+        picture=None if venue is None else venue.picture_size, whole_for=_whole_for(options),
+    )  # fmt: skip
+
+
+def _whole_for(options: LaunchOptions) -> str:
+    """Return which option needs the whole picture, in words; empty if none does."""
+    asking = (
+        (options.record is not None, "--record takes it"), (bool(options.share), "--share passes it on"),
+        (options.web is not None, "the operator's page shows it"),
+    )  # fmt: skip
+    return next((words for asks, words in asking if asks), "")
 
 
 def _mask_exists(output: Output) -> bool:

@@ -1,9 +1,10 @@
-"""Camera matrices, and the projection of pixels onto the stage floor.
+"""Camera matrices, the part of the picture that is drawn, and the projection of pixels onto the stage floor.
 
 Matrices are float64 (4, 4) for column vectors: `clip = world_to_clip(...) @ (x, y, z, 1)`; right-handed world, OpenGL
 clip space (x right, y up, -w <= z <= w).
 """
 
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -16,6 +17,55 @@ NEAR: Final = 0.1
 """Nearest distance drawn [m]."""
 FAR: Final = 120.0
 """Farthest distance drawn [m]."""
+
+Size = tuple[int, int]
+
+
+@dataclass(frozen=True, slots=True)
+class PicturePart:
+    """A rectangle of the whole picture, drawn pixel by pixel as in the whole one: an off-centre part of its frustum."""
+
+    whole: tuple[float, float]
+    """Width and height of the whole picture [pixels]; it may be larger than any texture."""
+    left: float
+    bottom: float
+    """Lower left corner of the part in the whole picture [pixels]."""
+    size: Size
+    """Width and height of the part [pixels]."""
+
+    @staticmethod
+    def of(size: "Size | PicturePart") -> "PicturePart":
+        """Return a whole picture of this size, or the part as it is."""
+        return size if isinstance(size, PicturePart) else PicturePart(size, 0, 0, size)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether it is the whole picture."""
+        return self.whole == self.size
+
+    @property
+    def share(self) -> tuple[float, float]:
+        """Width and height as shares of the whole picture's."""
+        return self.size[0] / self.whole[0], self.size[1] / self.whole[1]
+
+    @property
+    def corner(self) -> tuple[float, float]:
+        """Its upper left corner in the whole picture, as shares of that, y down: as in an output's crop."""
+        return self.left / self.whole[0], 1.0 - (self.bottom + self.size[1]) / self.whole[1]
+
+    def scaled(self, size: Size) -> "PicturePart":
+        """Return the same part of a larger or smaller picture, so that it has this size [pixels]."""
+        x, y = size[0] / self.size[0], size[1] / self.size[1]
+        whole = size if self.is_whole else (self.whole[0] * x, self.whole[1] * y)
+        return PicturePart(whole, self.left * x, self.bottom * y, size)
+
+    def clip_matrix(self) -> Float64:
+        """Return the matrix (4, 4) from the clip space of the whole picture to that of the part."""
+        matrix = np.eye(4)
+        for axis, start in enumerate((self.left, self.bottom)):
+            matrix[axis, axis] = self.whole[axis] / self.size[axis]
+            matrix[axis, 3] = (self.whole[axis] - 2.0 * start) / self.size[axis] - 1.0
+        return matrix
 
 
 def view_matrix(camera: Camera) -> Float64:
@@ -67,22 +117,31 @@ def projection(camera: Camera, aspect: float) -> Float64:
     return matrix
 
 
-def view_rays(camera: Camera, size: tuple[int, int]) -> tuple[Float64, Float64, Float64]:
-    """Return the ray from the eye through the lower left corner of a picture of `size` pixels, and the differences to
-    the right and upper edges; each (3,), scaled to a depth of one metre.
+def view_rays(camera: Camera, size: Size | PicturePart) -> tuple[Float64, Float64, Float64]:
+    """Return the ray from the eye through the lower left corner of a picture of `size` pixels or of a part, and the
+    differences to its right and upper edges; each (3,), scaled to a depth of one metre.
 
     The point at depth d [m] and (u, v) of 0..1 in the picture is eye + d (corner + u right + v up).
     """
-    frame = projection(camera, size[0] / size[1])
+    part = PicturePart.of(size)
+    frame = part.clip_matrix() @ projection(camera, part.whole[0] / part.whole[1])
     back = np.linalg.inv(np.array([frame[0, :3], frame[1, :3], [0.0, 0.0, -1.0]]))
     corner, right, up = (back @ np.array(at) for at in ((-1.0, -1.0, 1.0), (1.0, -1.0, 1.0), (-1.0, 1.0, 1.0)))
     axes = view_matrix(camera)[:3, :3].T
     return axes @ corner, axes @ (right - corner), axes @ (up - corner)
 
 
-def world_to_clip(camera: Camera, size: tuple[int, int]) -> Float64:
-    """Return the matrix from world to clip space for a picture of `size` (width, height) pixels."""
-    return projection(camera, size[0] / size[1]) @ view_matrix(camera)
+def world_to_clip(camera: Camera, size: Size | PicturePart) -> Float64:
+    """Return the matrix from world to clip space for a picture of `size` (width, height) pixels, or for a part."""
+    part = PicturePart.of(size)
+    return part.clip_matrix() @ (projection(camera, part.whole[0] / part.whole[1]) @ view_matrix(camera))
+
+
+def pixels_per_metre(camera: Camera, size: Size | PicturePart) -> float:
+    """Return how many pixels high a metre is at a distance of one metre along the camera's axis."""
+    whole = PicturePart.of(size).whole
+    upwards = projection(camera, whole[0] / whole[1]) @ view_matrix(camera)
+    return float(np.linalg.norm(upwards[1, :3])) * 0.5 * whole[1]
 
 
 def project_points(camera: Camera, size: tuple[int, int], points: npt.ArrayLike) -> Float64:

@@ -29,7 +29,7 @@ def compile_pass(ctx: moderngl.Context, own: CustomShader) -> moderngl.Program:
     footer = source("own_footer.glsl").split("\n", 1)[1]
     text = f"{source('own_header.glsl', ends)}#line 1\n{own.source}\n{footer}"
     try:
-        linked = ctx.program(vertex_shader=source("full_vertex.glsl"), fragment_shader=text)
+        linked = ctx.program(vertex_shader=source("full_vertex.glsl", (("OWN", 1),)), fragment_shader=text)
     except moderngl.Error as error:
         raise PersonError(first_error(own.name, str(error))) from None
     bind_blocks(linked)
@@ -115,6 +115,7 @@ def _draw(ctx: Any, own: CustomShader) -> None:
         "tempo": 120.0,
         "energy": 0.5,
         "size": TRIAL_SIZE,
+        "own_part_": (1.0, 1.0, 0.0, 0.0),
         "time": 2.0,
     }.items():
         set_uniform(program, name, value)

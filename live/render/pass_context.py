@@ -8,6 +8,7 @@ import moderngl
 from live.base.arrays import Float64
 from live.base.stage_snapshot import Scene, StageView
 from live.render.adaptive_quality import Quality
+from live.render.camera import Size
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.uniforms import FrameUniforms
 
@@ -22,8 +23,8 @@ class PassSetup:
     ctx: moderngl.Context
     scene: Scene
     quality: Quality
-    size: tuple[int, int]
-    """Width and height of the picture [pixels]."""
+    size: Size
+    """Width and height of the picture, or of the part of it that is drawn [pixels]."""
     blocking_video: bool = False
     """Whether to wait for pictures of videos, as in an offline film."""
     transparent: bool = False
@@ -40,7 +41,7 @@ class Moment:
     floor: moderngl.Texture
     """The floor's map: light of the elements, and shadows."""
     rectangle: tuple[int, int, int, int] = (0, 0, 0, 0)
-    """Left, bottom, width and height of the part of the picture that dancers and items may cover [pixels]."""
+    """Left, bottom, width and height of where in the drawn picture dancers and items may be [pixels]."""
     beats: float = 0.0
     """Beats since the previous picture, 0 or more."""
     cut: bool = True
@@ -127,8 +128,8 @@ class ScenePass:
         Blending with ONE, ONE_MINUS_SRC_COLOR adds light: in the compressed range that is nearly a sum.
         """
 
-    def resize(self, size: tuple[int, int]) -> None:
-        """Set a new size of the picture [pixels]."""
+    def resize(self, size: Size) -> None:
+        """Set a new size of what is drawn [pixels]."""
 
     def release(self) -> None:
         """Free everything."""
@@ -148,8 +149,8 @@ class PicturePass(Protocol):
     ) -> None:
         """Draw the processed `source` (compressed light) into `target`."""
 
-    def resize(self, size: tuple[int, int]) -> None:
-        """Set a new size of the picture [pixels]."""
+    def resize(self, size: Size) -> None:
+        """Set a new size of what is drawn [pixels]."""
 
     def release(self) -> None:
         """Free everything."""

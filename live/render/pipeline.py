@@ -17,7 +17,7 @@ from live.base.custom_pass import CustomShader
 from live.base.set_geometry import SetItem
 from live.base.stage_snapshot import FLOOR_MARGIN, Camera
 from live.render.adaptive_quality import Quality
-from live.render.camera import screen_bounds, view_rays, world_to_clip
+from live.render.camera import PicturePart, Size, screen_bounds, view_rays, world_to_clip
 from live.render.pass_context import HDR, Moment, PassSetup, PicturePass, ScenePass, Surfaces
 from live.render.pass_faults import PassFaults, pass_name
 from live.render.passes.alpha_pass import AlphaPass
@@ -80,7 +80,7 @@ class PassChain:
         self._final = FinalPass(setup.ctx)
         self._create_targets(setup.size)
 
-    def _create_targets(self, size: tuple[int, int]) -> None:
+    def _create_targets(self, size: Size) -> None:
         count = 2
         self._textures = [self._ctx.texture(size, 4, dtype=HDR) for _ in range(count)]
         for texture in self._textures:
@@ -137,8 +137,8 @@ class PassChain:
             faults.begin_essential()
             self._final.draw(source, target, gathered, strength)
 
-    def resize(self, size: tuple[int, int]) -> None:
-        """Set a new size of the picture [pixels]."""
+    def resize(self, size: Size) -> None:
+        """Set a new size of what is drawn [pixels]."""
         release_all(*self._targets, *self._textures)
         self._create_targets(size)
         for _, one in self._passes:
@@ -167,9 +167,10 @@ _BODY_REACH: Final = 0.25
 class Pipeline:
     """All passes of one renderer with their targets; GL objects are created here and in `resize`."""
 
-    def __init__(self, setup: PassSetup) -> None:
+    def __init__(self, setup: PassSetup, part: PicturePart) -> None:
+        """`part`: the part of the picture that is drawn, of the size of `setup`."""
         ctx, scene, size, quality = setup.ctx, setup.scene, setup.size, setup.quality
-        self._ctx, self._scene, self._size, self._quality = ctx, scene, size, quality
+        self._ctx, self._scene, self._part, self._quality = ctx, scene, part, quality
         worn = bool(scene.characters)
         self._stage_size = scene.stage_size
         self.floor = FloorPass(ctx, quality, _floor_size(scene.stage_size))
@@ -217,7 +218,7 @@ class Pipeline:
         self.floor.select_resolution(quality.floor_map)
         if self._lit:
             if quality.samples not in self._targets:
-                self._targets[quality.samples] = MultisampleTarget(self._ctx, quality.samples, self._size)
+                self._targets[quality.samples] = MultisampleTarget(self._ctx, quality.samples, self._part.size)
             self._target = self._targets[quality.samples]
             self._dancer.quality = quality
         else:
@@ -232,8 +233,8 @@ class Pipeline:
 
     def set_camera(self, camera: Camera) -> None:
         """Update everything that depends on the camera, except the uniform block."""
-        self._floor_rows = _floor_row_count(camera, self._stage_size, self._size, open_air=self._open_air)
-        self._world_to_clip = world_to_clip(camera, self._size)
+        self._floor_rows = _floor_row_count(camera, self._stage_size, self._part, open_air=self._open_air)
+        self._world_to_clip = world_to_clip(camera, self._part)
 
     def has_effect(self, kind: str, moment: Moment) -> bool:
         """Whether leaving out a pass, or half of the particles and ribbons (`styles`), saves time now."""
@@ -367,11 +368,11 @@ class Pipeline:
         if low[0] > high[0]:
             return 0, 0, 0, 0
         reach = max(_BODY_REACH, moment.batch.reach)
-        return screen_bounds(self._world_to_clip, self._size, low - reach, high + reach)
+        return screen_bounds(self._world_to_clip, self._part.size, low - reach, high + reach)
 
-    def resize(self, size: tuple[int, int], camera: Camera) -> None:
-        """Set a new size of the picture [pixels], seen from this camera."""
-        self._size = size
+    def resize(self, part: PicturePart, camera: Camera) -> None:
+        """Draw another part of the picture, or one of another size, seen from this camera."""
+        self._part, size = part, part.size
         self._mirror.resize(size)
         self._backdrop.resize(size)
         self._surface.resize(size)
@@ -414,10 +415,10 @@ def _needs_surfaces(active: list[PicturePass]) -> bool:
 
 
 def _floor_row_count(
-    camera: Camera, stage_size: tuple[float, float], size: tuple[int, int], *, open_air: bool = False
+    camera: Camera, stage_size: tuple[float, float], part: PicturePart, *, open_air: bool = False
 ) -> int:
     """Return how many pixel rows from below can show the floor; the rows above show only the back wall, or the sky."""
-    corner, right, up = view_rays(camera, size)
+    (corner, right, up), size = view_rays(camera, part), part.size
     if abs(right[1]) > 1e-9:
         return size[1]  # the picture is tilted: the floor may be anywhere
     rows = (np.arange(size[1])[:, None] + 1.0) / size[1]

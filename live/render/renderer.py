@@ -22,6 +22,7 @@ from live.base.set_geometry import SetItem
 from live.base.stage_snapshot import Camera, Scene, StageView, Title
 from live.base.system.process_control import return_free_memory
 from live.render.adaptive_quality import HARDWARE, Quality, QualityStep, choose_quality, quality_steps
+from live.render.camera import PicturePart, Size
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.pass_context import Moment, PassSetup
 from live.render.passes.caption_pass import CaptionPass
@@ -37,7 +38,8 @@ JUMP_BEATS: Final = 64.0
 
 
 class Renderer:
-    """Draws moments of one scene at one size; GL objects are created here and in `resize`, none while drawing.
+    """Draws moments of one scene at one size, or a part of them; GL objects are created here and in `resize`, none
+    while drawing.
 
     `quality` overrides the choice by the driver. `blocking_video`: wait for pictures of videos, as in an offline film.
     Targets need no depth and no samples.
@@ -48,17 +50,17 @@ class Renderer:
         ctx: moderngl.Context,
         scene: Scene,
         *,
-        size: tuple[int, int],
+        size: Size | PicturePart,
         quality: Quality | None = None,
         steps: bool = False,
         blocking_video: bool = False,
         transparent: bool = False,
         warm_up: bool = True,
     ) -> None:
-        """`steps`: also create what the lower quality steps need; see `set_step`.
-        `transparent`: without a stage, in pictures with alpha (needs samples). `warm_up`: draw with everything once, so
-        that no later picture has to wait for the driver; a film may wait."""
-        self._ctx, self._scene, self._size = ctx, scene, _clamped_size(size)
+        """`size`: of the picture [pixels], or the part of it to draw. `steps`: also create what the lower quality steps
+        need; see `set_step`. `transparent`: without a stage, in pictures with alpha (needs samples). `warm_up`: draw
+        with everything once, so that no later picture has to wait for the driver; a film may wait."""
+        self._ctx, self._scene, self._part = ctx, scene, _clamped(size)
         self.quality = quality or (
             _transparent_quality(ctx) if transparent else choose_quality(ctx, scene.dancer_count)
         )
@@ -69,15 +71,14 @@ class Renderer:
         """The current quality step."""
         self.mark: Callable[[str], None] = _ignore_mark
         """Callback after each part of a frame, for time measurement: "upload", "draw"."""
-        self._drawn_size = self._size
-        self._uniforms = FrameUniforms(ctx, scene, size)
-        self._batch = DancerBatch(ctx, scene, self.quality, self._size)
+        self._drawn_size = self.size
+        self._uniforms = FrameUniforms(ctx, scene, self._part)
+        self._batch = DancerBatch(ctx, scene, self.quality, self._part)
         self._batch.set_styles(self._uniforms.row)
-        self._setup = PassSetup(ctx, scene, self.quality, self._size, blocking_video, transparent)
-        self._custom_passes: tuple[CustomShader, ...] = ()  # custom passes whose source was replaced
-        self._pipeline = Pipeline(self._setup)
+        self._setup = PassSetup(ctx, scene, self.quality, self.size, blocking_video, transparent)
+        self._pipeline = Pipeline(self._setup, self._part)
         self._uniforms.vignette_at_end = self._pipeline.chain.vignette_at_end
-        self._caption = CaptionPass(ctx, self._size)
+        self._caption = CaptionPass(ctx, self._whole)
         self._guide = GuidePass(ctx)
         self._overlay = OverlayPass(ctx)
         self.graph = FrameTimeGraphPass(ctx)
@@ -94,12 +95,11 @@ class Renderer:
     def _set_camera(self, camera: Camera) -> None:
         """Update everything that depends on the camera, except the uniform block."""
         self._pipeline.set_camera(camera)
-        self._batch.set_camera(camera, self._size)
+        self._batch.set_camera(camera, self._part)
 
     def _warm_up(self) -> None:
         """Draw with every step and style once, because drivers compile a program when it first draws."""
-        size = self._size
-        scratch = self._ctx.texture(size, 4)
+        scratch = self._ctx.texture(self.size, 4)
         framebuffer = self._ctx.framebuffer([scratch])
         view = StageView.allocate(max(self._scene.dancer_count, 1), self._scene.joint_count)
         view.element_count, view.obstacle_count = 3, 1  # a point, a disc, and a line with something running along it
@@ -124,9 +124,24 @@ class Renderer:
         return self._caption, self._guide, self._overlay, self.graph
 
     @property
-    def size(self) -> tuple[int, int]:
-        """Width and height of the picture [pixels]."""
-        return self._size
+    def size(self) -> Size:
+        """Width and height of what is drawn [pixels]."""
+        return self._part.size
+
+    @property
+    def part(self) -> PicturePart:
+        """The part of the picture that is drawn."""
+        return self._part
+
+    @property
+    def _whole(self) -> Size:
+        """Width and height of the whole picture [pixels]."""
+        return round(self._part.whole[0]), round(self._part.whole[1])
+
+    @property
+    def scene(self) -> Scene:
+        """What it draws moments of, with the custom passes as they are now."""
+        return self._scene
 
     def draw(self, view: StageView, target: moderngl.Framebuffer) -> None:
         """Draw one moment into `target` (the screen's framebuffer, or another one of this size)."""
@@ -186,7 +201,7 @@ class Renderer:
         faults = self._pipeline.faults
         try:
             if faults.begin("title"):
-                self._pipeline.titles.draw_over(view, target, self._size)
+                self._pipeline.titles.draw_over(view, target, self._whole)
             if faults.begin("caption"):
                 self._caption.draw(view, target)
         except Exception as error:
@@ -198,25 +213,26 @@ class Renderer:
         faults = self._pipeline.faults
         try:
             if view.overlay and faults.begin("graph"):
-                self.graph.draw(target, self._size)
+                self.graph.draw(target, self._whole)
             if faults.begin("guide"):
-                self._guide.draw(view, target, self._size)
+                self._guide.draw(view, target, self._whole)
             if faults.begin("overlay"):
-                self._overlay.draw(view.overlay, target, self._size)
+                self._overlay.draw(view.overlay, target, self._whole)
         except Exception as error:
             faults.record_failure(error)
             raise
 
-    def resize(self, size: tuple[int, int]) -> None:
-        """Set a new size of the picture [pixels]; (0, 0) of a minimised window becomes 1 x 1."""
-        size = _clamped_size(size)
-        if size == self._size:
+    def resize(self, size: Size | PicturePart) -> None:
+        """Set a new size of the picture [pixels], or another part of it; (0, 0) of a minimised window becomes 1 x 1."""
+        part = _clamped(size)
+        if part == self._part:
             return
-        self._size, self._moment.cut = size, True
-        self._uniforms.resize(size)
-        self._caption.resize(size)
-        self._resize_targets()
-        self._batch.set_camera(self._uniforms.camera, size)
+        letters, self._part, self._moment.cut = self._whole, part, True
+        self._uniforms.resize(part)
+        if letters != self._whole:
+            self._caption.resize(self._whole)
+        self._resize_targets(anew=True)
+        self._batch.set_camera(self._uniforms.camera, part)
 
     @property
     def problems(self) -> list[str]:
@@ -241,7 +257,10 @@ class Renderer:
     def set_custom_passes(self, passes: tuple[CustomShader, ...]) -> None:
         """Replace the source of custom passes; PersonError if one does not compile: its last version stays."""
         self._pipeline.chain.set_custom_passes(passes)
-        self._custom_passes = passes
+        fresh = {one.name: one for one in passes}
+        known = tuple(fresh.get(one.name, one) for one in self._scene.custom_passes)
+        self._scene = replace(self._scene, custom_passes=known)
+        self._setup = replace(self._setup, scene=self._scene)
 
     def reload_shaders(self) -> None:
         """Rebuild all programs from the current shader files; PersonError if one does not compile: the old ones stay
@@ -250,15 +269,14 @@ class Renderer:
         For developers of looks: this takes seconds, in which nothing is drawn, and passes lose their history.
         """
         ctx = self._ctx
-        made = Pipeline(replace(self._setup, size=self._drawn_size))
+        made = Pipeline(replace(self._setup, size=self._drawn_size), self._part.scaled(self._drawn_size))
         others = (
-            CaptionPass(ctx, self._size),
+            CaptionPass(ctx, self._whole),
             GuidePass(ctx),
             OverlayPass(ctx),
             FrameTimeGraphPass(ctx),
             FullscreenShader(ctx, "stretch_fragment.glsl"),
         )
-        made.chain.set_custom_passes(self._custom_passes)
         release_all(self._pipeline, *self._texts, self._stretch)
         self._pipeline, (self._caption, self._guide, self._overlay, self.graph, self._stretch) = made, others
         made.set_quality(self.quality)
@@ -280,14 +298,14 @@ class Renderer:
         """Whether that quality step would reduce the current picture."""
         return self._pipeline.has_effect(self.steps[step].kind, self._moment)
 
-    def _resize_targets(self) -> None:
-        """Resize the scene's targets to the size and scale of the current quality."""
+    def _resize_targets(self, *, anew: bool = False) -> None:
+        """Resize the scene's targets to the size and scale of the current quality; `anew`: the part is another one."""
         scale = self.quality.scale
-        width, height = _clamped_size((round(self._size[0] * scale), round(self._size[1] * scale)))
-        if (width, height) != self._drawn_size:
+        width, height = _clamped_size((round(self.size[0] * scale), round(self.size[1] * scale)))
+        if anew or (width, height) != self._drawn_size:
             self._drawn_size = width, height
             self._moment.cut = True
-            self._pipeline.resize((width, height), self._uniforms.camera)
+            self._pipeline.resize(self._part.scaled((width, height)), self._uniforms.camera)
         if self._scaled_target is not None and self._scaled_target[0].size != (width, height):
             release_all(*reversed(self._scaled_target))
             self._scaled_target = None
@@ -301,10 +319,10 @@ class Renderer:
     ) -> None:
         """Draw the picture smaller than `target` and stretch it; text is drawn later and stays sharp."""
         texture, framebuffer = small
-        self._uniforms.resize(texture.size)
+        self._uniforms.resize(self._part.scaled(texture.size))
         self._uniforms.upload()
         self._pipeline.draw(moment, framebuffer)
-        self._uniforms.resize(self._size)
+        self._uniforms.resize(self._part)
         self._uniforms.upload()
         self._ctx.disable(moderngl.DEPTH_TEST | moderngl.CULL_FACE | moderngl.BLEND)
         self._stretch.draw(target, small=texture)
@@ -354,5 +372,9 @@ def _transparent_quality(ctx: moderngl.Context) -> Quality:
     return replace(HARDWARE, samples=min(HARDWARE.samples, int(ctx.max_samples)))
 
 
-def _clamped_size(size: tuple[int, int]) -> tuple[int, int]:
+def _clamped(size: Size | PicturePart) -> PicturePart:
+    return size if isinstance(size, PicturePart) else PicturePart.of(_clamped_size(size))
+
+
+def _clamped_size(size: Size) -> Size:
     return max(int(size[0]), 1), max(int(size[1]), 1)

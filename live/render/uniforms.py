@@ -25,7 +25,7 @@ from live.base.picture_parameters import (
     picture_row,
 )
 from live.base.stage_snapshot import FLOOR_MARGIN, Camera, Scene, StageView
-from live.render.camera import view_rays, world_to_clip
+from live.render.camera import PicturePart, Size, pixels_per_metre, view_rays, world_to_clip
 from live.render.shader import FRAME_BINDING, PICTURE_BINDING, PICTURE_SIZE, PICTURE_VECTORS
 
 BORDER_FADE: Final = 0.4
@@ -57,6 +57,8 @@ _BLOCK: Final = np.dtype(
         ("fill_above", "f4", 4),
         ("fill_below", "f4", 4),
         ("gobo", "f4", 4),
+        ("whole_picture", "f4", 4),
+        ("picture_part", "f4", 4),
     ]
 )
 
@@ -101,7 +103,7 @@ def rings_are_seen(row: Float64) -> bool:
 class FrameUniforms:
     """The block and its buffer; call `resize` if the picture's size changes, `write` every frame."""
 
-    def __init__(self, ctx: moderngl.Context, scene: Scene, size: tuple[int, int]) -> None:
+    def __init__(self, ctx: moderngl.Context, scene: Scene, size: Size | PicturePart) -> None:
         """Raises ValueError for a light without direction."""
         self._data = data = np.zeros((), _BLOCK)
         self._buffer = ctx.buffer(reserve=_BLOCK.itemsize, dynamic=True)
@@ -121,9 +123,12 @@ class FrameUniforms:
         """Whether the film curve includes the vignette; otherwise a pass draws it."""
         self.camera = scene.camera
         """The camera of the last written frame."""
+        self.world_to_clip: Float64 = np.eye(4)
+        """Its matrix from world to clip space, of the part that is drawn."""
         self.light = data["key_direction"][:3]
         """Direction towards the key light, a unit vector, shape (3,)."""
-        self._size = size
+        self.part = PicturePart.of(size)
+        """The part of the picture that is drawn."""
         self.set_stage_size(scene.stage_size)
         self.resize(size)
         self._set_light(self._row)
@@ -139,18 +144,22 @@ class FrameUniforms:
         self._data["stage"] = (0.5 * width, 0.5 * depth, 0.5 * width + margin, 0.5 * depth + margin)
         self._set_camera(self.camera)
 
-    def resize(self, size: tuple[int, int]) -> None:
-        """Set a new size of the picture [pixels]."""
-        self._size = size
-        self._data["picture"] = (size[0], size[1], 1.0 / size[0], 1.0 / size[1])
+    def resize(self, size: Size | PicturePart) -> None:
+        """Set a new size of the picture [pixels], or another part of it."""
+        part = self.part = PicturePart.of(size)
+        for name, (width, height) in (("picture", part.size), ("whole_picture", part.whole)):
+            self._data[name] = width, height, 1.0 / width, 1.0 / height
+        self._data["picture_part"] = part.left, part.bottom, *part.share
         self._set_camera(self.camera)
 
     def _set_camera(self, camera: Camera) -> None:
         """Set the camera."""
         data, self.camera = self._data, camera
-        data["world_to_clip"] = world_to_clip(camera, self._size).T  # GLSL reads columns
-        for name, ray in zip(("ray_corner", "ray_right", "ray_up"), view_rays(camera, self._size), strict=True):
+        self.world_to_clip = world_to_clip(camera, self.part)
+        data["world_to_clip"] = self.world_to_clip.T  # GLSL reads columns
+        for name, ray in zip(("ray_corner", "ray_right", "ray_up"), view_rays(camera, self.part), strict=True):
             data[name][:3] = ray
+        data["ray_corner"][3] = pixels_per_metre(camera, self.part)
         front = max(float(np.hypot(camera.eye[1], camera.eye[2] - 0.5 * self._stage_size[1])) - 0.5, 0.0)
         data["eye"] = (*camera.eye, front)
 
@@ -240,6 +249,11 @@ class FrameUniforms:
             self._set_camera(camera)
         self._set_light(row)
         self._spots_changed = True
+
+    @property
+    def height(self) -> float:
+        """Height of the whole picture [pixels]: lines, circles and ways in it are in proportion to that."""
+        return self.part.whole[1]
 
     @property
     def row(self) -> Float64:

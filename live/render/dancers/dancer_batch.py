@@ -14,6 +14,7 @@ from live.motion.skeleton import JOINT_COUNT
 from live.render.adaptive_quality import Quality
 from live.render.body.body_lookup import FAMILIES, characters_of, kinds_of, mesh_of, pieces_of
 from live.render.body.body_mesh import BodyMesh
+from live.render.camera import PicturePart, Size
 from live.render.characters.character_buffers import CharacterBuffers
 from live.render.characters.morphs import Morphs
 from live.render.dancers.group_styles import GroupStyles
@@ -74,7 +75,7 @@ def attribute_layout(program: moderngl.Program) -> tuple[str, list[str]]:
 class DancerBatch:
     """Poses, skins, instance lists, bodies and the groups' styles; call `update`, then `skin` once a frame."""
 
-    def __init__(self, ctx: moderngl.Context, scene: Scene, quality: Quality, size: tuple[int, int]) -> None:
+    def __init__(self, ctx: moderngl.Context, scene: Scene, quality: Quality, size: Size | PicturePart) -> None:
         if scene.joint_count != JOINT_COUNT:
             raise ValueError(f"scene: joint_count {scene.joint_count}: the body has {JOINT_COUNT} joints")
         self._ctx, self.quality = ctx, quality
@@ -124,8 +125,8 @@ class DancerBatch:
         self._skin.reserve(np.max([most, *vertices[:, characters].T], axis=0), vertices.size)
         self._bound_programs.clear()
 
-    def set_camera(self, camera: Camera, size: tuple[int, int]) -> None:
-        """Set camera and picture size for culling and level of detail."""
+    def set_camera(self, camera: Camera, size: Size | PicturePart) -> None:
+        """Set camera and picture size, or the part that is drawn, for culling and level of detail."""
         self._view_volume = ViewVolume.of(camera, size)
 
     def set_colours(self, colours: npt.NDArray[np.floating]) -> None:

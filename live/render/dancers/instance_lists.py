@@ -9,10 +9,10 @@ from typing import Final
 import moderngl
 import numpy as np
 
-from live.base.arrays import Float32, Int32, UInt8
+from live.base.arrays import Float32, Float64, Int32, UInt8
 from live.base.stage_snapshot import Camera, StageView
 from live.render.adaptive_quality import Quality
-from live.render.camera import view_matrix, world_to_clip
+from live.render.camera import PicturePart, Size, view_matrix, world_to_clip
 from live.render.dancers.group_styles import LISTS, GroupStyles
 from live.render.dancers.skinning import SKINS, SkinTexture
 from live.render.render_kernels import (
@@ -56,6 +56,7 @@ def _allowed() -> Int32:
 
 
 _ALLOWED: Final = _allowed()
+_DETAIL_BITS: Final = CLOSE | NEAR | FAR
 _SKIN_BITS: Final = np.array([sum(1 << LISTS.index(name) for name in _SKIN_LISTS[skin]) for skin in SKINS], np.int32)
 _SKIN_OF: Final = np.array(
     [next((at for at, skin in enumerate(SKINS) if name in _SKIN_LISTS[skin]), -1) for name in LISTS], np.int32
@@ -72,20 +73,29 @@ class ViewVolume:
     """Position of the camera along that direction [m]."""
     planes: Float32
     """Planes of the frustum, facing inwards: n . p + d >= 0 with unit vectors n, shape (5, 4)."""
+    part_planes: Float32 | None
+    """The same of the part of the picture that is drawn; None: all of it is."""
     magnification: float
     """How large it shows a dancer, compared with the usual lens."""
 
     @staticmethod
-    def of(camera: Camera, size: tuple[int, int]) -> "ViewVolume":
-        """Return the view volume of a camera for a picture of `size` pixels."""
+    def of(camera: Camera, size: Size | PicturePart) -> "ViewVolume":
+        """Return the view volume of a camera for a picture of `size` pixels, or for a part of it."""
+        part = PicturePart.of(size)
         forward = np.ascontiguousarray(-view_matrix(camera)[2, :3], np.float32)
-        rows = world_to_clip(camera, size)
-        # Gribb and Hartmann 2001: -w <= x, x <= w, -w <= y, y <= w, -w <= z
-        planes = rows[3] + np.array([rows[0], -rows[0], rows[1], -rows[1], rows[2]])
-        planes /= np.linalg.norm(planes[:, :3], axis=1, keepdims=True)
         start = float(forward @ np.array(camera.eye, np.float32))
         usual, now = (np.tan(0.5 * np.deg2rad(lens)) for lens in (_USUAL_LENS_DEG, camera.field_of_view_deg))
-        return ViewVolume(forward, start, np.ascontiguousarray(planes, np.float32), float(usual / now))
+        whole = _frustum(world_to_clip(camera, (round(part.whole[0]), round(part.whole[1]))))
+        planes = None if part.is_whole else _frustum(world_to_clip(camera, part))
+        return ViewVolume(forward, start, whole, planes, float(usual / now))
+
+
+def _frustum(rows: Float64) -> Float32:
+    """Return the planes of a frustum, as in `ViewVolume`, by its matrix from world to clip space (4, 4)."""
+    # Gribb and Hartmann 2001: -w <= x, x <= w, -w <= y, y <= w, -w <= z
+    planes = rows[3] + np.array([rows[0], -rows[0], rows[1], -rows[1], rows[2]])
+    planes /= np.linalg.norm(planes[:, :3], axis=1, keepdims=True)
+    return np.ascontiguousarray(planes, np.float32)
 
 
 class InstanceLists:
@@ -96,7 +106,7 @@ class InstanceLists:
         self.piece: Int32 = np.full((capacity, pieces), -1, np.int32)
         """Kinds of each dancer's pieces, -1: none, shape (capacity, pieces); set it before `fill`."""
         self._visibility = np.zeros(capacity, np.uint8)
-        self._seen = self._visibility[:0]
+        self._seen, self._part = self._visibility[:0], np.zeros(capacity, np.uint8)
         self._joints = np.zeros((0, 1, 3), np.float32)
         self._box = np.zeros((2, 3), np.float32)
         self._scratch, self._lists = np.zeros(capacity, np.float32), np.zeros(capacity, np.int32)
@@ -150,12 +160,18 @@ class InstanceLists:
         """
         seen = self._seen = self._visibility[: len(view.present)]
         joints = self._joints = view.joint_position
-        cull_dancers(joints, view.present, view_volume.planes, light, HIP_REACH + max(reach, BODY_REACH), seen)
+        radius = HIP_REACH + max(reach, BODY_REACH)
+        cull_dancers(joints, view.present, view_volume.planes, light, radius, seen)
         near_to = view_volume.eye_distance + quality.far_from * view_volume.magnification
         close_to = view_volume.eye_distance + quality.close_within
         choose_detail(
             joints, view_volume.forward, near_to, quality.near_count, close_to, quality.close_count, seen, self._scratch
         )
+        if view_volume.part_planes is not None:  # who is near was chosen as in the whole picture
+            part = self._part[: len(seen)]
+            cull_dancers(joints, view.present, view_volume.part_planes, light, radius, part)
+            np.bitwise_or(part, _DETAIL_BITS, out=part)
+            np.bitwise_and(seen, part, out=seen)
         used = fill_lists(
             seen, view.group, self.piece, styles.list_bits, _ALLOWED, _SKIN_OF, _SKIN_BITS, *meshes, 1 << skin.shift,
             self._instances, self._count, self._lists, self._places, skin.dancers, skin.rows,

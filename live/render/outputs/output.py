@@ -15,6 +15,8 @@ FULL_CROP: Final = (0.0, 0.0, 1.0, 1.0)
 """The crop that shows all of the picture."""
 FULL_WINDOW: Final[tuple[Point, Point, Point, Point]] = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0))
 """Corners that fill the window: upper left, upper right, lower right, lower left."""
+MAX_PICTURE_SIDE: Final = 65_536
+"""Maximum side length of a whole picture of which each machine draws a part [pixels]."""
 MIN_MESH_POINTS: Final = 2
 MAX_MESH_POINTS: Final = 17
 """Smallest and largest number of points of a mesh in a row, and in a column."""

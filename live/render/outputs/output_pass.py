@@ -10,6 +10,7 @@ from PIL import Image
 
 from live.base.arrays import Float32
 from live.base.errors import PersonError
+from live.render.camera import PicturePart
 from live.render.lettering.glyph_atlas import bake_atlas
 from live.render.outputs.output import Output, Point
 from live.render.outputs.test_card import CARDS, TINTS, Card, render_digits, render_label
@@ -83,17 +84,19 @@ class OutputPass:
 
     def draw(
         self, picture: moderngl.Texture, target: moderngl.Framebuffer, *, card: Card = "off", light_share: float = 1.0,
-        tick: int = -1,
+        tick: int = -1, part: PicturePart | None = None,
     ) -> None:  # fmt: skip
         """Draw `picture`, or a test card, over all of `target`; `light_share`: the light allowed by the flash limit;
-        `tick`: the one that a render node presents, for its cards."""
+        `tick`: the one that a render node presents, for its cards; `part`: what `picture` holds of the whole one."""
+        part = part or PicturePart.of(picture.size)
         width, height = target.viewport[2:]
         upright = self._output.rotation in (0, 180)
         drawn = int(card != "off")
         linked, array = self._programs[drawn], self._arrays[drawn]
         set_uniform(linked, "window_size", (width, height))
         set_uniform(linked, "frame_size", (width, height) if upright else (height, width))
-        set_uniform(linked, "picture_size", picture.size)
+        set_uniform(linked, "picture_size", part.whole)
+        set_uniform(linked, "drawn", (*part.corner, *part.share))
         set_uniform(
             linked, "light", (self._output.brightness, self._output.gamma, light_share ** (1.0 / DISPLAY_GAMMA))
         )

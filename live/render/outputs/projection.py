@@ -1,4 +1,5 @@
-"""Projection of a show: renders each frame once and draws it to all output windows and the operator's window.
+"""Projection of a show: renders each frame, or the part of it that is shown, once and draws it to all output windows
+and the operator's window.
 
 The renderer belongs to the first output's context; the other windows share its textures. If rendering fails, the
 projectors keep the last complete frame. Only the first display paces the show.
@@ -13,12 +14,16 @@ import moderngl
 import numpy as np
 import numpy.typing as npt
 
+from live.base.arrays import Float64
+from live.base.picture_parameters import picture_row
 from live.base.stage_snapshot import Scene, StageView
+from live.render.camera import PicturePart, Size
 from live.render.headless import FrameReader, Picture
 from live.render.outputs.output import Output
 from live.render.outputs.output_pass import OutputPass
 from live.render.outputs.photosensitivity import FlashLimiter
-from live.render.outputs.screen import FrameBuffers, Screen, picture_size
+from live.render.outputs.picture_layout import drawn_part, picture_reach, picture_size, whole_picture_reason
+from live.render.outputs.screen import FrameBuffers, Screen
 from live.render.renderer import Renderer
 from live.render.shader import release_all
 from live.render.window.monitors import Monitor, resolve_monitor
@@ -134,6 +139,10 @@ class WindowLayout:
     fullscreen: bool = False
     hidden: bool = False
     """Whether windows stay hidden until `reveal`."""
+    picture: Size | None = None
+    """Width and height of the whole picture [pixels]; None: so that no output has to enlarge it."""
+    whole_for: str = ""
+    """Who needs the whole picture beside the outputs, in words; empty: only the part that they show is drawn."""
 
 
 class Projection:
@@ -165,9 +174,12 @@ class Projection:
             self._closing.callback(window.close)
             self.operator = Screen(Output(OPERATOR), window, 0, keep_aspect=True)
         self.window.make_current()
-        self.pictures = FrameBuffers(self.window.ctx, self._required_size())
+        self._places, self._row = places, picture_row(scene)
+        self.whole_for = places.whole_for or ("" if self.operator is None else "the operator's window shows it")
+        """Why all of the picture is drawn, though outputs show less; empty if there is no such reason."""
+        self.pictures = FrameBuffers(self.window.ctx, self._required_part(scene, self._row))
         self._operator_buffers = None if self.operator is None else FrameBuffers(self.window.ctx, self.pictures.size)
-        self.renderer = Renderer(self.window.ctx, scene, size=self.pictures.size, steps=True)
+        self.renderer = Renderer(self.window.ctx, scene, size=self.pictures.part, steps=True)
         self.flash_limiter = FlashLimiter(self.window.ctx)
         """The flash limiter."""
         self._limit_bypassed, self._light_share = False, 1.0
@@ -201,9 +213,10 @@ class Projection:
         return self.screens if self.operator is None else [*self.screens, self.operator]
 
     @property
-    def size(self) -> tuple[int, int]:
-        """Width and height of the rendered frame [pixels]."""
-        return self.pictures.size
+    def size(self) -> Size:
+        """Width and height of the whole picture [pixels], of which a part may be rendered."""
+        whole = self.pictures.part.whole
+        return round(whole[0]), round(whole[1])
 
     @property
     def fullscreen(self) -> bool:
@@ -234,7 +247,7 @@ class Projection:
         """Render the next frame, which becomes visible with `show`. Overlay and guides appear only in the operator's
         window, if there is one."""
         self.window.make_current()
-        self._update_size()
+        self._update_size(view)
         self._limit_bypassed = view.flash_limit_lifted
         if self.operator is None or self._operator_buffers is None:
             self.renderer.draw(view, self.pictures.next)
@@ -306,19 +319,33 @@ class Projection:
         if self.operator is not None:
             self.operator.window.reveal(fullscreen=False)
 
-    def _required_size(self) -> tuple[int, int]:
-        return picture_size([one.output for one in self.screens], [one.window.size for one in self.screens])
+    def _required_part(self, scene: Scene, row: Float64) -> PicturePart:
+        """Return what has to be drawn of a scene with a parameter row. What once needs the whole picture gets it from
+        then on: changing back and forth would stop the frame loop each time."""
+        outputs, windows = [one.output for one in self.screens], [one.window.size for one in self.screens]
+        asked = self._places.picture
+        self.whole_for = self.whole_for or whole_picture_reason(scene, row)
+        if self.whole_for:
+            return PicturePart.of(picture_size(outputs, windows, asked=asked))
+        return drawn_part(outputs, windows, lambda height: picture_reach(scene, height, row), asked=asked)
 
-    def _update_size(self) -> None:
-        """Adapt the frame size to the sizes of the windows."""
-        size = self._required_size()
-        if size == self.pictures.size:
+    def describe_part(self) -> str:
+        """Return which part of the picture is drawn, in words."""
+        part, (width, height) = self.pictures.part, self.size
+        if part.is_whole:
+            return f"{width}x{height} pixels" + (f", all of them: {self.whole_for}" if self.whole_for else "")
+        return f"{part.size[0]}x{part.size[1]} of {width}x{height} pixels"
+
+    def _update_size(self, view: StageView) -> None:
+        """Adapt what is drawn to the sizes of the windows and to what the picture needs."""
+        size = self._required_part(self.renderer.scene, self._row if view.picture is None else view.picture)
+        if size == self.pictures.part:
             return
         for screen in self.all_screens:
             screen.forget_textures()
         self.pictures.resize(size)
         if self._operator_buffers is not None:
-            self._operator_buffers.resize(size)
+            self._operator_buffers.resize(size.size)
         self.renderer.resize(size)
 
     def _release(self) -> None:

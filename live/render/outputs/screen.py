@@ -3,15 +3,15 @@
 Frames are double-buffered: if drawing fails, the last complete frame stays.
 """
 
-import math
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import Any
 
 import moderngl
 import numpy as np
 import numpy.typing as npt
 
-from live.render.outputs.output import FULL_CROP, FULL_WINDOW, Output, Point
+from live.render.camera import PicturePart, Size
+from live.render.outputs.output import FULL_WINDOW, Output, Point
 from live.render.outputs.output_coordinates import window_to_picture
 from live.render.outputs.output_pass import HandlePass, OutputPass
 from live.render.outputs.test_card import Card
@@ -19,20 +19,19 @@ from live.render.outputs.warp_editor import FloorEditor, WarpEditor
 from live.render.shader import release_all
 from live.render.window.window import Window
 
-MAX_SIDE: Final = 8192
-"""Maximum side length of the rendered frame [pixels]."""
-
 
 class FrameBuffers:
-    """Double buffer of rendered frames. GL objects are created here and in `resize`."""
+    """Double buffer of rendered frames, whole or of a part. GL objects are created here and in `resize`."""
 
-    def __init__(self, ctx: moderngl.Context, size: tuple[int, int]) -> None:
+    def __init__(self, ctx: moderngl.Context, size: Size | PicturePart) -> None:
         self.ctx = ctx
         self._last = 0
-        self._make(size)
+        self._make(PicturePart.of(size))
 
-    def _make(self, size: tuple[int, int]) -> None:
-        self.size = size
+    def _make(self, part: PicturePart) -> None:
+        self.part = part
+        """The part of the picture that they hold."""
+        self.size = size = part.size
         """Width and height [pixels]."""
         self._textures = [self.ctx.texture(size, 4) for _ in range(2)]
         for texture in self._textures:
@@ -61,27 +60,14 @@ class FrameBuffers:
         """The last complete frame as a texture."""
         return self._textures[self._last]
 
-    def resize(self, size: tuple[int, int]) -> None:
-        """Set the size [pixels]; both buffers become black."""
+    def resize(self, size: Size | PicturePart) -> None:
+        """Set the size [pixels] or the part; both buffers become black."""
         self.release()
-        self._make(size)
+        self._make(PicturePart.of(size))
 
     def release(self) -> None:
         """Free everything."""
         release_all(*self._framebuffers, *self._textures)
-
-
-def picture_size(outputs: Sequence[Output], windows: Sequence[tuple[int, int]]) -> tuple[int, int]:
-    """Return the frame size [pixels] at which no output has to be enlarged; `windows`: window size of each output."""
-    most = [1.0, 1.0]
-    for output, (width, height) in zip(outputs, windows, strict=True):
-        upright = (width, height) if output.rotation in (0, 180) else (height, width)
-        for axis in range(2):
-            most[axis] = max(most[axis], upright[axis] / output.crop[2 + axis])
-    if len(outputs) == 1 and outputs[0].crop == FULL_CROP:
-        return round(most[0]), round(most[1])
-    share = min(1.0, MAX_SIDE / max(most))
-    return math.ceil(most[0] * share - 1e-6), math.ceil(most[1] * share - 1e-6)
 
 
 class Screen:
@@ -178,7 +164,8 @@ class Screen:
         if self._keeps_aspect and self._fitted != (self.window.size, pictures.size):
             self._fitted = (self.window.size, pictures.size)
             self.set(Output(self.output.name, corners=_letterbox_corners(self.window.size, pictures.size)))
-        self._pass.draw(self._texture(pictures), target, card=self.card, light_share=left, tick=self.tick)
+        picture = self._texture(pictures)
+        self._pass.draw(picture, target, card=self.card, light_share=left, tick=self.tick, part=pictures.part)
 
     def _texture(self, pictures: FrameBuffers) -> moderngl.Texture:
         """Return the last frame as a texture of this window's context."""

@@ -57,7 +57,7 @@ class BackgroundPass(ScenePass):
 
     def __init__(self, making: PassSetup) -> None:
         """Raises PersonError for a file that cannot be decoded."""
-        self._ctx, self._size = making.ctx, making.size
+        self._ctx = making.ctx
         self._multisampled = making.quality.samples > 0
         self.stage_size = making.scene.stage_size
         """Width and depth of the stage [m]."""
@@ -138,11 +138,11 @@ class BackgroundPass(ScenePass):
         set_uniform(self._program, "shown_texture", 1)
         set_uniform(self._program, "floor_map", 2)
         for source, amount in self._visible_sources(moment):
-            self._draw(source, amount)
+            self._draw(source, amount, moment.uniforms.part.whole)
         target.depth_mask, ctx.depth_func = self._multisampled, "<"
         ctx.disable(moderngl.BLEND)
 
-    def _draw(self, source: _Source, amount: float) -> None:
+    def _draw(self, source: _Source, amount: float, size: tuple[float, float]) -> None:
         said, linked, aspect = source.settings, self._program, source.aspect
         source.texture.use(1)
         set_uniform(linked, "amount", amount)
@@ -150,7 +150,7 @@ class BackgroundPass(ScenePass):
         set_uniform(linked, "adds", int(said.blend == "add"))
         set_uniform(linked, "mirrored", 0)
         if said.fit == "picture":
-            own = self._size[0] / self._size[1]
+            own = size[0] / size[1]
             set_uniform(linked, "kind", _PICTURE)
             set_uniform(linked, "across", (0.0, 0.0, 0.0))
             set_uniform(linked, "depth", -1.0 if said.place == "front" else 1.0)
@@ -166,10 +166,6 @@ class BackgroundPass(ScenePass):
         for mirrored in (0, 1) if kind == _WALL else (0,):
             set_uniform(linked, "mirrored", mirrored)
             self._quad.render(moderngl.TRIANGLE_STRIP, vertices=4)
-
-    def resize(self, size: tuple[int, int]) -> None:
-        """New size of the picture [pixels]."""
-        self._size = size
 
     def release(self) -> None:
         """Free everything, and end the threads of videos and live inputs."""

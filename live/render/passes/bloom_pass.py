@@ -4,11 +4,14 @@ from typing import Final
 
 import moderngl
 
+from live.base.arrays import Float64
 from live.base.picture_parameters import BY_ADDRESS
 from live.render.pass_context import HDR, Moment, PassSetup, Surfaces
 from live.render.shader import compile_program, release_all, set_uniform
 
 _DIVISOR: Final = 4
+_TEXELS: Final = 10
+"""How far the glow spreads, in texels of its picture (`spread_fragment.glsl`)."""
 _AMOUNT: Final = BY_ADDRESS["/dance/pass/bloom"].first
 STRENGTH: Final = 0.22
 """Factor of the glow at amount 1."""
@@ -23,7 +26,7 @@ class BloomPass:
     def __init__(self, making: PassSetup) -> None:
         ctx = self._ctx = making.ctx
         self._bright = compile_program(ctx, "full_vertex.glsl", "bright_fragment.glsl")
-        self._spread = compile_program(ctx, "full_vertex.glsl", "spread_fragment.glsl")
+        self._spread = compile_program(ctx, "full_vertex.glsl", "spread_fragment.glsl", (("TEXELS", _TEXELS),))
         self._add = compile_program(ctx, "full_vertex.glsl", "bloom_fragment.glsl")
         self._triangles = [ctx.vertex_array(linked, []) for linked in (self._bright, self._spread, self._add)]
         self._make(making.size)
@@ -35,6 +38,11 @@ class BloomPass:
             texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
             texture.repeat_x = texture.repeat_y = False
         self._targets = [self._ctx.framebuffer([glow]) for glow in self._glows]
+
+    @staticmethod
+    def reach(height: float, row: Float64) -> float:
+        """Return how far from a pixel it looks, with these parameters, in a picture of this height [pixels]."""
+        return float(_DIVISOR * (_TEXELS + 2))
 
     def active(self, moment: Moment) -> bool:
         """Whether its amount is not 0."""

@@ -15,7 +15,7 @@ from live.base.picture_parameters import BY_ADDRESS
 from live.base.stage_snapshot import StageView
 from live.motion import quaternion
 from live.motion.skeleton import JOINT_COUNT, SKELETON
-from live.render.camera import FAR, NEAR, world_to_clip
+from live.render.camera import FAR, NEAR
 from live.render.headless import is_software
 from live.render.pass_context import HDR, Moment, PassSetup, Surfaces
 from live.render.shader import FullscreenShader, release_all
@@ -51,7 +51,9 @@ class BlurPass:
             (("NEAR", NEAR), ("FAR", FAR), ("WALL_BEHIND", WALL_DISTANCE), ("JOINTS", JOINT_COUNT)),
         )
         self._most = [FullscreenShader(ctx, "blur_tile_fragment.glsl") for _ in range(2)]
-        self._final = FullscreenShader(ctx, "motion_blur_fragment.glsl", (("TAPS", _TAPS[is_software(ctx)]),))
+        self._final = FullscreenShader(
+            ctx, "motion_blur_fragment.glsl", (("TAPS", _TAPS[is_software(ctx)]), ("TILE", _TILE * _DIVISOR))
+        )
         self._motion = JointMotion()
         self._texture = ctx.texture((4, 1), 4, dtype="f4")
         self._last: Float64 | None = None
@@ -60,7 +62,6 @@ class BlurPass:
         self._make(making.size)
 
     def _make(self, size: tuple[int, int]) -> None:
-        self._size = size
         small = max(size[0] // _DIVISOR, 1), max(size[1] // _DIVISOR, 1)
         tiles = -(-small[0] // _TILE), -(-small[1] // _TILE)
         self._textures = [self._ctx.texture(each, 4, dtype=HDR) for each in (small, tiles, tiles)]
@@ -78,6 +79,11 @@ class BlurPass:
         self._texture = self._ctx.texture((4 * JOINT_COUNT * (self._capacity // self._rows), self._rows), 4, dtype="f4")
         self._texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
 
+    @staticmethod
+    def reach(height: float, row: Float64) -> float:
+        """Return how far from a pixel it looks, with these parameters, in a picture of this height [pixels]."""
+        return _LONGEST * height + 2.0 * _DIVISOR
+
     def active(self, moment: Moment) -> bool:
         """Whether its amount is not 0."""
         used = moment.parameter(_AMOUNT) > 0.0
@@ -90,15 +96,14 @@ class BlurPass:
     ) -> None:
         """Draw `source` with motion blur; the first picture after a cut has none."""
         assert surfaces is not None
-        view, camera = moment.view, moment.uniforms.camera
-        clip = world_to_clip(camera, self._size)
+        view, clip = moment.view, moment.uniforms.world_to_clip
         passed, self._time = view.time - self._time, view.time
         runs = self._last is not None and not moment.cut and 0.0 < passed <= LONGEST_INTERVAL_S
         self._upload(self._motion.update(view, fresh=not runs))
         self._velocity.set("motion_rows", self._rows)
         self._velocity.set("last_clip", tuple((self._last if runs else clip).T.ravel().tolist()))  # type: ignore[union-attr]
         self._velocity.set("shutter", moment.parameter(_AMOUNT))
-        self._velocity.set("most", _LONGEST * self._size[1])
+        self._velocity.set("most", _LONGEST * moment.uniforms.height)
         self._last = clip
         velocity, tiles, around = self._textures
         self._velocity.draw(self._targets[0], depth=surfaces.depth, who=surfaces.identity, motion=self._texture)

@@ -1,6 +1,7 @@
 """Render pass for a user's fragment shader, `passes/NAME.glsl` in the patch's folder."""
 
 import re
+from functools import cache
 from typing import Final
 
 import moderngl
@@ -13,12 +14,26 @@ from live.render.shader import release_all, set_uniform
 
 _READS_SURFACES: Final = re.compile(r"\b(depth|normal|dancer)\s*\(")
 _READS_LAST: Final = re.compile(r"\blast\s*\(")
+_LOOKS: Final = re.compile(r"\b(?:light|last|depth|normal|dancer)\s*\(\s*([^()]*)")
+_MOVES: Final = re.compile(
+    r"\bat\b\s*(?:\.\s*\w+|\[[^\]]*\])?\s*(?:[-+*/]?=(?!=)|\+\+|--)|(?:\+\+|--)\s*at\b|#|\b(?:in)?out\b|\bown_\w+_\b"
+)
+_COMMENT: Final = re.compile(r"//[^\n]*|/\*.*?\*/", re.DOTALL)
 _BEAT_PERIOD: Final = 4096.0
 
 
 def reads_last_picture(own: CustomShader) -> bool:
     """Whether a shader reads its own last picture, so that it may remember all before."""
     return _READS_LAST.search(own.source) is not None
+
+
+@cache
+def reads_elsewhere(own: CustomShader) -> bool:
+    """Return whether a shader may look at other places than that of its own pixel: unless all that it looks at is `at`,
+    which is named once and never changed."""
+    text = _COMMENT.sub(" ", own.source)
+    others = any(place.strip() != "at" for place in _LOOKS.findall(text))
+    return others or _MOVES.search(text) is not None or len(re.findall(r"\bvec2\s+at\b", text)) > 1
 
 
 class CustomPass:
@@ -65,7 +80,7 @@ class CustomPass:
         self, source: moderngl.Texture, target: moderngl.Framebuffer, surfaces: Surfaces | None, moment: Moment
     ) -> None:
         """Draw `source` through the shader."""
-        linked, view, first = self._program, moment.view, self._first
+        linked, view, first, part = self._program, moment.view, self._first, moment.uniforms.part
         target.use()
         textures = {"own_light_": source, "own_last_": self._last if self._has_last and not moment.cut else source}
         if surfaces is not None:
@@ -76,7 +91,8 @@ class CustomPass:
         values = {
             "amount": moment.parameter(first), "beat": view.beat % _BEAT_PERIOD, "phase": view.phase,
             "measure": view.measure + 1.0, "tempo": view.tempo, "energy": getattr(view, "energy", 0.0),
-            "time": view.time, "size": target.size,
+            "time": view.time, "size": part.whole,
+            "own_part_": (*part.share, part.left / part.whole[0], part.bottom / part.whole[1]),
         }  # fmt: skip
         for name, value in values.items():
             set_uniform(linked, name, value)

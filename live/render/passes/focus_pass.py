@@ -64,7 +64,6 @@ class FocusPass:
         self._make(making.size)
 
     def _make(self, size: tuple[int, int]) -> None:
-        self._size = size
         small = max(size[0] // self._divisor, 1), max(size[1] // self._divisor, 1)
         tiles = -(-small[0] // _TILE), -(-small[1] // _TILE)
         self._textures = [self._ctx.texture(each, 4, dtype=HDR) for each in (small, small, tiles, tiles)]
@@ -84,6 +83,11 @@ class FocusPass:
         """Move the automatic focus in a moment that is not drawn."""
         self._focus(moment)
 
+    @staticmethod
+    def reach(height: float, row: Float64) -> float:
+        """Return how far from a pixel it looks, with these parameters, in a picture of this height [pixels]."""
+        return _LARGEST * height + 3.0 * max(_DIVISORS)
+
     def active(self, moment: Moment) -> bool:
         """Whether its amount is not 0."""
         used = moment.parameter(_AMOUNT) > 0.0
@@ -97,15 +101,15 @@ class FocusPass:
         """Draw `source` with depth of field."""
         assert surfaces is not None
         focus = self._focus(moment)
-        camera = moment.uniforms.camera
+        camera, height = moment.uniforms.camera, moment.uniforms.height
         lens = moment.parameter(_AMOUNT) * moment.parameter(_APERTURE)
-        widest = 0.5 * self._size[1] * spread_of(lens, focus, camera.field_of_view_deg)
+        widest = 0.5 * height * spread_of(lens, focus, camera.field_of_view_deg)
         spread, gathered, tiles, around = self._textures
         small = 1.0 / self._divisor
         self._spread.set("focus", focus)
         self._spread.set("widest", widest * small)
         self._spread.set("apart", 0.5 * (self._divisor - 1))
-        self._spread.set("most", _LARGEST * self._size[1] * small)
+        self._spread.set("most", _LARGEST * height * small)
         self._spread.draw(self._targets[0], light=source, depth=surfaces.depth)
         for shader, side, into, read in zip(self._most, (_TILE, 0), (2, 3), (spread, tiles), strict=True):
             shader.set("tile", side)
@@ -114,7 +118,7 @@ class FocusPass:
         self._gather.draw(self._targets[1], spread=spread, tiles=around)
         self._final.set("focus", focus)
         self._final.set("widest", widest)
-        self._final.set("most", _LARGEST * self._size[1] * small)
+        self._final.set("most", _LARGEST * height * small)
         self._final.draw(target, light=source, gathered=gathered, spread=spread, depth=surfaces.depth)
 
     def _focus(self, moment: Moment) -> float:

@@ -4,6 +4,7 @@ from typing import Final
 
 import moderngl
 
+from live.base.arrays import Float64
 from live.base.picture_parameters import BY_ADDRESS
 from live.render.camera import FAR, NEAR
 from live.render.pass_context import Moment, PassSetup, Surfaces
@@ -26,7 +27,11 @@ class InkPass:
 
     def __init__(self, making: PassSetup) -> None:
         self._full = FullscreenShader(making.ctx, "ink_fragment.glsl", (("NEAR", NEAR), ("FAR", FAR)))
-        self.resize(making.size)
+
+    @staticmethod
+    def reach(height: float, row: Float64) -> float:
+        """Return how far from a pixel it looks, with these parameters, in a picture of this height [pixels]."""
+        return BY_ADDRESS[f"{_ROOT}/width"].high * height / _REFERENCE_HEIGHT + 1.0
 
     def active(self, moment: Moment) -> bool:
         """Whether its amount is not 0."""
@@ -39,15 +44,14 @@ class InkPass:
         assert surfaces is not None
         full, row = self._full, moment.uniforms.row
         full.set("amount", moment.parameter(_AMOUNT))
-        full.set("width", max(moment.parameter(_WIDTH) * self._scale, 0.6))
+        full.set("width", max(moment.parameter(_WIDTH) * moment.uniforms.height / _REFERENCE_HEIGHT, 0.6))
         full.set("paper", moment.parameter(_PAPER))
         full.set("ink", tuple(row[_COLOUR].tolist()))
         full.set("paper_colour", tuple(row[_PAPER_COLOUR].tolist()))
         full.draw(target, light=source, depth=surfaces.depth, shape=surfaces.shape, who=surfaces.identity)
 
     def resize(self, size: tuple[int, int]) -> None:
-        """New size of the picture [pixels]."""
-        self._scale = size[1] / _REFERENCE_HEIGHT
+        """Nothing here has a size."""
 
     def release(self) -> None:
         """Free the program."""

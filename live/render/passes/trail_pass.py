@@ -1,5 +1,6 @@
 """Render passes for trails (frame feedback that fades in beats) and for ribbons of hands and feet."""
 
+import math
 from typing import Any, Final
 
 import moderngl
@@ -51,6 +52,11 @@ class TrailsPass:
         """Return what trails keep of earlier pictures in one with these parameters."""
         amount = float(row[_AMOUNT])
         return Memory(half_life=_half_life(float(row[_BEATS]), amount)) if amount > 0.0 else NO_MEMORY
+
+    @staticmethod
+    def reach(height: float, row: Float64) -> float:
+        """Return how far from a pixel it looks, with these parameters [pixels]: trails that grow come from far away."""
+        return math.inf if row[_ZOOM] and row[_AMOUNT] > 0.0 else 0.0
 
     def active(self, moment: Moment) -> bool:
         """Whether its amount is not 0."""

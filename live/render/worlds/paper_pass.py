@@ -5,6 +5,7 @@ from typing import Final
 import moderngl
 import numpy as np
 
+from live.base.arrays import Float64
 from live.render.camera import FAR, NEAR
 from live.render.pass_context import Moment, PassSetup, Surfaces
 from live.render.shader import FullscreenShader, release_all
@@ -12,6 +13,8 @@ from live.render.worlds.world_textures import NOISE_SIZE
 
 _MARGIN: Final = 0.012
 """How far lines reach beyond the dancers [heights of the picture]."""
+_REACH: Final = 12.0 / 720.0
+"""How far strokes lie off what they draw: the hand's unrest, a wash's border, a line [heights of the picture]."""
 _PERIODS: Final = 460.0, 620.0
 """Pixels after which the noise repeats, at the usual height: that of the sheet, and that of the hand."""
 _REFERENCE_HEIGHT: Final = 720.0
@@ -30,7 +33,12 @@ class PaperPass:
         self._programs = [
             FullscreenShader(making.ctx, "sheet_fragment.glsl", (*constants, ("BODIES", bodies))) for bodies in (0, 1)
         ]
-        self.resize(making.size)
+        self._levels, self._height = (0.0, 0.0), 0.0
+
+    @staticmethod
+    def reach(height: float, row: Float64) -> float:
+        """Return how far from a pixel it looks, with these parameters, in a picture of this height [pixels]."""
+        return _REACH * height
 
     def active(self, moment: Moment) -> bool:
         """Whether paper is seen."""
@@ -41,10 +49,11 @@ class PaperPass:
     ) -> None:
         """Draw `source` as a drawing."""
         assert surfaces is not None
+        self._set_height(moment.uniforms.height)
         drawn = float(np.floor(moment.view.beat * _STROKES_PER_BEAT) % 64.0)
         x, y, width, height = moment.rectangle
         whole = (0, 0, *source.size)
-        border = round(_MARGIN * source.height)
+        border = round(_MARGIN * moment.uniforms.height)
         left, low = max(x - border, 0), max(y - border, 0)
         part = left, low, min(x + width + border, source.width) - left, min(y + height + border, source.height) - low
         if not width or not height:
@@ -61,10 +70,14 @@ class PaperPass:
                     )
         target.scissor = whole
 
+    def _set_height(self, height: float) -> None:
+        """Choose the copies of the noise for a whole picture of this height [pixels]."""
+        if height != self._height:
+            texels = np.array(_PERIODS) * height / _REFERENCE_HEIGHT / NOISE_SIZE  # pixels of the picture for each
+            self._height, self._levels = height, tuple(np.maximum(-np.log2(texels), 0.0).tolist())
+
     def resize(self, size: tuple[int, int]) -> None:
-        """New size of the picture [pixels]."""
-        texels = np.array(_PERIODS) * size[1] / _REFERENCE_HEIGHT / NOISE_SIZE  # pixels of the picture for each
-        self._levels = tuple(np.maximum(-np.log2(texels), 0.0).tolist())
+        """Nothing here has a size."""
 
     def release(self) -> None:
         """Free the program."""

@@ -13,6 +13,7 @@ from tomlkit.exceptions import TOMLKitError
 from live.base.errors import PersonError
 from live.base.field_types import HOST_NAME_PATTERN
 from live.clock.ticks import TICK
+from live.render.outputs.output import MAX_PICTURE_SIDE
 from live.show.patch.patch_search_path import PATCHES, is_file, user_settings_folder
 from live.show.patch.section_base import Name, Section, WholeFile
 from live.show.patch.section_io import Targets
@@ -90,6 +91,7 @@ class VenueNodes(Section):
     of a key takes to be seen. Wired networks need 40, those that lose packets 80 or more."""
 
 
+PictureSide = Annotated[int, Field(ge=16, le=MAX_PICTURE_SIDE)]
 Host = Annotated[str, Field(pattern=HOST_NAME_PATTERN)]
 
 
@@ -116,6 +118,9 @@ class Venue(WholeFile):
     """Position of the projector, and the floor's corners in its picture."""
     output: Annotated[tuple[VenueOutput, ...], Field(max_length=MAX_OUTPUTS)] = ()
     """Its projectors; without any the picture fills one window."""
+    picture_size: tuple[PictureSide, PictureSide] | None = None
+    """Width and height of the whole picture [pixels], which may be larger than a graphics card can draw at once: each
+    machine draws the part that its outputs show. Left out: so that no output has to enlarge its part."""
     operator: Annotated[str, Field(min_length=1, max_length=200)] | None = None
     """The monitor of the operator's window, in the form of `--operator`."""
 

@@ -21,7 +21,7 @@ vec3 carried(vec4 point) {
 void main() {
     int dancer = in_dancer, group = group_of(who(dancer));
     vec4 a = world_to_clip * vec4(carried(in_begin), 1.0), b = world_to_clip * vec4(carried(in_end), 1.0);
-    float scale = length(vec3(world_to_clip[0][1], world_to_clip[1][1], world_to_clip[2][1])) * picture.y * 0.5;
+    float scale = ray_corner.w;
     vec4 at = in_bone.y < 0.5 ? a : b;
     float reach = max(in_bone.x * 2.6 * scale / at.w, 1.5);      // of the glow [pixels]
     vec2 pa = a.xy / a.w * picture.xy * 0.5, pb = b.xy / b.w * picture.xy * 0.5;

@@ -22,8 +22,8 @@ void main() {
     bool end = grid.z == 0 && in_cell.y > float(grid.y) - 1.01;
     if (last) out_ = normalize(here.down);                      // a hem's line is drawn beyond it
     else if (first || end) out_ = normalize(here.along) * (end ? 1.0 : -1.0);
-    vec2 aside = (world_to_clip * vec4(out_, 0.0)).xy * picture.xy;
-    float pen = style_ink_width(group) * picture.y / 1080.0 * smoothstep(0.0, 1.0, amount);
+    vec2 aside = clip_way(world_to_clip * vec4(out_, 0.0)) * picture.xy;
+    float pen = style_ink_width(group) * whole_picture.y / 1080.0 * smoothstep(0.0, 1.0, amount);
     pen *= clamp(9.0 / at.w, 0.45, 1.6);
     at.xy += normalize(aside + vec2(1e-6)) * max(pen, 0.001) * 2.0 * picture.zw * at.w;
     at.z += 0.0012 * at.w;

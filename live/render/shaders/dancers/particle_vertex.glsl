@@ -35,7 +35,7 @@ void main() {
 
     vec4 at = world_to_clip * vec4(place, 1.0);
     // pixels in a metre
-    float scale = length(vec3(world_to_clip[0][1], world_to_clip[1][1], world_to_clip[2][1])) * picture.y * 0.5 / at.w;
+    float scale = ray_corner.w / at.w;
     float size = scale * mix(0.0085, 0.019, in_chance.z * in_chance.z * in_chance.y) * (1.0 + 0.5 * key_direction.w);
     float bright = min(size / 1.6, 1.0);
     size = max(size, 1.6) * 2.0;

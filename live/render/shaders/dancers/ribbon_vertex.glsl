@@ -45,7 +45,7 @@ void main() {
     float left = max(1.0 - in_strip.x / drawn_back, 0.0);
     float hand = limb < 2 ? 1.0 : 0.7;
     float half_ = 0.042 * hand * (0.25 + 0.75 * left) * smoothstep(0.0, 0.05, in_strip.x) * (0.7 + 0.3 * key_direction.w);
-    float thinnest = 0.7 * away / (length(vec3(world_to_clip[0][1], world_to_clip[1][1], world_to_clip[2][1])) * picture.y * 0.5);
+    float thinnest = 0.7 * away / ray_corner.w;
     float faint = min(half_ / thinnest, 1.0);
     place += side * (max(half_, thinnest) * in_strip.y);
     bool there = min(min(b.w, c.w), min(a.w, d.w)) > 0.5;

@@ -53,7 +53,7 @@ void main() {
     colour = mix(mix(paper, colour, solid), style_silhouette_colour(group) * (1.8 * beat), flat_);
     // ink along the borders of her clothes, too
     float fine = length(fwidth(body.xyz)), seam = seams(body.xyz, dancer) / max(fine, 1e-6);
-    float pen = style_ink_width(group) * picture.y / 1080.0 * 0.75;
+    float pen = style_ink_width(group) * whole_picture.y / 1080.0 * 0.75;
     colour = mix(colour, style_ink_colour(group) * (2.0 * beat), amount.z * (1.0 - smoothstep(0.5 * pen, 0.5 * pen + 1.0, seam)) * 0.8 * smoothstep(0.016, 0.006, fine));
     colour += glow * (burn * 1.3);
     shown = shown_as(colour);

@@ -10,11 +10,11 @@ vec3 film(vec3 light) {
 }
 
 vec3 to_picture(vec3 light, vec2 pixel) {
-    vec2 side = pixel * picture.zw - 0.5;
+    vec2 side = picture_place(pixel * picture.zw) - 0.5;
     float vignette = 1.0 - back_light.w * dot(side, side);
     float grey = dot(light, vec3(0.2126, 0.7152, 0.0722));
     light = max(light * light_saturation() + grey * (1.0 - light_saturation()), 0.0);
-    return film(light * vignette) + (grain(pixel) - 0.5) / 255.0;
+    return film(light * vignette) + (grain(pixel + picture_part.xy) - 0.5) / 255.0;
 }
 
 // Samples are averaged in a compressed range, or one bright sample would outshine the three dark ones of an edge.

@@ -2,7 +2,7 @@
 #include "picture_values.glsl"
 layout(std140) uniform Frame {
     mat4 world_to_clip;
-    vec4 ray_corner;      // eye ray through the lower left corner of the picture
+    vec4 ray_corner;      // eye ray through the lower left corner of what is drawn; w: pixels of a metre, a metre away
     vec4 ray_right;       // added from the left to the right edge
     vec4 ray_up;          // added from the lower to the upper edge
     vec4 eye;             // xyz [m], w: distance at which the haze begins [m]
@@ -11,7 +11,7 @@ layout(std140) uniform Frame {
     vec4 rim_light;       // rgb
     vec4 stage;           // half width, half depth [m], half width and half depth of the floor map [m]
     vec4 edge;            // half width, half depth of the stage now [m], 0 to 1: how far that is not the scene's, phase of the beat
-    vec4 picture;         // width, height [pixels], 1 / width, 1 / height
+    vec4 picture;         // of what is drawn, the picture or a part of it: width, height [pixels], 1 / width, 1 / height
     vec4 side_left;       // rgb
     vec4 side_right;      // rgb
     vec4 back_light;      // rgb, w: how much the vignette takes at the film curve
@@ -23,7 +23,20 @@ layout(std140) uniform Frame {
     vec4 fill_above;      // rgb
     vec4 fill_below;      // rgb
     vec4 gobo;            // cosine and sine of its angle / its size [1/m], sum of its patterns' amounts
+    vec4 whole_picture;   // the same of the whole picture
+    vec4 picture_part;    // what is drawn: left, bottom [pixels of the whole picture], shares of its width and height
 };
+
+// From 0, 0 (lower left) to 1, 1 in what is drawn and in the whole picture: the same places unless a part is drawn.
+vec2 picture_place(vec2 at) { return at * picture_part.zw + picture_part.xy * whole_picture.zw; }
+vec2 part_place(vec2 place) { return (place - picture_part.xy * whole_picture.zw) / picture_part.zw; }
+
+// Where the middle of the whole picture is in the clip space of the part.
+vec2 whole_middle() { return (1.0 - 2.0 * picture_part.xy * whole_picture.zw) / picture_part.zw - 1.0; }
+// From the whole picture's clip space to that of the part.
+vec4 part_clip(vec4 clip) { return vec4(clip.xy / picture_part.zw + whole_middle() * clip.w, clip.zw); }
+// The way of a direction in clip space over the picture, wherever the part is in it.
+vec2 clip_way(vec4 direction) { return direction.xy - whole_middle() * direction.w; }
 
 float share_studio() { return worlds.x; }
 float share_paper() { return worlds.y; }

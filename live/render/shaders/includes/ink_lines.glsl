@@ -17,7 +17,7 @@ const int EVERY = 8 / TAPS;
 float line(vec2 place, float width) {
     const vec2 RING[8] = vec2[8](vec2(1.0, 0.0), vec2(0.7, 0.7), vec2(0.0, 1.0), vec2(-0.7, 0.7),
                                  vec2(-1.0, 0.0), vec2(-0.7, -0.7), vec2(0.0, -1.0), vec2(0.7, -0.7));
-    vec2 reach = picture.zw * width;
+    vec2 reach = picture.zw * (width + 1e-3);   // never between two texels, where rounding would decide
     vec4 here = textureLod(who, place, 0.0);
     // a contour, half as wide on either side: the share of the ring that is somebody else
     float others = 0.0;

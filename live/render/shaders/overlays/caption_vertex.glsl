@@ -19,6 +19,6 @@ void main() {
     box = in_box.zw;
     inside = corner * box;
     texel = in_what.xy + corner * vec2(cell);
-    vec2 device = (in_box.xy + inside) * picture.zw * 2.0 - 1.0;
-    gl_Position = vec4(device.x, -device.y, 0.0, 1.0);
+    vec2 device = (in_box.xy + inside) * whole_picture.zw * 2.0 - 1.0;
+    gl_Position = part_clip(vec4(device.x, -device.y, 0.0, 1.0));
 }

@@ -25,5 +25,5 @@ void main() {
         colour = late > 1.5 ? vec4(1.0, 0.27, 0.18, 0.95) : (late > 1.15 ? vec4(1.0, 0.72, 0.20, 0.85) : vec4(0.45, 0.85, 0.62, 0.70));
     }
     vec2 pixel = box.xy + corner * box.zw;
-    gl_Position = vec4(pixel * picture.zw * 2.0 - 1.0, 0.0, 1.0);
+    gl_Position = part_clip(vec4(pixel * whole_picture.zw * 2.0 - 1.0, 0.0, 1.0));
 }

@@ -13,6 +13,6 @@ void main() {
     is_panel = gl_InstanceID == 0 ? 1 : 0;
     vec2 pixel = is_panel == 1 ? panel.xy + corner * panel.zw : in_letter.xy + corner * vec2(cell);
     texel = in_letter.zw + corner * vec2(cell);
-    vec2 device = pixel * picture.zw * 2.0 - 1.0;
-    gl_Position = vec4(device.x, -device.y, 0.0, 1.0);
+    vec2 device = pixel * whole_picture.zw * 2.0 - 1.0;
+    gl_Position = part_clip(vec4(device.x, -device.y, 0.0, 1.0));
 }

@@ -18,7 +18,7 @@ void main() {
     vec2 along = (end.xy / end.w - begin.xy / begin.w) * picture.xy;
     vec2 aside = length(along) > 1e-4 ? normalize(vec2(-along.y, along.x)) : vec2(0.0, 1.0);
     float left = 1.0 - (float(age) + float(gl_VertexID & 1)) / float(kept);
-    float breadth = max(picture.y / 720.0 * mix(1.6, 5.0, left), 1.5);
+    float breadth = max(whole_picture.y / 720.0 * mix(1.6, 5.0, left), 1.5);
     across = float(gl_VertexID >> 1) * 2.0 - 1.0;
     vec4 at = (gl_VertexID & 1) == 0 ? begin : end;
     at.xy += across * breadth * aside * picture.zw * at.w;

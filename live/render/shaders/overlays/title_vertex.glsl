@@ -31,5 +31,5 @@ void main() {
     if (entrance == 4) shows = progress >= 1.0 || progress > in_order.x ? 1.0 : 0.0;
     place = origin + vec3(corner * em, 0.0);
     vec3 seen = mirrored == 1 ? vec3(place.x, -place.y, place.z) : place;
-    gl_Position = standing == 1 ? world_to_clip * vec4(seen, 1.0) : vec4(place.xy, 0.0, 1.0);
+    gl_Position = standing == 1 ? world_to_clip * vec4(seen, 1.0) : part_clip(vec4(place.xy, 0.0, 1.0));
 }

@@ -6,6 +6,7 @@ in vec2 frame;
 uniform sampler2D picture;
 uniform sampler2D mask;
 uniform vec4 crop;         // x, y, width, height in the picture, y down
+uniform vec4 drawn;        // the same of what is drawn of the picture
 uniform mat3x2 turned;     // from the frame to the upright part of the picture: rotation and mirror
 uniform vec4 edge;         // breadth of the soft edges: left, right, top, bottom
 uniform vec3 blend;        // projector's gamma, its black, how many projectors overlap at most
@@ -39,14 +40,20 @@ vec3 tint(vec3 colour, vec2 at) {
 #endif
 }
 
+// The picture at a place of the whole one, y down.
+vec3 picture_at(vec2 place) {
+    vec2 here = (place - drawn.xy) / drawn.zw;
+    return texture(picture, vec2(here.x, 1.0 - here.y)).rgb;
+}
+
 void main() {
     vec2 at = turned * vec3(frame, 1.0);
     vec2 part = crop.xy + at * crop.zw;
 #if CARD
-    vec3 colour = card == JOIN ? join_card(at * frame_size, texture(picture, vec2(part.x, 1.0 - part.y)).rgb)
+    vec3 colour = card == JOIN ? join_card(at * frame_size, picture_at(part))
                                : card_colour(card, at, part);
 #else
-    vec3 colour = texture(picture, vec2(part.x, 1.0 - part.y)).rgb;
+    vec3 colour = picture_at(part);
 #endif
 #if TINTED
     if (CARD == 0 || card == BARS || card == JOIN) colour = tint(colour, at);

@@ -17,5 +17,5 @@ void main() {
     texel = vec2(0.5) + (vec2(corner.x, 1.0 - corner.y) - 0.5) * crop;
     place = origin + across * corner.x + down * (1.0 - corner.y);
     vec3 seen = mirrored == 1 ? vec3(place.x, -place.y, place.z) : place;
-    gl_Position = across == vec3(0.0) ? vec4(corner * 2.0 - 1.0, depth, 1.0) : world_to_clip * vec4(seen, 1.0);
+    gl_Position = across == vec3(0.0) ? part_clip(vec4(corner * 2.0 - 1.0, depth, 1.0)) : world_to_clip * vec4(seen, 1.0);
 }

@@ -75,8 +75,9 @@ void main() {
 #if WATER
     float away = distance(vec3(place.x, 0.0, place.y), eye.xyz);
     vec2 slope = (waves(place) * 0.16 + ring.xy * 0.8) / (1.0 + 0.06 * away);
-    bend = slope * vec2(0.16, 0.22) * (share_water() / (1.0 + 0.05 * away));
-    bend.y = min(bend.y, max(-ray.y / max(ray_up.y, 1e-3) - 0.004, 0.0));   // never above the horizon
+    bend = slope * vec2(0.16 * 16.0 / 9.0 * whole_picture.y * whole_picture.z, 0.22) * (share_water() / (1.0 + 0.05 * away));
+    bend.y = min(bend.y, max(-ray.y * picture_part.w / max(ray_up.y, 1e-3 * picture_part.w) - 0.004, 0.0));   // never above the horizon
+    bend /= picture_part.zw;
 #endif
 #endif
     vec4 kept = textureLod(backdrop, at + bend, 0.0);   // one texel; while light or camera move it may be smaller

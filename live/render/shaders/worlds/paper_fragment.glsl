@@ -11,7 +11,7 @@ float wash(float inside, float ragged, float soft) {
 
 void main() {
     vec3 direction = normalize(ray);
-    vec2 screen = vec2(at.x * picture.x * picture.w, at.y);
+    vec2 screen = picture_place(at) * vec2(whole_picture.x * whole_picture.w, 1.0);
     float to_floor = floor_reach(direction);
     vec3 p = eye.xyz + direction * min(to_floor, 300.0);
     float ragged = clouds(screen * 0.55), fine = clouds(screen * 1.9 + 0.4);

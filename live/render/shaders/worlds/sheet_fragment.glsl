@@ -20,8 +20,8 @@ float hatch(vec2 pixel, vec2 across, float apart, float tremble, float cover) {
 }
 
 void main() {
-    float scale = picture.y / 720.0;
-    vec2 pixel = gl_FragCoord.xy / scale;
+    float scale = whole_picture.y / 720.0;
+    vec2 pixel = (gl_FragCoord.xy + picture_part.xy) / scale;
     vec4 sheet = textureLod(noise_map, pixel / 460.0, levels.x);
     vec4 hand = textureLod(noise_map, pixel / 620.0 + stroke, levels.y);
     // the hand is not quite steady

@@ -7,9 +7,9 @@ out vec3 light;
 
 void main() {
     gl_Position = world_to_clip * vec4(in_place, 1.0);
-    float scale = length(vec3(world_to_clip[0][1], world_to_clip[1][1], world_to_clip[2][1])) * picture.y * 0.5 / gl_Position.w;
+    float scale = ray_corner.w / gl_Position.w;
     float big = in_chance.x * in_chance.x; big *= big; big *= big;
-    float size = scale * mix(0.018, 0.085, big), shown_ = max(size, 1.25 * picture.y / 720.0);
+    float size = scale * mix(0.018, 0.085, big), shown_ = max(size, 1.25 * whole_picture.y / 720.0);
     float turn = 6.28318531 * (beam_light.w / 8.0 + in_chance.y);
     float twinkle = 0.78 + 0.22 * sin(turn) + 0.25 * big * key_direction.w;
     vec3 tint = mix(mix(vec3(0.62, 0.74, 1.0), vec3(1.0), in_chance.z * 2.0), vec3(1.0, 0.80, 0.58), max(in_chance.z * 2.0 - 1.0, 0.0));

@@ -15,9 +15,9 @@ void main() {
     float flip = mirrored == 1 ? -1.0 : 1.0, side = float(gl_VertexID & 1) * 2.0 - 1.0, end = float(gl_VertexID >> 1);
     vec4 a = world_to_clip * vec4(in_begin.x, flip * in_begin.y, in_begin.z, 1.0);
     vec4 b = world_to_clip * vec4(in_end.x, flip * in_end.y, in_end.z, 1.0);
-    float scale = length(vec3(world_to_clip[0][1], world_to_clip[1][1], world_to_clip[2][1])) * picture.y * 0.5;
+    float scale = ray_corner.w;
     vec4 at = end < 0.5 ? a : b;
-    float pixel = picture.y / 720.0, wide = in_stroke.z * 2.6 * scale / at.w, reach = max(wide, 1.6 * pixel);
+    float pixel = whole_picture.y / 720.0, wide = in_stroke.z * 2.6 * scale / at.w, reach = max(wide, 1.6 * pixel);
     vec2 pa = a.xy / a.w * picture.xy * 0.5, pb = b.xy / b.w * picture.xy * 0.5;
     float long_ = length(pb - pa);
     bool point = in_begin == in_end;
