@@ -6,9 +6,11 @@ dancing until no step has been taken for `SETTLED` seconds. A busy machine choos
 the same: `processor` is what all threads of this process computed for a frame, which other programs disturb less.
 """
 
+import math
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import moderngl
@@ -33,6 +35,7 @@ from live.render.headless import OffscreenTarget, create_headless_context, is_so
 from live.render.outputs.output import Output, SoftEdge
 from live.render.outputs.output_pass import OutputPass
 from live.render.outputs.photosensitivity import FlashLimiter
+from live.render.outputs.picture_layout import drawn_part, picture_reach
 from live.render.outputs.screen import FrameBuffers
 from live.render.renderer import Renderer
 from live.render.shader import release_all
@@ -65,6 +68,7 @@ def run(full: bool, shared: Path | None) -> list[Row]:
         rows += _settled(ctx, show, f"50 dancers in {name}", 50, full=False)
     show = crowd(24, loaded)
     rows += _styles(ctx, show, make_scene(show.patch), full)
+    rows += _parts(ctx, show, make_scene(show.patch), full)
     ctx.release()
     return rows
 
@@ -112,6 +116,33 @@ def _frames(
         _dance(show, view, row=row)
         times.append(timed(ctx, draw))
     return np.array(times)[4:]
+
+
+PARTS = (
+    ("a quarter of 2560x1440", (2560, 1440), (0.5, 0.0, 0.5, 0.5), 0.65),
+    ("an eighth of 5120x720", (5120, 720), (0.375, 0.0, 0.125, 1.0), 0.4),
+)
+"""What a render node draws of a picture: words, size of the whole one, crop, and the largest ratio of their times."""
+
+
+def _parts(ctx: moderngl.Context, show: Show, scene: Scene, full: bool) -> list[Row]:
+    """Processor time of the part that a node draws, with the border of all passes, over that of the whole picture."""
+    rows, view = [], show.view()
+    reach = partial(picture_reach, scene, row=picture_row(scene))
+    for words, size, crop, bar in PARTS:
+        part = drawn_part([Output(crop=crop)], [size], reach, asked=size)
+        times: list[list[float]] = []
+        with drawn(ctx, scene, size) as (whole, target), drawn(ctx, scene, part) as (own, own_target):
+            pairs = (whole, target), (own, own_target)
+            for _ in range(16 if full else 8):
+                _dance(show, view)
+                times.append([timed(ctx, partial(renderer.draw, view, into))[2] for renderer, into in pairs])
+        each, alone = np.median(np.array(times)[2:], axis=0).tolist()
+        rows.append(
+            Row(f"24 dancers, {words} with its border over the whole", alone / each, "", bar,
+                peers={"whole, ms": 1e3 * each, "part, ms": 1e3 * alone, "share of pixels": math.prod(part.share)})
+        )  # fmt: skip
+    return rows
 
 
 def _dance(show: Show, view: StageView, ticks: int = 2, row: Float64 | None = None) -> None:

@@ -19,6 +19,7 @@ from live.cli.bench import Row
 from live.motion.quaternion import chain, from_rotation_vector
 from live.motion.skeleton import JOINT_COUNT, SKELETON
 from live.render.adaptive_quality import Quality, choose_quality
+from live.render.camera import PicturePart, Size
 from live.render.headless import OffscreenTarget, create_headless_context, is_software
 from live.render.renderer import Renderer
 
@@ -146,13 +147,14 @@ def repeated(view: StageView, dancers: int) -> StageView:
 def drawn(
     ctx: moderngl.Context,
     scene: Scene,
-    size: tuple[int, int],
+    size: Size | PicturePart,
     *,
     steps: bool = False,
     quality: Quality | None = None,
 ) -> Iterator[tuple[Renderer, moderngl.Framebuffer]]:
     """A renderer and what it draws into."""
-    renderer, target = Renderer(ctx, scene, size=size, steps=steps, quality=quality), OffscreenTarget(ctx, size)
+    renderer = Renderer(ctx, scene, size=size, steps=steps, quality=quality)
+    target = OffscreenTarget(ctx, renderer.size)
     try:
         yield renderer, target.framebuffer
     finally:

@@ -281,6 +281,7 @@ def make_output_setup(session: "Session", picture: Projection, reread: bool) -> 
     setup.restore_cards(session.show.desk.master.cards)
     session.engine.event_listeners.append(setup.handle)
     session.status.extra_figures["outputs"] = setup.facts
+    session.status.extra_figures["picture"] = picture.describe_part
     session.status.extra_figures["flashes_held"] = lambda: picture.flash_limiter.dimmed_count
     session.status.notices.append(lambda: setup.save_result if setup.save_result.startswith("NOT") else "")
     return setup

@@ -56,6 +56,29 @@ def output_checks(venue: Venue, name: str | None) -> Iterator[Check]:
             yield _run_check(f"{what} mask", partial(_mask, output), "save it as PNG")
 
 
+def part_checks(loaded: LoadedShow, venue: Venue | None) -> Iterator[Check]:
+    """Yield a check whether each machine of the venue can draw its part of the picture alone."""
+    from live.base.picture_parameters import picture_row
+    from live.render.outputs.picture_layout import WORTH, shown_share, whole_picture_reason
+
+    machines: dict[str, list[Output]] = {}
+    for one in () if venue is None else venue.output:
+        machines.setdefault(one.node or "this machine", []).append(one.output(Path()))
+    partly = [name for name, outputs in machines.items() if shown_share(outputs) <= WORTH]
+    if not partly:
+        return
+    scene = loaded.scene(whole=False)
+    reason = whole_picture_reason(scene, picture_row(scene))
+    if reason:
+        remedy = "without it each machine draws only what its outputs show"
+        yield Check("picture", "limited", f"{', '.join(partly)}: all of it is drawn: {reason}", remedy)
+        return
+    yield Check("picture", "ok", f"{', '.join(partly)}: only what the outputs show is drawn, with a border")
+    if venue is not None and venue.picture_size is None and len(machines) > 1:
+        remedy = "write picture_size = [width, height] in the venue's file, so that all machines draw the same picture"
+        yield Check("picture_size", "limited", "each machine takes the size that its own windows need", remedy)
+
+
 def _monitor(name: str, where: str) -> str:
     from live.app.output_config import configured_monitor
 
@@ -201,6 +224,7 @@ def all_venue_checks(
         *show_checks(loaded, show),
         check_music(loaded),
         *venue_checks(venue, name),
+        *part_checks(loaded, venue),
         check_osc(*osc),
         check_monitors(),
         check_opengl(),

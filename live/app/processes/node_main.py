@@ -233,6 +233,7 @@ def _draw(
         pacer = Pacer(live_fps(options, headless.ctx), time.perf_counter, time.sleep)
     setup = None if window is None else _node_setup(options, output, lifeline)
     cards: dict[str, str] = {}
+    whole_for = ""
     while not is_abandoned(lifeline):
         lifeline.receive()
         lifeline.leave_if_asked()
@@ -254,12 +255,21 @@ def _draw(
             for screen in () if window is None else window.screens:
                 screen.tick = shown.tick
             output.frame(shown.show, shown.tick, shown.time)
+            whole_for = _tell_whole(output, whole_for, lifeline)
         lifeline.channel.flush()
         gc.collect(0)
         if pacer is not None:
             pacer.wait()
         elif shown is not None:
             time.sleep(min(follower.until_next_tick(lead) + SETTLE, LONGEST_WAIT))
+
+
+def _tell_whole(output: "StandbyOutput", told: str, lifeline: SupervisorLink) -> str:
+    """Tell why the whole picture is drawn where outputs show a part, unless that has been `told`; return the reason."""
+    why: str = "" if output.window is None else output.window.whole_for
+    if why != told:
+        lifeline.send_note(f"this node draws the whole picture: {why}")
+    return why
 
 
 def _node_setup(options: LaunchOptions, output: "StandbyOutput", lifeline: SupervisorLink) -> "OutputSetup":
@@ -280,7 +290,8 @@ def describe_output(output: "StandbyOutput") -> str:
     """Return the outputs of this node and the renderer that draws them."""
     if output.window is not None:
         names = ", ".join(screen.output.name for screen in output.window.screens)
-        return f"{names} ({output.window.window.ctx.info['GL_RENDERER']})"
+        drawn = output.window.describe_part()
+        return f"{names}: {drawn} ({output.window.window.ctx.info['GL_RENDERER']})"
     if output.headless is not None:
         return f"shared ({output.headless.ctx.info['GL_RENDERER']})"
     return "no picture"

@@ -66,6 +66,15 @@ def whole_picture_reason(scene: Scene, row: Float64) -> str:
     return ""
 
 
+def shown_share(outputs: Sequence[Output]) -> float:
+    """Return the area of the rectangle around all crops, as a share of the picture."""
+    sides = (
+        max(one.crop[axis] + one.crop[2 + axis] for one in outputs) - min(one.crop[axis] for one in outputs)
+        for axis in range(2)
+    )
+    return math.prod(sides)
+
+
 def picture_size(
     outputs: Sequence[Output], windows: Sequence[Size], *, asked: Size | None = None, most: int = MAX_SIDE
 ) -> Size:

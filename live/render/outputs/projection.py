@@ -22,7 +22,14 @@ from live.render.headless import FrameReader, Picture
 from live.render.outputs.output import Output
 from live.render.outputs.output_pass import OutputPass
 from live.render.outputs.photosensitivity import FlashLimiter
-from live.render.outputs.picture_layout import drawn_part, picture_reach, picture_size, whole_picture_reason
+from live.render.outputs.picture_layout import (
+    WORTH,
+    drawn_part,
+    picture_reach,
+    picture_size,
+    shown_share,
+    whole_picture_reason,
+)
 from live.render.outputs.screen import FrameBuffers, Screen
 from live.render.renderer import Renderer
 from live.render.shader import release_all
@@ -175,8 +182,7 @@ class Projection:
             self.operator = Screen(Output(OPERATOR), window, 0, keep_aspect=True)
         self.window.make_current()
         self._places, self._row = places, picture_row(scene)
-        self.whole_for = places.whole_for or ("" if self.operator is None else "the operator's window shows it")
-        """Why all of the picture is drawn, though outputs show less; empty if there is no such reason."""
+        self._whole_for = places.whole_for or ("" if self.operator is None else "the operator's window shows it")
         self.pictures = FrameBuffers(self.window.ctx, self._required_part(scene, self._row))
         self._operator_buffers = None if self.operator is None else FrameBuffers(self.window.ctx, self.pictures.size)
         self.renderer = Renderer(self.window.ctx, scene, size=self.pictures.part, steps=True)
@@ -324,10 +330,15 @@ class Projection:
         then on: changing back and forth would stop the frame loop each time."""
         outputs, windows = [one.output for one in self.screens], [one.window.size for one in self.screens]
         asked = self._places.picture
-        self.whole_for = self.whole_for or whole_picture_reason(scene, row)
-        if self.whole_for:
+        self._whole_for = self._whole_for or whole_picture_reason(scene, row)
+        if self._whole_for:
             return PicturePart.of(picture_size(outputs, windows, asked=asked))
         return drawn_part(outputs, windows, lambda height: picture_reach(scene, height, row), asked=asked)
+
+    @property
+    def whole_for(self) -> str:
+        """Why all of the picture is drawn though the outputs show less; empty if that is not so."""
+        return self._whole_for if shown_share([one.output for one in self.screens]) <= WORTH else ""
 
     def describe_part(self) -> str:
         """Return which part of the picture is drawn, in words."""

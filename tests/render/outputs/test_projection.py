@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
+from live.base.picture_parameters import BY_ADDRESS, picture_row
 from live.base.stage_snapshot import Camera, Scene, StageView
 from live.render.outputs.output import Output, SoftEdge
 from live.render.outputs.projection import Projection, WindowLayout
@@ -249,3 +250,40 @@ def test_hidden_windows_are_revealed_fully_prepared(open_projection: Open, stage
     assert projection.fullscreen
     _, second = capture_monitors(stage_x)
     np.testing.assert_array_equal(second, picture_of(projection)[:, 800:])
+
+
+@pytest.mark.x11
+def test_output_alone_draws_its_part_and_shows_the_same(open_projection: Open, stage_x: TwoMonitorX) -> None:
+    half = Output("left", "2", crop=(0.0, 0.0, 0.5, 1.0), corners=((0.05, 0.0), (1.0, 0.05), (0.95, 1.0), (0.0, 0.95)))
+    seen = []
+    for whole_for in ("somebody looks at it", ""):
+        projection = open_projection(half, fullscreen=True, whole_for=whole_for)
+        run_frames(projection, empty_view())
+        assert projection.size == (1600, 600)
+        assert projection.pictures.part.is_whole == bool(whole_for)
+        at = projection.to_picture(projection.screens[0], PointerPressed(400.0, 300.0))
+        assert isinstance(at, PointerPressed)
+        seen.append((capture_monitors(stage_x)[1].astype(int), (at.x, at.y), projection.describe_part()))
+        projection.close()
+    (whole, place, words), (own, same_place, own_words) = seen
+    assert np.abs(whole - own).max() <= 1
+    assert whole.max() > 60
+    assert place == same_place
+    assert words == "1600x600 pixels, all of them: somebody looks at it"
+    assert own_words.endswith("x600 of 1600x600 pixels")
+
+
+@pytest.mark.x11
+def test_trails_that_grow_make_it_draw_the_whole_picture_from_then_on(
+    open_projection: Open, stage_x: TwoMonitorX
+) -> None:
+    projection = open_projection(Output("left", "2", crop=(0.0, 0.0, 0.5, 1.0)), fullscreen=True)
+    view = empty_view()
+    view.picture = picture_row(SCENE)
+    view.picture[[BY_ADDRESS["/dance/pass/trails"].first, BY_ADDRESS["/dance/pass/trails/zoom"].first]] = 0.5
+    run_frames(projection, empty_view())
+    assert projection.whole_for == ""
+    for now in (view, empty_view()):
+        run_frames(projection, now)
+        assert projection.pictures.part.is_whole
+        assert "trails" in projection.whole_for
