@@ -10,12 +10,16 @@ import pytest
 from live.app.launch_options import LaunchOptions
 from live.app.machine import venue_check
 from live.app.machine.device_list import Section
-from live.app.machine.venue_check import check_disk, check_osc, venue_checks
+from live.app.machine.venue_check import check_disk, check_osc, part_checks, venue_checks
 from live.app.option_values import parse_measures
 from live.app.practice import practice_events, practice_tempo
 from live.app.session_audio import choose_audio
 from live.base.errors import PersonError
+from live.render.outputs import picture_layout
+from live.show.loader import load_show
+from live.show.patch.patch_search_path import DEFAULT_PATCH
 from live.show.venue.venue import Venue, VenueAudio, VenueMidi
+from live.show.venue.venue_output import VenueOutput
 from tests.cli.command import run_live
 from tests.show.made_show import made_show
 
@@ -133,3 +137,18 @@ def test_venue_projectors_and_masks_are_checked(tmp_path, monkeypatch):
         assert told[name].needed
         assert words in told[name].detail
         assert "\n" not in told[name].detail
+
+
+def test_check_tells_whether_machines_can_draw_their_part_alone(monkeypatch):
+    loaded = load_show(DEFAULT_PATCH)
+    halves = tuple(VenueOutput(name=node, node=node, crop=(at, 0.0, 0.5, 1.0)) for node, at in (("a", 0.0), ("b", 0.5)))
+    assert list(part_checks(loaded, Venue(output=(VenueOutput(),)))) == []
+    picture, size = part_checks(loaded, Venue(output=halves))
+    assert picture.state == "ok"
+    assert "a, b" in picture.detail
+    assert (size.name, size.state) == ("picture_size", "limited")
+    assert [one.state for one in part_checks(loaded, Venue(output=halves, picture_size=(3840, 1080)))] == ["ok"]
+    monkeypatch.setattr(picture_layout, "whole_picture_reason", lambda scene, row: "the pass waves looks elsewhere")
+    (limited,) = part_checks(loaded, Venue(output=halves))
+    assert limited.state == "limited"
+    assert "waves" in limited.detail

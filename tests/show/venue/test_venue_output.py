@@ -68,6 +68,12 @@ def test_invalid_output_key_is_refused_with_its_line(text, words):
         venue(f"[[output]]\n{text}")
 
 
+def test_whole_picture_may_be_larger_than_a_texture():
+    assert venue("picture_size = [15360, 1080]").picture_size == (15360, 1080)
+    with pytest.raises(PersonError, match="picture_size"):
+        venue("picture_size = [99999, 1080]")
+
+
 def test_more_than_eight_outputs_are_refused():
     nine = [f'[[output]]\nname = "{n}"\n' for n in range(9)]
     with pytest.raises(PersonError, match=r"output\.9\.node: 9 outputs of the machine that plays the show; at most 8"):
