@@ -45,6 +45,8 @@ COMMON_OPTIONS: Final = frozenset(
     )
 )
 """What `live play --help` shows; the rest is in `live play --help-all` and in `live docs play`."""
+LONGEST_KEY: Final = 128
+"""Most characters of a key from another machine."""
 
 
 def _tls(text: str, name: str) -> tuple[Path, Path] | None:
@@ -267,6 +269,18 @@ class LaunchOptions:
         if bpm is None and self.midi_file is not None and not self.is_practice:
             bpm = read_song(self.midi_file).tempo
         return ShowTempo(bpm, share=self.tempo_share or 1.0, own_music=self.audio is None)
+
+    @property
+    def keys(self) -> dict[str, str]:
+        """What was made for this show and another machine has to know to serve its page and its phones."""
+        return {"web_key": self.web_key, "audience_secret": self.audience_secret.hex()}
+
+    def with_keys(self, keys: Mapping[str, str]) -> "LaunchOptions":
+        """Return these options with the keys of the machine that led; ValueError if they are none."""
+        if set(keys) != set(self.keys) or not all(len(text) <= LONGEST_KEY for text in keys.values()):
+            raise ValueError("keys of a show expected")
+        web_key, secret = keys["web_key"] or self.web_key, bytes.fromhex(keys["audience_secret"])
+        return replace(self, web_key=web_key, audience_secret=secret or self.audience_secret)
 
     def encode(self) -> str:
         """As one word, for another process of this program."""

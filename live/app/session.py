@@ -14,6 +14,7 @@ from live.app.practice import practice_events
 from live.app.processes.resume_state import ResumeState
 from live.app.service_builder import ServiceBuilder
 from live.app.services.audience_service import AudienceService
+from live.app.services.gateway_status import GatewayStatus
 from live.app.services.osc_services import OperatorOscPort
 from live.app.services.service_registry import ValuePublisher, make_file_watches
 from live.app.services.web_service import WebService
@@ -237,6 +238,8 @@ class Session:
         self.document = beside.add_document(self._watch, loaded)
         beside.add_web(loaded, self.document, beside.add_next_formations())
         self._services = beside.services
+        audience = beside.services.audience
+        self._gateways = None if audience is None or lifeline is None else GatewayStatus(audience, lifeline)
         self.status.notices.append(lambda: self._watch.problem)
         self.status.notices.append(self._records.problem)
         self.notifier = make_notifier(
@@ -347,6 +350,8 @@ class Session:
         self._services.frame()
         self._calls.call("publishing values", self._publisher.frame, started)
         self._calls.call("the records", self._records.frame, started)
+        if self._gateways is not None:
+            self._calls.call("the gateways' status", self._gateways.frame, started)
         if self.lifeline is not None:
             self.lifeline.end_frame(self.engine.ticks.index)
             if self.lifeline.fenced and not self.engine.blanked:

@@ -1,4 +1,4 @@
-"""Commands `live cluster`: how the machines of a show are, and restarts of them during the show."""
+"""Commands `live cluster`: how the parts of a show are, and restarts of them during the show."""
 
 import contextlib
 import json
@@ -8,9 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 if TYPE_CHECKING:
+    from rich.console import Console
+
     from live.nodes.operator import Operator, SeenCluster
 
-app = typer.Typer(name="cluster", help="Render nodes of a show: their state, and restarts.", no_args_is_help=True)
+app = typer.Typer(
+    name="cluster", help="Render nodes, gateways and standby machines of a show: their state, and restarts.",
+    no_args_is_help=True,
+)  # fmt: skip
 
 Leader = Annotated[
     str | None,
@@ -23,32 +28,34 @@ def status(
     leader: Leader = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
 ) -> None:
-    """Show all nodes: version, state, offset of the clock, lateness; exit 1 if one does not follow."""
+    """Show all parts of a show: version, state, offset of the clock, lateness; exit 1 if one does not do its work."""
     with _operator(leader) as operator:
         seen = operator.status(operator.leader())
     if as_json:
         print(json.dumps(_as_json(seen)))
     else:
         _print(seen)
-    follows = [node.told.state == "follows" and node.age < LATE for node in seen.nodes]
-    raise typer.Exit(0 if all(follows) else 1)
+    raise typer.Exit(0 if seen.works else 1)
 
 
 @app.command()
 def restart(
-    names: Annotated[list[str] | None, typer.Argument(help="Nodes. Default: all.", metavar="[NODE]...")] = None,
+    names: Annotated[
+        list[str] | None,
+        typer.Argument(
+            help="Nodes, gateways, standby machines, or reducer, by the names of live cluster status. Default: all.",
+            metavar="[NAME]...",
+        ),
+    ] = None,
     leader: Leader = None,
 ) -> None:
-    """Start nodes again, one after another, each once the one before follows: a new version, or changed steps."""
+    """Start parts of a show again, one after another, each once the one before works: a new version, or changed steps.
+
+    A gateway's phones come back at the others. The machine that leads is left alone.
+    """
     with _operator(leader) as operator:
-        who = operator.leader()
-        wanted = names or [seen.told.name for seen in operator.status(who).nodes]
-        for name in operator.restart(who, wanted):
-            print(f"{name} is back")
-
-
-LATE = 3.0
-"""Seconds of silence after which a node counts as gone."""
+        for part in operator.restart(operator.leader(), names or []):
+            print(f"{part.name} is back", flush=True)
 
 
 @contextlib.contextmanager
@@ -73,34 +80,58 @@ def _as_json(seen: "SeenCluster") -> dict[str, object]:
     from dataclasses import asdict
 
     told = seen.status
+    found: dict[str, list[dict[str, object]]] = {"standby": [], "gateway": [], "reducer": []}
+    for member in seen.members:
+        row = asdict(member)
+        found[row.pop("kind")].append(row)
     return {
         "leader": told.leader, "version": told.version, "epoch": told.epoch, "tick": told.tick, "leads": told.leads,
+        "refused": told.refused, "strangers": told.strangers,
         "nodes": [{**asdict(node.told), "age_s": node.age} for node in seen.nodes],
+        "standbys": found["standby"], "gateways": found["gateway"], "reducer": next(iter(found["reducer"]), None),
     }  # fmt: skip
 
 
 def _print(seen: "SeenCluster") -> None:
     from rich.console import Console
-    from rich.table import Table
-    from rich.text import Text
 
     console, told = Console(highlight=False), seen.status
     console.print(f"leader {told.leader}, version {told.version}, epoch {told.epoch}, tick {told.tick}", markup=False)
-    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
-    for heading in (
-        "node", "state", "version", "tick", "offset", "rate", "round trip", "late frames", "late by", "clock",
-        "outputs", "",
-    ):  # fmt: skip
-        table.add_column(heading, overflow="fold")
+    if told.refused or told.strangers:
+        console.print(f"refused: {told.refused} invalid messages, {told.strangers} of strangers", markup=False)
+    rows: list[tuple[str, ...]] = []
     for node in seen.nodes:
         one = node.told
-        state = one.state if node.age < LATE else f"gone for {node.age:.0f} s"
-        row = (
+        state = one.state if node.state == one.state else f"gone for {node.age:.0f} s"
+        rows.append((
             one.name, state, one.version, str(one.tick), f"{one.offset_ms:.2f} ± {one.error_ms:.2f} ms",
             f"{one.rate_ppm:.1f} ppm", f"{one.round_trip_ms:.2f} ms", f"{one.late} of {one.frames}",
             f"{one.late_ms:.1f} ms", one.discipline, one.outputs, one.why,
-        )  # fmt: skip
+        ))  # fmt: skip
+    if rows:
+        _print_table(console, (
+            "node", "state", "version", "tick", "offset", "rate", "round trip", "late frames", "late by", "clock",
+            "outputs", "",
+        ), rows)  # fmt: skip
+    rows = [
+        (part.kind, part.name, part.state, part.version, part.machine or "here", f"{part.offset_ms:.2f} ms",
+         f"{part.late_ms:.1f} ms", f"{part.silent_ms:.0f} ms", part.load, part.why)
+        for part in seen.members
+    ]  # fmt: skip
+    if rows:
+        headings = ("part", "name", "state", "version", "machine", "offset", "late by", "silent for", "load", "")
+        _print_table(console, headings, rows)
+    if not seen.parts:
+        console.print("no nodes, gateways or standby machines")
+
+
+def _print_table(console: "Console", headings: tuple[str, ...], rows: "list[tuple[str, ...]]") -> None:
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    for heading in headings:
+        table.add_column(heading, overflow="fold")
+    for row in rows:
         table.add_row(*(Text(value) for value in row))
     console.print(table)
-    if not seen.nodes:
-        console.print("no nodes")

@@ -39,6 +39,23 @@ def node(
         list[str] | None,
         typer.Option(help="Share the picture with other programs, as live play does.", rich_help_panel=PICTURE),
     ] = None,
+    web: Annotated[
+        str | None,
+        typer.Option(
+            help="Show the operator's page and the studio of the machine that plays, at the same address whichever "
+            "one leads. They ask for that machine's key.",
+            rich_help_panel=NETWORK,
+            metavar="[HOST:]PORT",
+        ),
+    ] = None,
+    web_host: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="A name by which browsers reach this machine, for that page.",
+            rich_help_panel=NETWORK,
+            metavar="NAME[:PORT]",
+        ),
+    ] = None,
     status_json: Annotated[
         Path | None, typer.Option(help="Write one JSON line of figures a second.", rich_help_panel=NETWORK)
     ] = None,
@@ -51,8 +68,9 @@ def node(
     import socket
 
     from live.app.launch_options import LaunchOptions
-    from live.app.option_values import check_range, parse_shares, parse_size
+    from live.app.option_values import check_range, parse_endpoint, parse_shares, parse_size
     from live.app.processes.node_main import NodePlan, keep_node, parse_leaders
+    from live.app.services.http_services import parse_web
     from live.base.errors import PersonError
     from live.nodes.bus import load_zenoh
     from live.nodes.leader import is_name
@@ -69,4 +87,6 @@ def node(
         size=parse_size(size), fps=fps, share=parse_shares(share or []), status_json=status_json, node=called,
     )  # fmt: skip
     options.read_venue()
-    raise typer.Exit(keep_node(NodePlan(options, parse_leaders(leaders or []))))
+    page = None if web is None else parse_endpoint(web, "--web")
+    hosts = parse_web(None, key=None, new_key=False, hosts=web_host or []).hosts
+    raise typer.Exit(keep_node(NodePlan(options, parse_leaders(leaders or []), page, hosts)))

@@ -154,6 +154,11 @@ class HelperProcess:
 
         run_once(f"the restart of {self._module}", again)
 
+    def restart(self) -> None:
+        """End the child; the next frames start another one."""
+        if self._process is not None:
+            self._process.terminate()
+
     def stop(self) -> None:
         """Stop the child and close the channel."""
         if self._starting is not None:

@@ -50,8 +50,9 @@ class Question(Protocol):
 class Bus(Protocol):
     """What leader and nodes need of a bus. Receivers are called by threads of the bus and must not block."""
 
-    def publish(self, key: str, data: bytes) -> None:
-        """Send to all who receive this key; never waits. What a slow receiver cannot take is lost."""
+    def publish(self, key: str, data: bytes, *, bulk: bool = False) -> None:
+        """Send to all who receive this key; never waits. What a slow receiver cannot take is lost. `bulk`: all else
+        goes before it."""
         ...
 
     def receive(self, key: str, act: Receive) -> None:
@@ -101,15 +102,16 @@ class ZenohBus:
 
     def __init__(
         self, identity: Identity, pairings: Pairings, *, listen: tuple[str, int] | None = None,
-        connect: Sequence[tuple[str, int]] = (), scout: bool = False,
+        connect: Sequence[tuple[str, int]] = (), scout: bool = False, client: bool = False,
     ) -> None:  # fmt: skip
-        """`listen`: where a leader listens; `connect`: leaders' addresses; `scout`: find and be found by multicast.
+        """`listen`: where a leader listens; `connect`: leaders' addresses; `scout`: find and be found by multicast;
+        `client`: a process beside a leader, which passes its messages on.
 
         PersonError without the package, or if that address cannot be used.
         """
         zenoh = load_zenoh()
         self._zenoh: Any = zenoh
-        settings = configuration(identity, pairings, listen=listen, connect=connect, scout=scout)
+        settings = configuration(identity, pairings, listen=listen, connect=connect, scout=scout, client=client)
         try:
             self._session: Any = zenoh.open(zenoh.Config.from_json5(json.dumps(settings)))
         except zenoh.ZError as error:
@@ -121,14 +123,14 @@ class ZenohBus:
         self._publishers: dict[str, Any] = {}
         self._kept: list[Any] = []
 
-    def publish(self, key: str, data: bytes) -> None:
+    def publish(self, key: str, data: bytes, *, bulk: bool = False) -> None:
         """Send to all who receive this key."""
         found = self._publishers.get(key)
         if found is None:
+            priority = self._zenoh.Priority.DATA_LOW if bulk else self._zenoh.Priority.REAL_TIME
             found = self._publishers[key] = self._session.declare_publisher(
-                key, congestion_control=self._zenoh.CongestionControl.DROP, priority=self._zenoh.Priority.REAL_TIME,
-                express=True,
-            )  # fmt: skip
+                key, congestion_control=self._zenoh.CongestionControl.DROP, priority=priority, express=not bulk
+            )
         with contextlib.suppress(self._zenoh.ZError):
             found.put(data)
 
@@ -185,9 +187,10 @@ def endpoint(host: str, port: int) -> str:
 
 def configuration(
     identity: Identity, pairings: Pairings, *, listen: tuple[str, int] | None, connect: Sequence[tuple[str, int]],
-    scout: bool,
+    scout: bool, client: bool = False,
 ) -> dict[str, Any]:  # fmt: skip
-    """Return Zenoh's configuration. PersonError for pairings that cannot be read.
+    """Return Zenoh's configuration; the arguments are those of `ZenohBus`. PersonError for pairings that cannot be
+    read.
 
     The pinned certificates are the only trusted ones. They carry no host names: a machine is known by its certificate
     and not by its address, which changes from hall to hall.
@@ -204,7 +207,7 @@ def configuration(
         "listen": listen is not None,
     }  # fmt: skip
     return {
-        "mode": "peer",
+        "mode": "client" if client else "peer",
         "scouting": {"multicast": multicast, "gossip": {"enabled": False}},
         "listen": {"endpoints": [] if listen is None else [endpoint(*listen)]},
         "connect": {

@@ -1,4 +1,5 @@
-"""The leader's side of the bus: it sends lines and schedule to its nodes, lets nodes in, and knows how they are.
+"""The leader's side of the bus: it sends lines and schedule to its nodes, lets nodes in, and knows how all parts of the
+show are.
 
 It lives in the supervisor, which has all lines of the show and survives its engines. A machine that stands by holds the
 same lines; it sends nothing until it leads.
@@ -18,7 +19,7 @@ from live import __version__
 from live.control.message_codec import PacketError
 from live.nodes import messages
 from live.nodes.bus import Question
-from live.nodes.messages import ClusterStatus, Join, Joined, Lines, NodeState, Order, Pulse, Refused
+from live.nodes.messages import ClusterStatus, Join, Joined, Lines, Member, NodeState, Order, Pulse, Refused
 from live.nodes.signed_bus import SignedBus
 from live.supervisor.network.show_stream import ShowStream
 from live.supervisor.recovery_log import RecoveryLog
@@ -60,6 +61,8 @@ class NodeLeader:
         self._told: dict[str, str] = {}
         self.refused = 0
         """Messages that were invalid."""
+        self.on_restart: Callable[[str, str, str], None] = lambda kind, name, process: None
+        """Called with kind, name and process of a standby, gateway or reducer that an operator wants to start again."""
         bus.serve(messages.question_key(self.name, messages.CLOCK), self._tell_time, anyone=True)
         for what in (messages.JOIN, messages.STATUS, messages.COMMAND):
             bus.serve(messages.question_key(self.name, what), partial(self._queue, what))
@@ -122,7 +125,7 @@ class NodeLeader:
         while self._questions:
             what, asked = self._questions.popleft()
             if what == messages.STATUS:
-                asked.answer(messages.encode(self._status(now)))
+                asked.answer(messages.encode(self._status(report, now)))
             elif what == messages.COMMAND:
                 self._pass_on(asked)
             elif self._leads:
@@ -175,20 +178,25 @@ class NodeLeader:
             self._say(f"node {name}: {state}{words}")
 
     def _pass_on(self, asked: Question) -> None:
-        """Send an operator's order to the nodes: an operator's bus reaches only the leader."""
+        """Send an operator's order on: an operator's bus reaches only the leader."""
         try:
             order = messages.decode(asked.data, Order)
         except PacketError:
             self.refused += 1
             return
-        self._bus.publish(messages.ORDER, messages.encode(order))
+        if order.kind == "node":
+            self._bus.publish(messages.ORDER, messages.encode(order))
+        else:
+            self.on_restart(order.kind, order.name, order.process)
         asked.answer(messages.encode(order))
 
-    def _status(self, now: float) -> ClusterStatus:
+    def _status(self, report: Report, now: float) -> ClusterStatus:
         nodes = [self._nodes[name] for name in sorted(self._nodes)]
+        members = [*map(standby_member, report.standbys), *filter(None, map(gateway_member, report.gateways))]
         return ClusterStatus(
             self.name, __version__, self._epoch, self._tick, self._leads,
             tuple(messages.encode(told) for _, told in nodes), tuple(round(now - heard, 3) for heard, _ in nodes),
+            tuple(map(messages.encode, members)), self.refused, self._bus.strangers,
         )  # fmt: skip
 
     def _answer_join(self, log: RecoveryLog, asked: Question, now: float) -> None:
@@ -201,10 +209,8 @@ class NodeLeader:
         if refused is not None:
             asked.answer(messages.encode(refused))
             return
-        recent = self._stream.since(wanted.stream, wanted.number)
-        lines = list(log.replay_lines()) if recent is None else recent
-        told = Joined(self._stream.name, self._stream.number, recent is None, tuple(lines))
-        asked.answer(messages.encode(told))
+        _, restart, lines = self._stream.resume(wanted.stream, wanted.number, log)
+        asked.answer(messages.encode(Joined(self._stream.name, self._stream.number, restart, tuple(lines))))
 
     def _refusal(self, wanted: Join, log: RecoveryLog, now: float) -> Refused | None:
         """Return why a node cannot join; None if it can."""
@@ -228,6 +234,30 @@ class NodeLeader:
             self._told[name] = refused.why
             self._say(f"{refused.why}: it is refused ({refused.remedy})")
         return refused
+
+
+def standby_member(row: dict[str, Any]) -> Member:
+    """Return a machine that stands by (`RemoteStandby.standbys`) as it is told to operators. Its version is this one:
+    another is refused."""
+    refused = row["state"] == "refused"
+    return Member(
+        "standby", row["name"], row["process"], "" if refused else __version__, row["state"], row["why"], row["name"],
+        late_ms=row.get("late_ms", 0.0), silent_ms=row["silent_ms"],
+        load="" if refused else f"{row['different']} of {row['compared']} measures differed",
+    )  # fmt: skip
+
+
+def gateway_member(row: dict[str, Any]) -> Member | None:
+    """Return a gateway or the reducer, as the engine reports it (`AudienceService.gateways`), as it is told to
+    operators; None for what is none."""
+    try:
+        return Member(
+            str(row["kind"]), str(row["name"]), str(row["process"]), str(row["version"]), str(row["state"]),
+            str(row["why"]), str(row["machine"])[:64], float(row["clock_ms"]), float(row["late_ms"]),
+            float(row["silent_ms"]), str(row["load"]),
+        )  # fmt: skip
+    except (KeyError, TypeError, ValueError):
+        return None
 
 
 def is_name(name: str) -> bool:

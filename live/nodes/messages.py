@@ -146,19 +146,50 @@ class NodeState:
     """Its outputs, and what draws them."""
 
 
+@registered("cluster.member")
+@dataclass(frozen=True, slots=True)
+class Member:
+    """What a leader knows of a part of the show that is no node: the supervisor or the engine has a link of its own
+    to it."""
+
+    kind: str
+    """standby, gateway, reducer"""
+    name: str
+    process: str
+    """Differs once it has been started again."""
+    version: str
+    state: str
+    """ready, follows; serves, silent, gone, refused"""
+    why: str = ""
+    """What the operator has to know."""
+    machine: str = ""
+    """Where it runs: the name of a paired machine, or the begin of its certificate's fingerprint; empty: here."""
+    offset_ms: float = 0.0
+    """Error of its clock before the last correction."""
+    late_ms: float = 0.0
+    """Of a gateway: lateness of its ticks (99 of 100 are less late); of a standby: how far it is behind the leader."""
+    silent_ms: float = 0.0
+    """Since when nothing has been heard of it."""
+    load: str = ""
+    """What it carries."""
+
+
 @registered("node.order")
 @dataclass(frozen=True, slots=True)
 class Order:
-    """Request to a node: it starts again, and joins again."""
+    """Request to a part of the show: it starts again, and joins again."""
 
     name: str
-    what: str = "restart"
+    kind: str = "node"
+    """node, or that of a `Member`"""
+    process: str = ""
+    """Which one of this name; empty: each."""
 
 
 @registered("node.status")
 @dataclass(frozen=True, slots=True)
 class ClusterStatus:
-    """What a leader knows of its nodes."""
+    """What a leader knows of its nodes and of the other parts of its show."""
 
     leader: str
     version: str
@@ -169,6 +200,35 @@ class ClusterStatus:
     """Encoded `NodeState` of each."""
     ages: tuple[float, ...] = ()
     """Seconds since each was heard."""
+    members: tuple[bytes, ...] = ()
+    """Encoded `Member` of each standby, gateway and reducer."""
+    refused: int = 0
+    """Invalid messages; ..."""
+    strangers: int = 0
+    """... and those that no paired machine has signed."""
+
+
+@registered("page.frame")
+@dataclass(frozen=True, slots=True)
+class PageFrame:
+    """Part of a connection of a browser that is relayed (`live.nodes.page_relay`)."""
+
+    connection: bytes
+    """Its random number."""
+    sender: str
+    """The end that sends: answers go to its key."""
+    kind: str
+    """data, end (no more data), ack, lost (as ack, and something was missing), ask (for an ack), reset"""
+    offset: int
+    """Of data and end: its place among all bytes of this direction. Of the others: up to where all have arrived."""
+    read: int = 0
+    """Up to where they have been handed on."""
+    data: bytes = b""
+
+
+def page_key(end: str) -> str:
+    """Return the key under which this end of relayed connections receives."""
+    return f"live/page/{end}"
 
 
 def question_key(leader: str, what: str) -> str:

@@ -1,4 +1,4 @@
-"""What an operator asks of a cluster: how its nodes are, and to start some of them again, one after another."""
+"""What an operator asks of a cluster: how all parts of its show are, and to start some again, one after another."""
 
 import threading
 import time
@@ -9,7 +9,7 @@ from typing import Final
 from live.base.errors import PersonError
 from live.control.message_codec import PacketError
 from live.nodes import messages
-from live.nodes.messages import ClusterStatus, NodeState, Order, Pulse
+from live.nodes.messages import ClusterStatus, Member, NodeState, Order, Pulse
 from live.nodes.signed_bus import SignedBus
 
 ANSWERS_WITHIN: Final = 3.0
@@ -17,6 +17,12 @@ ANSWERS_WITHIN: Final = 3.0
 BACK_WITHIN: Final = 60.0
 """Seconds in which a node that was started again follows."""
 LOOK_EVERY: Final = 0.25
+GONE_AFTER: Final = 3.0
+"""Seconds of silence after which a node counts as gone."""
+WORKING: Final = ("ready", "serves")
+"""States of a `Member` that does what it is there for."""
+ORDER_OF_KINDS: Final = ("gateway", "reducer", "node", "standby")
+"""Kinds of parts, in the order in which they are started again."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,13 +33,42 @@ class SeenNode:
     age: float
     """Seconds since it was heard."""
 
+    @property
+    def state(self) -> str:
+        """Its state; gone, if it is silent for too long."""
+        return self.told.state if self.age < GONE_AFTER else "gone"
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A part of a show that can be started again: a node, a gateway, the reducer, a machine that stands by."""
+
+    kind: str
+    name: str
+    process: str
+    works: bool
+    """Whether it does what it is there for."""
+
 
 @dataclass(frozen=True, slots=True)
 class SeenCluster:
-    """A leader and its nodes."""
+    """A leader and all other parts of its show."""
 
     status: ClusterStatus
     nodes: tuple[SeenNode, ...]
+    members: tuple[Member, ...]
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """All parts besides the leader, in the order in which they are started again."""
+        nodes = [Part("node", one.told.name, one.told.process, one.state == "follows") for one in self.nodes]
+        others = [Part(one.kind, one.name, one.process, one.state in WORKING) for one in self.members]
+        return tuple(sorted((*nodes, *others), key=lambda part: (ORDER_OF_KINDS.index(part.kind), part.name)))
+
+    @property
+    def works(self) -> bool:
+        """Whether all parts do what they are there for."""
+        return all(part.works for part in self.parts)
 
 
 class Operator:
@@ -68,11 +103,13 @@ class Operator:
         try:
             told = messages.decode(self._ask(leader, messages.STATUS, b""), ClusterStatus)
             nodes = [messages.decode(each, NodeState) for each in told.nodes]
+            members = [messages.decode(each, Member) for each in told.members]
         except PacketError as error:
             raise PersonError(
                 f"{leader} sends what is no status: {error}", "install the same version on both"
             ) from None
-        return SeenCluster(told, tuple(map(SeenNode, nodes, told.ages)))
+        known = tuple(one for one in members if one.kind in ORDER_OF_KINDS)
+        return SeenCluster(told, tuple(map(SeenNode, nodes, told.ages)), known)
 
     def _ask(self, leader: str, what: str, data: bytes) -> bytes:
         """Return a leader's answer; PersonError if it does not answer."""
@@ -88,23 +125,46 @@ class Operator:
             raise PersonError(f"{leader} does not answer", "look at the machine that leads")
         return answers[0]
 
-    def restart(self, leader: str, names: list[str], sleep: Callable[[float], None] = time.sleep) -> Iterator[str]:
-        """Start nodes again, one after another, each once the one before follows; yield the name of each that is back.
+    def restart(
+        self, leader: str, names: list[str], sleep: Callable[[float], None] = time.sleep
+    ) -> Iterator[Part]:  # fmt: skip
+        """Start parts again, one after another, each once the one before works again; yield each that is back.
 
-        PersonError for a node that is not known, or does not come back: the others are left as they are then.
+        `names`: of nodes, gateways, standby machines, or `reducer`; several of one name are started in turn; none: all.
+        PersonError for one that is not known, or does not come back: the others are left as they are then.
         """
-        known = {seen.told.name: seen.told for seen in self.status(leader).nodes}
-        for name in names:
-            if name not in known:
-                there = ", ".join(sorted(known)) or "none"
-                raise PersonError(f"there is no node {name!r}; nodes: {there}", "live cluster status")
-        for name in names:
-            self._ask(leader, messages.COMMAND, messages.encode(Order(name)))
+        seen = self.status(leader)
+        parts = [part for part in seen.parts if part.works or part.name in names]
+        if names:
+            for name in names:
+                if name in (leader, seen.status.leader):
+                    raise PersonError(
+                        "the leader is not started again: the show would stop",
+                        "/dance/takeover at a machine that stands by, then start this one again as its standby",
+                    )
+                if not any(name in (part.name, f"{part.name} {part.process}") for part in parts):
+                    there = ", ".join(sorted({part.name for part in parts})) or "none"
+                    raise PersonError(f"there is no {name!r} in this show; parts: {there}", "live cluster status")
+            parts = [
+                part for name in names for part in parts if name in (part.name, f"{part.name} {part.process}")
+            ]  # fmt: skip
+        for part in dict.fromkeys(parts):
+            before = {
+                one.process for one in self.status(leader).parts if (one.kind, one.name) == (part.kind, part.name)
+            }
+            if part.process not in before:
+                continue  # it has gone meanwhile, or has started again by itself
+            order = Order(part.name, part.kind, part.process)
+            self._ask(leader, messages.COMMAND, messages.encode(order))
             for _ in range(int(BACK_WITHIN / LOOK_EVERY)):
                 sleep(LOOK_EVERY)
-                found = next((seen.told for seen in self.status(leader).nodes if seen.told.name == name), None)
-                if found is not None and found.process != known[name].process and found.state == "follows":
+                if any(
+                    (one.kind, one.name) == (part.kind, part.name) and one.works and one.process not in before
+                    for one in self.status(leader).parts
+                ):
                     break
             else:
-                raise PersonError(f"node {name} has not come back within {BACK_WITHIN:.0f} s", "look at that machine")
-            yield name
+                raise PersonError(
+                    f"{part.kind} {part.name} has not come back within {BACK_WITHIN:.0f} s", "look at that machine"
+                )
+            yield part

@@ -83,9 +83,9 @@ class SignedBus:
         self.strangers += 1
         return None
 
-    def publish(self, key: str, data: bytes) -> None:
-        """Sign and send."""
-        self._bus.publish(key, self.sealed(key, data))
+    def publish(self, key: str, data: bytes, *, bulk: bool = False) -> None:
+        """Sign and send; `bulk`: see `Bus`."""
+        self._bus.publish(key, self.sealed(key, data), bulk=bulk)
 
     def receive(self, key: str, act: Receive) -> None:
         """Call `act` with all that a paired machine publishes under this key."""

@@ -53,6 +53,8 @@ class EngineFailover:
         """`inherit`: descriptors that every engine inherits, by their names in its first message."""
         self._config, self._starter, self._report, self._say, self._inherit = config, starter, report, say, inherit
         self.log = RecoveryLog()
+        self.show = config.show
+        """The show of engines that are started, in their format."""
         self.prefork = PreforkProcess(starter)
         self.engine: Child | None = None
         self.spare: Child | None = None
@@ -151,7 +153,7 @@ class EngineFailover:
         """Tell the engine that follows to run the show itself."""
         if self.engine is not None:
             order = {"calm": self._report.calm, "screen": self.screen, "facts": self.facts()}
-            order["death"] = self._death_report.as_dict()
+            order["death"], order["show"] = self._death_report.as_dict(), self.show
             self.engine.channel.send_json(alive="go", **order, **more)
 
     def stand_by(self) -> None:
@@ -235,7 +237,7 @@ class EngineFailover:
         child = self._fork_engine(role, hear)
         if child is None:
             child = self._starter.start(role, self._config.engine, hear, *self._inherit.values())
-        child.channel.send_json(alive=role, show=self._config.show, **self._inherit)
+        child.channel.send_json(alive=role, show=self.show, **self._inherit)
         return child
 
     def _line_handler(self, whose: Callable[[], Child | None]) -> Callable[[str], None]:
@@ -376,7 +378,7 @@ class EngineFailover:
             return False
         if self._delays_spare(now):
             return False
-        brief, engine = {"show": self._config.show}, self.engine.memory
+        brief, engine = {"show": self.show}, self.engine.memory
         return self.prefork.ready or not self.prefork.ensure_started(self._config.engine, brief, self._inherit, engine)
 
     def _delays_spare(self, now: float) -> bool:

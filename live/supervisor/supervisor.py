@@ -20,6 +20,7 @@ from live.supervisor.adoption.journal_resume import InterruptedShow
 from live.supervisor.adoption.rendezvous import RendezvousListener
 from live.supervisor.engine_failover import EngineFailover
 from live.supervisor.line_channel import LineChannel
+from live.supervisor.network.peer_messages import read_line
 from live.supervisor.network.remote_standby import RemoteStandby
 from live.supervisor.process import AuxiliaryProcess, Child, ProcessManager
 from live.supervisor.process_stats import Reaper
@@ -72,6 +73,10 @@ class Supervisor:
         )
         self.osc_reader = AuxiliaryProcess(self._start_osc_reader, say)
         self._remote = RemoteStandby(config, self._starter, self.engines, self.report, say)
+        if config.nodes is not None:
+            config.nodes.on_restart = self._restart_part
+        self._page = AuxiliaryProcess(self._start_page, say)
+        self._page_follows: bool | None = None  # whether the relay of the page was started for another leader's show
         self._tell_at = self._confirm_at = 0.0
         self._last_channel: LineChannel | None = None
         self._channel_count = 0  # number of channels that have carried lines of the show
@@ -115,6 +120,8 @@ class Supervisor:
         self._remote.update(now)
         if self._config.nodes is not None:
             self._config.nodes.update(self.engines.log, self.report)
+        if self._config.page:
+            self._update_page(now, slowdown)
         if self._writing_engine is not None and self._writing_engine is not self.engines.engine:
             self._resume_journal()
         if self._osc_reading_engine is not None and self._osc_reading_engine is not self.engines.engine:
@@ -162,12 +169,21 @@ class Supervisor:
             self._remote.report_cannot_follow(asked["why"])
         elif asked["alive"] == "clock":
             self.report.origin = asked["origin"]
+        elif asked["alive"] == "gateways":
+            self.report.gateways = asked["rows"]
         elif asked["alive"] == "journal":
             self._resume_journal()
         elif asked["alive"] == "following":
             self.report.compared, self.report.different = asked["compared"], asked["different"]
             self.report.repaired = asked["repaired"]
             self._remote.set_ready(bool(asked["ready"]))
+
+    def _restart_part(self, kind: str, name: str, process: str) -> None:
+        """Start a standby machine, a gateway or the reducer again, on an operator's order."""
+        if kind == "standby":
+            self._remote.restart_follower(name, process)
+        elif self.engines.engine is not None:
+            self.engines.engine.channel.send_json(alive="restart", kind=kind, name=name, process=process)
 
     # -- adoption of a running engine -----------------------------------------------------------------------------
 
@@ -222,6 +238,26 @@ class Supervisor:
         theirs = (self._osc_pair[1].fileno(), self._config.osc.fileno())
         return self._starter.start("OSC", [*self._config.osc_reader, *map(str, theirs)], lambda line: None, *theirs)
 
+    def _update_page(self, now: float, slowdown: float) -> None:
+        """Relay the operator's page: to other machines while this one leads, else from the one that leads."""
+        follows = self.engines.role == "standby"
+        if follows is not self._page_follows:
+            self._page.close()
+            self._page_follows = follows
+            self._page.begin(now)
+        self._page.update(now, slowdown)
+
+    def _start_page(self) -> Child:
+        child = self._starter.start("page", self._config.page, self._hear_page)
+        plan = self._config.page_plan(self.engines.show, bool(self._page_follows))
+        child.channel.send_json(alive="page", show=plan)
+        return child
+
+    def _hear_page(self, line: str) -> None:
+        told = read_line(line)
+        if told.get("alive") == "note":
+            self._say(str(told.get("words")))
+
     def _send_report(self, now: float) -> None:
         """Send the report to the engine, and check its memory."""
         engine, since = self.engines.engine, self.engines.running_since
@@ -231,7 +267,7 @@ class Supervisor:
         self.report.disk = self._disk.facts()
         self.report.slowdown, self.report.reaped = round(self._starter.load.slowdown, 2), self._reaper.count
         self.report.audio_restarts, self.report.guard = self.audio.restarts, self.fallback_window.child is not None
-        self.report.osc_restarts = self.osc_reader.restarts
+        self.report.osc_restarts, self.report.standbys = self.osc_reader.restarts, self._remote.standbys()
         if engine is None or since is None:
             return
         engine.channel.send_json(alive="facts", facts=self.engines.facts())
@@ -247,6 +283,7 @@ class Supervisor:
         self.audio.close()
         self.fallback_window.close()
         self.osc_reader.close()
+        self._page.close()
         for one in (*(self._sound or ()), *(self._osc_pair or ())):
             one.close()
         if self._rendezvous is not None:

@@ -1,7 +1,7 @@
 """Configuration of the supervisor and its report."""
 
 import socket
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
@@ -11,7 +11,10 @@ from live.supervisor.recovery_log import RecoveryLog
 
 
 class ShowListener(Protocol):
-    """Gets all lines of the show: the leader's side of its render nodes. Thread: the supervisor's."""
+    """Gets all lines of the show: the leader's side of the bus. Thread: the supervisor's."""
+
+    on_restart: Callable[[str, str, str], None]
+    """Called with kind, name and process of a part of the show, other than a node, that is to be started again."""
 
     def add_line(self, line: str) -> None:
         """Take one line; never waits."""
@@ -61,7 +64,15 @@ class SupervisorConfig:
     follow: tuple[str, int] | None = None
     """The machine whose show is followed; this one takes over from it."""
     nodes: ShowListener | None = None
-    """The leader's side of its render nodes, if it has any."""
+    """The leader's side of the bus, if the show has one."""
+    page: Sequence[str] = ()
+    """The process that relays the operator's page over the bus; empty: none."""
+    page_plan: Callable[[str, bool], str] = lambda show, follows: ""
+    """Returns its plan for a show, in the engine's format; `follows`: another machine leads."""
+    keys: Mapping[str, str] = field(default_factory=dict, repr=False)
+    """What machines that stand by have to know to serve the same pages and phones once they lead."""
+    with_keys: Callable[[str, Mapping[str, str]], str] = lambda show, keys: show
+    """Returns the show, in the engine's format, with the keys of another machine; ValueError if they are none."""
     memory_budget: int = 0
     """Memory limit of an engine [bytes], above which the spare takes over; 0: none."""
 
@@ -129,13 +140,19 @@ class Report:
     """Origin of the show's clock on this machine [s of perf_counter]; None before an engine plays here."""
     nodes: dict[str, Any] = field(default_factory=dict)
     """State of each render node, by name."""
+    standbys: list[dict[str, Any]] = field(default_factory=list)
+    """Each machine that stands by: name, process, state, why, how far it is behind, and since when it is silent."""
+    gateways: list[dict[str, Any]] = field(default_factory=list)
+    """The engine's report on gateways for phones and their reducer, as in its status."""
 
     adopted: int = 0
     """How often another supervisor adopted this show's engine."""
 
     def facts(self) -> dict[str, Any]:
-        """Return it as plain values."""
-        return asdict(self)
+        """Return it as plain values, without what the engine itself has reported."""
+        found = asdict(self)
+        del found["gateways"]
+        return found
 
     def restore(self, facts: Mapping[str, Any]) -> None:
         """Restore from another supervisor's report the values that hold for this one."""

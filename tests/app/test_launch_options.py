@@ -139,3 +139,15 @@ class ExecPayload:
 def test_forged_option_text_is_refused(said):
     with pytest.raises(ValueError):  # noqa: PT011
         LaunchOptions.decode(said)
+
+
+def test_keys_of_the_machine_that_led_replace_the_own_ones():
+    there = LaunchOptions(web_key="of the leader", audience_secret=b"\x01" * 16)
+    here = LaunchOptions(web=("127.0.0.1", 8010), web_key="own", audience_secret=b"\x02" * 16, lead="9020")
+    both = here.with_keys(there.keys)
+    assert (both.web_key, both.audience_secret, both.lead) == ("of the leader", b"\x01" * 16, "9020")
+    assert here.with_keys(LaunchOptions().keys) == here  # a leader without a page and without phones
+    for keys in ({}, {"web_key": "k"}, {**there.keys, "seed": "4"}, {**there.keys, "audience_secret": "no digits"},
+                 {**there.keys, "web_key": "k" * 129}):  # fmt: skip
+        with pytest.raises(ValueError, match=r"keys of a show|hexadecimal"):
+            here.with_keys(keys)

@@ -74,7 +74,7 @@ class MadeBus:
     def __init__(self, network: MadeNetwork, place: str) -> None:
         self._network, self.place = network, place
 
-    def publish(self, key: str, data: bytes) -> None:
+    def publish(self, key: str, data: bytes, *, bulk: bool = False) -> None:
         for place, wanted, act in list(self._network.receivers):
             if wanted == key and place != self.place:
                 self._network.post(self.place, place, lambda act=act: act(data))

@@ -101,6 +101,27 @@ def test_whoever_answers_does_not_wait_for_a_slow_asker():
     assert slow.replied == [LONGEST_AT_ONCE + 1]
 
 
+def test_process_beside_a_leader_reaches_the_nodes_through_the_leader(places):
+    """The relay of the operator's page is a client of the leader's bus."""
+    leader, node, _ = places
+    port = free_port()
+    leader.open(listen=("127.0.0.1", port))
+    node.open(connect=[("127.0.0.1", port)]).receive("live/test", node.hear)
+    how = {"connect": [("127.0.0.1", port)], "client": True}
+    beside = SignedBus(ZenohBus(leader.identity, leader.pairings, **how), leader.identity, leader.pairings)
+    heard, event = [], threading.Event()
+    beside.receive("live/back", lambda data: (heard.append(data), event.set()))
+    try:
+        assert publish_until(beside, node, b"page", 20.0)
+        end = time.monotonic() + 20.0
+        while not event.is_set() and time.monotonic() < end:
+            node.bus.publish("live/back", b"click", bulk=True)
+            event.wait(0.05)
+        assert set(heard) == {b"click"}
+    finally:
+        beside.close()
+
+
 def test_port_that_is_taken_is_a_persons_error(places):
     leader, node, _ = places
     port = free_port()

@@ -11,6 +11,7 @@ from live.control.events.events import MuteAudience, PlaceElement, SetTempo
 from live.nodes import messages
 from live.nodes.follower import Phase
 from live.nodes.messages import Lines, NodeState, Pulse
+from live.nodes.operator import Operator
 from live.nodes.signed_bus import SignedBus
 from live.supervisor.network.identity import Pairings, load_identity
 from live.supervisor.recovery_log import RecoveryLog
@@ -337,28 +338,99 @@ def test_pairing_that_cannot_be_read_changes_nothing(tmp_path):
     assert mine.opened("key", sealed) == b"data"
 
 
-def test_operator_sees_all_nodes_and_starts_them_again_in_turn(cluster, loaded):
+GATEWAY = {
+    "kind": "gateway", "name": "stage-left", "process": "a1b2c3", "version": "0.9", "state": "serves", "why": "",
+    "machine": "stage-pc", "clock_ms": 0.25, "late_ms": 3.5, "silent_ms": 12, "load": "40 of 8000 phones",
+}  # fmt: skip
+STANDBY = {
+    "name": "second", "process": "p-1", "state": "ready", "why": "takes over next", "late_ms": 31.2, "silent_ms": 80.0,
+    "compared": 9, "different": 0,
+}  # fmt: skip
+
+
+class AskingBus:
+    """An operator's bus: while it asks, the cluster runs."""
+
+    def __init__(self, cluster):
+        self.cluster = cluster
+        self.bus = SignedBus(MadeBus(cluster.network, "operator"), cluster.identity, cluster.pairings)
+
+    def receive(self, key, act):
+        self.bus.receive(key, act)
+
+    def ask(self, key, data, act, *, timeout):
+        came = []
+        self.bus.ask(key, data, lambda data: (act(data), came.append(data)), timeout=timeout)
+        self.cluster.run(0.2, lambda: bool(came))
+
+
+def operator_of(cluster, leader):
+    return Operator(AskingBus(cluster)), leader.nodes.name
+
+
+def test_operator_sees_all_parts_of_a_show(cluster, loaded):
     leader = cluster.lead(loaded)
     nodes = [MadeNode(cluster, name, loaded, offset=2.0) for name in ("left", "right")]
+    leader.report.gateways = [{**GATEWAY, "kind": "reducer", "name": "reducer"}, GATEWAY, {"kind": "gateway"}, GATEWAY]
+    leader.report.standbys = [STANDBY, {"name": "old", "process": "", "state": "refused", "why": "v", "silent_ms": 1.0}]
     cluster.run(2.0, follows(*nodes))
     cluster.run(0.6)
+    operator, name = operator_of(cluster, leader)
+    seen = operator.status(name)
+    assert [(node.told.name, node.state, node.told.version) for node in seen.nodes] == [
+        ("left", "follows", __version__), ("right", "follows", __version__),
+    ]  # fmt: skip
+    assert seen.nodes[0].told.offset_ms == pytest.approx(-2000.0, abs=2.0)
+    told = {(one.kind, one.name): one for one in seen.members}
+    gateway, standby = told["gateway", "stage-left"], told["standby", "second"]
+    assert (gateway.version, gateway.machine, gateway.offset_ms, gateway.late_ms) == ("0.9", "stage-pc", 0.25, 3.5)
+    assert (standby.version, standby.state, standby.late_ms) == (__version__, "ready", 31.2)
+    assert told["standby", "old"].version == ""
+    assert [part.kind for part in seen.parts] == ["gateway"] * 2 + ["reducer"] + ["node"] * 2 + ["standby"] * 2
+    assert not seen.works  # the one that is refused
+    leader.report.standbys.pop()
+    assert operator.status(name).works
+
+
+def test_parts_are_started_again_one_after_another(cluster, loaded):
+    leader = cluster.lead(loaded)
+    nodes = [MadeNode(cluster, name, loaded) for name in ("left", "right")]
+    second = {**GATEWAY, "process": "d4e5f6"}
+    leader.report.gateways, leader.report.standbys = [GATEWAY, second], [STANDBY]
+    cluster.run(2.0, follows(*nodes))
+    cluster.run(0.6)
+    operator, name = operator_of(cluster, leader)
+    orders = []
+
+    def order(kind, one, process):
+        """A gateway of this name goes; another one comes after a while."""
+        orders.append((kind, one, process))
+        rows = leader.report.gateways if kind == "gateway" else leader.report.standbys
+        row = next(row for row in rows if row["process"] == process)
+        rows[rows.index(row)] = {**row, "process": f"new {process}"}
+
+    leader.nodes.on_restart = order
+    back = operator.restart(name, ["stage-left", "second"], cluster.run)
+    assert next(back).process == "a1b2c3"
+    assert orders == [("gateway", "stage-left", "a1b2c3")]
+    assert [part.process for part in back] == ["d4e5f6", "p-1"]
+    assert [node.follower.restart_asked for node in nodes] == [False, False]
+    with pytest.raises(PersonError, match="node left has not come back"):
+        list(operator.restart(name, ["left"], cluster.run))  # nothing keeps this one
+    assert [node.follower.restart_asked for node in nodes] == [True, False]
+    with pytest.raises(PersonError, match="there is no 'middle' in this show; parts: left, right, second, stage-left"):
+        next(operator.restart(name, ["middle"], cluster.run))
+    with pytest.raises(PersonError, match="the leader is not started again") as error:
+        next(operator.restart(name, [name], cluster.run))
+    assert "/dance/takeover" in (error.value.remedy or "")
+
+
+def test_orders_that_are_none_are_counted(cluster, loaded):
+    leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
+    cluster.run(1.0, follows(node))
     bus = SignedBus(MadeBus(cluster.network, "operator"), cluster.identity, cluster.pairings)
-    seen = asked_status(cluster, bus, leader)
-    assert [(told.name, told.state) for told in seen] == [("left", "follows"), ("right", "follows")]
-    assert seen[0].offset_ms == pytest.approx(-2000.0, abs=2.0)
-    assert [told.version for told in seen] == [__version__] * 2
     key = messages.question_key(leader.nodes.name, messages.COMMAND)
-    bus.ask(key, messages.encode(messages.Order("right")), lambda data: None, timeout=1.0)
     bus.ask(key, messages.encode("restart all"), lambda data: None, timeout=1.0)
     cluster.run(0.1)
     assert leader.nodes.refused == 1
-    assert [node.follower.restart_asked for node in nodes] == [False, True]
-
-
-def asked_status(cluster, bus, leader):
-    """The nodes, as the leader tells them."""
-    answers = []
-    bus.ask(messages.question_key(leader.nodes.name, messages.STATUS), b"", answers.append, timeout=1.0)
-    cluster.run(0.2, lambda: bool(answers))
-    told = messages.decode(answers[0], messages.ClusterStatus)
-    return [messages.decode(each, messages.NodeState) for each in told.nodes]
+    assert not node.follower.restart_asked

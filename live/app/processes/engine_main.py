@@ -26,10 +26,19 @@ from live.app.exit_codes import (
 )
 from live.app.launch_options import LaunchOptions
 from live.app.machine.systemd_unit import check_name
+from live.app.processes.page_relay_main import MODULE as PAGE_MODULE
+from live.app.processes.page_relay_main import PagePlan, page_hosts
 from live.base.errors import PersonError
 from live.base.system.features import LINUX, has_desktop
 from live.base.system.native_stderr import survive_terminal_close
-from live.base.system.process_control import HANG_UP_CODE, INTERRUPT_CODE, TERMINATE_CODE, machine_memory
+from live.base.system.process_control import (
+    HANG_UP_CODE,
+    INTERRUPT_CODE,
+    RESTART_CODE,
+    TERMINATE_CODE,
+    machine_memory,
+    restart_program,
+)
 from live.show.journal.journal_writer import move_aside
 from live.supervisor.adoption.adoption import Adoption, CannotAdopt, EngineHung, find_engine
 from live.supervisor.adoption.journal_resume import read_interrupted
@@ -196,6 +205,10 @@ def supervise(options: LaunchOptions) -> None:
         pairings=pairings,
         follow=follows,
         nodes=nodes,
+        page=[*python, PAGE_MODULE] if relays_page(options) else (),
+        page_plan=lambda show, follows: page_plan(show, "" if nodes is None else nodes.name, follows=follows),
+        keys=options.keys,
+        with_keys=lambda show, keys: LaunchOptions.decode(show).with_keys(keys).encode(),
         memory_budget=int(MEMORY_SHARE * machine_memory()),
         label=label if LINUX else "",
     )
@@ -209,8 +222,15 @@ def supervise(options: LaunchOptions) -> None:
     if left is not None and code not in (0, *SIGNAL_EXIT_CODES) and not supervisor.engines.has_run:
         say(f"the show cannot be resumed from its journal, now {move_aside(Path(str(journal)))}: it starts again")
         raise SystemExit(1)  # systemd starts it again
+    _end(code)
+
+
+def _end(code: int) -> None:
+    """End this program as its show has ended."""
     if code == INTERRUPT_CODE:
         raise KeyboardInterrupt
+    if code == RESTART_CODE:
+        restart_program()
     if code:
         raise SystemExit(code)
 
@@ -233,6 +253,27 @@ def _open_nodes(
     scout = not _is_this_machine(host)
     bus = SignedBus(ZenohBus(identity, pairings, listen=(host, port), scout=scout), identity, pairings)
     return NodeLeader(bus, say, ahead=ahead)
+
+
+def relays_page(options: LaunchOptions) -> bool:
+    """Whether the operator's page of this show can be opened from other machines, by the bus."""
+    return options.web is not None and options.web[1] != 0 and options.nodes is not None
+
+
+def page_plan(show: str, leader: str, *, follows: bool) -> str:
+    """Return the plan of the process that relays the page. `leader`: name of this machine's side of the bus; `follows`:
+    another machine leads."""
+    options = LaunchOptions.decode(show)
+    assert options.web is not None
+    leads_at = None if options.lead is None else _parse_endpoint(options.lead, "--lead")
+    own = nodes_address(str(options.nodes), "127.0.0.1" if leads_at is None else leads_at[0])
+    if follows:
+        leads = None if options.standby is None else _parse_endpoint(options.standby, "--standby")[0]
+        leaders = () if leads is None else ((leads, own[1]),)
+        return PagePlan(options.web, leaders, hosts=page_hosts(options)).encode()
+    loopback = {"0.0.0.0": "127.0.0.1", "::": "::1"}
+    web, bus = ((loopback.get(host, host), port) for host, port in (options.web, own))
+    return PagePlan(web, (bus,), leader=leader, key=options.web_key).encode()
 
 
 def nodes_address(text: str, host: str) -> tuple[str, int]:

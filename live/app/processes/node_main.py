@@ -24,12 +24,15 @@ from live.app.exit_codes import (
     show_person_error,
 )
 from live.app.launch_options import LaunchOptions
+from live.app.processes.page_relay_main import MODULE as PAGE_MODULE
+from live.app.processes.page_relay_main import PagePlan, page_hosts
 from live.base.errors import PersonError
+from live.base.system.process_control import RESTART_CODE
 from live.clock.ticks import TICK
 from live.supervisor.cpu_priority import ENGINE_NICE, lower_priority, raise_priority
 from live.supervisor.heartbeat import Phase as Beat
 from live.supervisor.prefork import PreforkProcess, serve_forks
-from live.supervisor.process import AuxiliaryProcess, Child, ProcessManager
+from live.supervisor.process import AuxiliaryProcess, Child, LineHandler, ProcessManager
 from live.supervisor.supervisor_link import SupervisorLink, is_abandoned
 
 if TYPE_CHECKING:
@@ -39,8 +42,6 @@ if TYPE_CHECKING:
     from live.show.loader import LoadedShow
 
 MODULE: Final = "live.app.processes.node_main"
-RESTART_CODE: Final = 75
-"""Exit code of a node that is to be started again (EX_TEMPFAIL of sysexits.h)."""
 SEARCH_PERIOD: Final = 0.02
 """Seconds between two looks at the bus while there is nothing to draw."""
 SPARE_AFTER: Final = 2.0
@@ -58,6 +59,10 @@ class NodePlan:
     """Patch, venue and picture; its `node` is the node's name."""
     leaders: tuple[tuple[str, int], ...] = ()
     """Addresses of leaders, and of machines that may take over; none: any that answers in the network."""
+    web: tuple[str, int] | None = None
+    """Where the page of the machine that plays is shown, ..."""
+    hosts: tuple[str, ...] = ()
+    """... and names by which browsers reach this machine."""
 
 
 def keep_node(plan: NodePlan, command: Sequence[str] = (sys.executable, "-m", MODULE)) -> int:
@@ -92,11 +97,15 @@ def keep_node(plan: NodePlan, command: Sequence[str] = (sys.executable, "-m", MO
         return child
 
     node, draws_since = AuxiliaryProcess(start, say), None
+    page = AuxiliaryProcess(lambda: _start_page(plan, starter, hear), say)
     try:
         node.begin(time.monotonic())
+        if plan.web is not None:
+            page.begin(time.monotonic())
         while not codes:
             now = starter.poll()
             node.update(now, starter.load.slowdown)
+            page.update(now, starter.load.slowdown)
             prefork.update()
             child = node.child
             draws_since = (draws_since or now) if child is not None and child.phase is Beat.RUNNING else None
@@ -112,8 +121,18 @@ def keep_node(plan: NodePlan, command: Sequence[str] = (sys.executable, "-m", MO
         return EXIT_INTERRUPTED
     finally:
         node.close()
+        page.close()
         prefork.close()
         starter.close()
+
+
+def _start_page(plan: NodePlan, starter: ProcessManager, hear: LineHandler) -> Child:
+    """Start the process that shows the page of the machine that plays, for a plan with `web`."""
+    child = starter.start("page", [sys.executable, "-m", PAGE_MODULE], hear)
+    assert plan.web is not None
+    told = PagePlan(plan.web, plan.leaders, hosts=(*plan.hosts, *page_hosts(plan.options)))
+    child.channel.send_json(alive="page", show=told.encode())
+    return child
 
 
 def main(now: Callable[[], float] = time.perf_counter) -> None:

@@ -10,6 +10,7 @@ from pathlib import Path
 from live.app.services.audience_tls import read_identity
 from live.app.services.listening_socket import listening_socket
 from live.base.errors import PersonError
+from live.base.system.process_control import restart_program
 from live.supervisor.network.identity import Pairings, load_identity
 
 BACKLOG = 4096
@@ -19,7 +20,8 @@ BACKLOG = 4096
 def run_gateway(
     where: tuple[str, int], listen: tuple[str, int], tls: tuple[Path, Path] | None, phones: int, name: str
 ) -> None:
-    """Serve up to `phones` phones at the address `listen`, for the show whose gateways join at `where`.
+    """Serve up to `phones` phones at the address `listen`, for the show whose gateways join at `where`. On an
+    operator's order the program starts again.
 
     PersonError if this machine is not paired with any other, or nobody can listen there.
     """
@@ -43,15 +45,19 @@ def run_gateway(
     prepare_process(phones)
     sock.setblocking(False)
 
+    uplink = ShardUplink(name or socket.gethostname(), phones)
+
     async def run() -> None:
         ended, loop = asyncio.Event(), asyncio.get_running_loop()
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, lambda *_: loop.call_soon_threadsafe(ended.set))
         await run_shard(
-            ShardUplink(name or socket.gethostname(), phones), where, keys, sock, ended,
+            uplink, where, keys, sock, ended,
             None if certificate is None else (certificate.certificate, certificate.key),
             lambda words: print(f"note: {words}", file=sys.stderr, flush=True),
         )  # fmt: skip
 
     with asyncio.Runner(loop_factory=loop_factory()) as runner:
         runner.run(run())
+    if uplink.restart_asked:
+        restart_program()

@@ -81,6 +81,8 @@ def promote(
     `from_other_machine`: it ran on another machine; `headless`, `sharing`: this machine's output meanwhile.
     """
     calm, death = bool(order["calm"]), order["death"]
+    if from_other_machine:
+        options = LaunchOptions.decode(order["show"])  # with the keys of that machine's page and phones
     if death.get("plain"):
         options = replace(options, quality=LOWEST_QUALITY)
     recovered = Recovery(follower, Death.from_message(death)).run()

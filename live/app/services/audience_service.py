@@ -216,6 +216,30 @@ class AudienceService:
         """The process ids of the gateways on this machine, where there are several."""
         return [] if self._shards is None else self._shards.pids
 
+    @property
+    def has_reducer(self) -> bool:
+        """Whether there may be several gateways."""
+        return self._shards is not None
+
+    @property
+    def phones(self) -> int:
+        """Number of phones."""
+        return self._show.audience.phones
+
+    def machine_name(self, fingerprint: str) -> str:
+        """Return the name of a gateway's machine; empty for this one. `fingerprint`: the begin of its certificate's."""
+        return fingerprint if self._shards is None else self._shards.machine_name(fingerprint)
+
+    def send_order(self, packet: tuple[Any, ...]) -> None:
+        """Send an order to the gateway, or the reducer."""
+        if self._helper is not None:
+            self._helper.send(packet)
+
+    def restart_process(self) -> None:
+        """Let the gateway's process, or the reducer's, start again."""
+        if self._helper is not None:
+            self._helper.restart()
+
     def stop(self) -> None:
         """Stop the gateway and close the port."""
         if self._helper is not None:
@@ -307,9 +331,13 @@ class AudienceService:
         """Return the number of refused inputs by reason."""
         return self._refused_before + self._refused
 
+    def facts(self) -> dict[str, Any]:
+        """Return what the gateway, or the reducer of several, tells of itself; empty before that."""
+        return {} if self._helper is None else self._helper.status()
+
     def status(self) -> dict[str, Any]:
         """Return the values for the status line, without personal data or keys."""
-        facts = {} if self._helper is None else self._helper.status()
+        facts = self.facts()
         told = (
             "messages",
             "late_ms",

@@ -55,6 +55,7 @@ class GatewayShards:
         self.port = where[1]
         self._most = part_of(phones, count)
         self._has_others = options.gateways_listen is not None
+        self._names: dict[str, str] = {}  # machines by the fingerprints of their certificates
         self._shards: list[HelperProcess] = []
 
     @property
@@ -63,8 +64,13 @@ class GatewayShards:
         return {"identity": self._identity.path.read_bytes(), "peers": self._peers()}
 
     def _peers(self) -> list[bytes]:
-        others = [peer.certificate for peer in self._pairings.read()] if self._has_others else []
-        return [self._identity.certificate, *others]
+        others = self._pairings.read() if self._has_others else []
+        self._names = {peer.fingerprint: peer.name for peer in others} | {self._identity.fingerprint: ""}
+        return [self._identity.certificate, *(peer.certificate for peer in others)]
+
+    def machine_name(self, fingerprint: str) -> str:
+        """Return the name of a paired machine by the begin of its certificate's fingerprint; empty for this one."""
+        return next((name for known, name in self._names.items() if known.startswith(fingerprint)), fingerprint)
 
     @property
     def spare_numbers(self) -> int:

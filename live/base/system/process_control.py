@@ -9,7 +9,7 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable
-from typing import Any, Final
+from typing import Any, Final, NoReturn
 
 from live.base.system.features import LINUX
 
@@ -17,6 +17,8 @@ KILL_CODE: Final = -9
 """Exit code of a process that was killed (negative: the signal)."""
 INTERRUPT_CODE: Final = 128 + 2
 TERMINATE_CODE: Final = 128 + 15
+RESTART_CODE: Final = 75
+"""Exit code of a process that is to be started again (EX_TEMPFAIL of sysexits.h)."""
 HANG_UP_CODE: Final = 128 + 1
 """Exit codes of a show that a signal ended: SIGINT, SIGTERM, SIGHUP."""
 
@@ -26,6 +28,14 @@ def own_session() -> dict[str, Any]:
     if sys.platform == "win32":
         return {"creationflags": subprocess.CREATE_NEW_PROCESS_GROUP}
     return {"start_new_session": True}
+
+
+def restart_program() -> NoReturn:
+    """Start this program again by the command line with which it was started, in its place."""
+    command = [sys.executable, *sys.orig_argv[1:]]
+    if sys.platform == "win32":  # where a process cannot be replaced
+        sys.exit(subprocess.call(command))
+    os.execv(sys.executable, command)
 
 
 def ignore_interrupts() -> None:

@@ -50,6 +50,8 @@ class Reducer:
             self.reduction.pass_on("beat", encode_packet(packet))
         elif isinstance(packet, tuple) and packet[0] == "stage":
             self.reduction.pass_on("stage", encode_packet(packet))
+        elif isinstance(packet, tuple) and packet[0] == "restart":
+            self.reduction.restart(str(packet[1]))
         elif isinstance(packet, tuple) and packet[0] == "peers":
             self._pair(tuple(packet[1]))
 

@@ -4,7 +4,6 @@ A gateway that is late or gone fades as a lifted finger does, with its phones, s
 gateway claims is bounded by the phones that it may have, and counted where it exceeds them.
 """
 
-import math
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
@@ -33,6 +32,7 @@ from live.control.shards.messages import (
     SharedState,
     unpack_voices,
 )
+from live.control.shards.shard_facts import TurnedAway, checked_facts, connected_row, merged_facts
 from live.control.shards.shared_groups import SharedGroups
 
 MAX_SHARDS: Final = 64
@@ -101,6 +101,7 @@ class Reduction:
         self._show_packets: dict[str, bytes] = {}
         self._state_at = self._lights_at = 0.0
         self.refused: Counter[str] = Counter()
+        self.turned_away = TurnedAway()
         self._tally: tuple[int, ...] = ()
 
     # -- the show ------------------------------------------------------------------------------------------------
@@ -133,7 +134,7 @@ class Reduction:
             why = "a gateway's hello expected"
         elif hello.protocol != PROTOCOL:
             why = f"this gateway is of version {hello.version[:40]}, the show of {__version__}: install the same"
-        elif not hello.capacity > 0 or not 0 < len(hello.name) <= 64:
+        elif not hello.capacity > 0 or not 0 < len(hello.name) <= 64 or not hello.name.isprintable():
             why = "a name and room for phones expected"
         elif len(self._there()) >= MAX_SHARDS and hello.name not in self.shards:
             why = f"there are {MAX_SHARDS} gateways already"
@@ -141,8 +142,11 @@ class Reduction:
             why = "a gateway of another machine has this name"
         if why:
             self.refused["gateway: does not fit"] += 1
+            if isinstance(hello, ShardHello):
+                self.turned_away.add(hello.name, where, hello.version, why, now)
             send(encode_packet(ShardRefused(why)))
             return None
+        self.turned_away.remove(hello.name)
         plan, before = self._plan, self.shards.get(hello.name)
         capacity = min(hello.capacity, int(plan["most"]))
         shard = Shard(hello.name, where, capacity, send, close)
@@ -166,6 +170,12 @@ class Reduction:
         self._give_numbers(shard)
         self._share_state(now)
         return shard
+
+    def restart(self, name: str) -> None:
+        """Let a gateway start again: its phones come back at the others meanwhile."""
+        shard = self.shards.get(name)
+        if shard is not None and not shard.gone:
+            shard.send(encode_packet(("restart",)))
 
     def leave(self, shard: Shard) -> None:
         """Handle the end of a gateway's connection: what it said fades."""
@@ -199,7 +209,7 @@ class Reduction:
             case ("bans", rows):
                 self._share_bans(shard, rows)
             case dict():
-                shard.facts = _checked_facts(packet)
+                shard.facts = checked_facts(packet)
             case _:
                 self._count_lie(shard, 1)
 
@@ -345,28 +355,17 @@ class Reduction:
     def facts(self, now: float) -> dict[str, Any]:
         """Return facts for the status, without personal data; those of the slowest gateway where there is no sum."""
         there = [shard for _, shard in sorted(self.shards.items())]
-        told = [shard.facts for shard in there if not shard.gone]
-        refused = Counter(self.refused)
-        held: dict[str, Any] = {}
-        for facts in told:
-            refused.update({str(why): int(count) for why, count in facts.get("refused", {}).items()})
-            held |= facts.get("held", {})
+        rows = [
+            connected_row(
+                shard.name, shard.where, shard.facts, phones=0 if shard.report is None else shard.report.phones,
+                most=shard.capacity, silent=now - shard.heard_at, gone=shard.gone, lies=shard.lies,
+            )
+            for shard in there
+        ]  # fmt: skip
         return {
-            "messages": sum(facts.get("messages", 0) for facts in told),
-            "crowded": max((facts.get("crowded", 0) for facts in told), default=0),
-            "voices": round(sum(facts.get("voices", 0.0) for facts in told), 2),
-            "missed_frames": sum(facts.get("missed_frames", 0) for facts in told),
-            "late_ms": _slowest(told, "late_ms"), "ways_ms": _slowest(told, "ways_ms"),
-            "held": held, "bans": list(self._bans.values()), "refused": dict(refused), "next": self.next_number,
-            "gateways": [self._row(shard, now) for shard in there],
-        }  # fmt: skip
-
-    def _row(self, shard: Shard, now: float) -> dict[str, Any]:
-        return {
-            "name": shard.name, "machine": shard.where, "version": str(shard.facts.get("version", ""))[:40],
-            "phones": 0 if shard.report is None else shard.report.phones, "most": shard.capacity,
-            "silent_ms": round(1e3 * (now - shard.heard_at)), "clock_ms": shard.facts.get("clock_ms", 0.0),
-            "late_ms": shard.facts.get("late_ms", [0.0, 0.0])[-1], "gone": shard.gone, "lies": shard.lies,
+            **merged_facts([shard.facts for shard in there if not shard.gone], self.refused),
+            "bans": list(self._bans.values()), "next": self.next_number,
+            "gateways": [*rows, *self.turned_away.rows(now)],
         }  # fmt: skip
 
 
@@ -382,22 +381,3 @@ def bounded(sketch: VoiceSketch, most: int, most_weight: float) -> tuple[VoiceSk
         sums = (found.sums * (limit / total)).astype(np.int64)
         found = replace(found, cells=found.cells[sums[0] > 0], sums=sums[:, sums[0] > 0])
     return replace(found, people=people, shaken=min(sketch.shaken, people)), False
-
-
-def _checked_facts(facts: dict[Any, Any]) -> dict[str, Any]:
-    """Return a gateway's facts; an error of some kind if they are of other types, or numbers that are none."""
-    found: dict[str, Any] = {name: int(facts[name]) for name in ("messages", "crowded", "missed_frames")}
-    found |= {name: float(facts[name]) for name in ("voices", "clock_ms")}
-    found |= {name: [float(value) for value in facts[name]][:2] or [0.0] for name in ("late_ms", "ways_ms")}
-    if not all(math.isfinite(each) for value in found.values() for each in np.atleast_1d(value)):
-        raise ValueError("figures expected")
-    found["version"] = str(facts["version"])
-    reasons = list(dict(facts["refused"]).items())[:64]
-    found["refused"] = {str(why)[:60]: int(count) for why, count in reasons}
-    found["held"] = {str(key)[:20]: [int(each) for each in value][:8] for key, value in dict(facts["held"]).items()}
-    return found
-
-
-def _slowest(told: list[dict[str, Any]], name: str) -> list[float]:
-    rows = [facts[name] for facts in told if name in facts]
-    return max(rows, key=lambda row: row[-1], default=[0.0, 0.0])

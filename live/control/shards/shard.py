@@ -68,6 +68,10 @@ class ShardUplink:
         """What the gateway needs to know of the show; empty before the first answer."""
         self.on_plan: Callable[[], None] = lambda: None
         """Called when the plan has changed: another show runs."""
+        self.restart_asked = False
+        """Whether the show wants this process to start again; ..."""
+        self.on_restart: Callable[[], None] = lambda: None
+        """... called then."""
         self.refusal = ""
         """Why the reducer refused this gateway the last time."""
         self._shown = ShardShown((), ())
@@ -180,6 +184,9 @@ class ShardUplink:
                 self.refusal = packet.why
                 if self._link is not None:
                     self._link.close()
+            case ("restart",):
+                self.restart_asked = True
+                self.on_restart()
             case ShardPing():
                 self._correct_clock(packet, time.perf_counter())
             case _ if session is None:
@@ -257,10 +264,10 @@ async def run_shard(
 ) -> None:  # fmt: skip
     """Serve phones at a listening socket until `ended`, for the show whose reducer is at `where`.
 
-    `say` is called with what a person should know.
+    `say` is called with what a person should know. On an operator's order it ends, too (`uplink.restart_asked`).
     """
     changed = asyncio.Event()
-    uplink.on_plan = changed.set
+    uplink.on_plan, uplink.on_restart = changed.set, ended.set
     calling = keep_task("the way to the show", lambda: _keep_connected(uplink, where, keys, say))
     ending = asyncio.ensure_future(ended.wait())
     try:

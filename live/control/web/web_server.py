@@ -39,7 +39,7 @@ from live.control.web.stage_subscribers import StageSubscribers
 from live.control.web.studio_files import StudioFiles
 from live.control.web.surface import make_surface
 from live.control.web.task_guard import guarded, keep_task
-from live.control.web.web_key import PROTOCOL, has_key
+from live.control.web.web_key import PROTOCOL, has_key, is_relayed
 
 PAGE: Final = Path(__file__).with_name("web_page.html")
 MOST_CLIENTS: Final = 32
@@ -146,7 +146,7 @@ class WebServer:
     async def _answer(self, request: web.BaseRequest) -> web.StreamResponse:
         """Answer with the page for requests under an accepted name, and with all else only for requests
         with the key."""
-        if not is_same_origin(request, self._hosts):
+        if not is_same_origin(request, self._hosts, host_checked=is_relayed(request, self._key)):
             return self._refuse(403)
         path = request.path
         if path not in ("/", "/surface.json", "/ws", STAGE_PATH, PREVIEW_PATH) and path not in self._studio:

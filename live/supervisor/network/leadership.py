@@ -181,6 +181,16 @@ class Leadership:
         """Whether this machine leads."""
         return self.role is Role.LEADS
 
+    def is_ready(self, link: str) -> bool:
+        """Whether the machine behind a link could resume the show, as it last said."""
+        there = self._links.get(link)
+        return there is not None and there.ready
+
+    def silence(self, link: str, now: float) -> float:
+        """Return the seconds since the last message of a link; 0 for one that is not known."""
+        there = self._links.get(link)
+        return 0.0 if there is None else now - there.last_message
+
     def link_opened(self, link: str, now: float, *, upstream: bool = False) -> list[Action]:
         """A link to a paired machine is open. `upstream`: this machine was configured to follow it."""
         self._links[link] = _Link(now, upstream)

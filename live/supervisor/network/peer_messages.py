@@ -6,7 +6,7 @@ So a claim made for another machine, for another connection, or earlier is worth
 
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Final
 
 from live.supervisor.network.identity import Identity, Peer
@@ -17,6 +17,7 @@ CHALLENGE: Final = 32
 """Bytes."""
 LONGEST_NAME: Final = 128
 HIGHEST: Final = 1 << 40
+MOST_KEYS: Final = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +63,31 @@ class CannotFollow:
     why: str
 
 
-PeerMessage = Hello | Pulse | SignedClaim | HandOver | FollowRequest | StreamStart | CannotFollow
+@dataclass(frozen=True, slots=True)
+class FollowerState:
+    """Regular report of a machine that stands by."""
+
+    tick: int = 0
+    """The last one that it has run."""
+    compared: int = 0
+    different: int = 0
+    """Measures whose state was compared with the leader's, and those that differed."""
+
+
+@dataclass(frozen=True, slots=True)
+class ShowKeys:
+    """What a machine that stands by has to know to serve the same pages and phones once it leads."""
+
+    keys: tuple[tuple[str, str], ...] = field(repr=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Restart:
+    """Order to a machine that stands by: its program starts again."""
+
+
+Plain = Hello | Pulse | HandOver | FollowRequest | StreamStart | CannotFollow | FollowerState | ShowKeys | Restart
+PeerMessage = Plain | SignedClaim
 
 
 class InvalidMessage(ValueError):
@@ -83,7 +108,7 @@ def verified(claim: SignedClaim, sender: Peer, receiver: Identity, challenge: by
     return Claim(claim.term)
 
 
-def format_message(message: Hello | Pulse | HandOver | FollowRequest | StreamStart | CannotFollow) -> str:
+def format_message(message: Plain) -> str:
     """Return a message as a line."""
     match message:
         case Hello():
@@ -101,6 +126,12 @@ def format_message(message: Hello | Pulse | HandOver | FollowRequest | StreamSta
             return _line("show", stream=message.stream, number=message.number, anew=message.restart)
         case CannotFollow():
             return _line("cannot", why=message.why)
+        case FollowerState():
+            return _line("state", tick=message.tick, compared=message.compared, different=message.different)
+        case ShowKeys():
+            return _line("keys", keys=dict(message.keys))
+        case Restart():
+            return _line("restart")
 
 
 def parse_message(values: dict[str, Any]) -> PeerMessage:
@@ -122,6 +153,15 @@ def parse_message(values: dict[str, Any]) -> PeerMessage:
             return StreamStart(_text(values, "stream"), _integer(values, "number"), _flag(values, "anew"))
         case "cannot":
             return CannotFollow(str(values.get("why"))[:1024])
+        case "state":
+            return FollowerState(*(_integer(values, key) for key in ("tick", "compared", "different")))
+        case "keys":
+            found = values.get("keys")
+            if not isinstance(found, dict) or len(found) > MOST_KEYS:
+                raise InvalidMessage
+            return ShowKeys(tuple((name, _text(found, name)) for name in found))
+        case "restart":
+            return Restart()
         case _:
             raise InvalidMessage
 

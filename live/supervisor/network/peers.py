@@ -17,6 +17,7 @@ from typing import Final
 
 from live.base.fault_isolation import run_once
 from live.supervisor.network.identity import Identity, Pairings, Peer
+from live.supervisor.network.peer_messages import FollowerState
 from live.supervisor.network.tls import HANDSHAKE_WITHIN, Handshake, SecureChannel, TrustStore
 from live.supervisor.process import ProcessManager
 
@@ -58,6 +59,10 @@ class Link:
     last_claim: int = 0
     """Number of the last claim received from the peer."""
     follows: bool = False
+    state: FollowerState = field(default_factory=FollowerState)
+    """The last report of a machine that follows, ..."""
+    state_tick: int = 0
+    """... and the leader's own tick when it came."""
 
     @property
     def peer(self) -> Peer:

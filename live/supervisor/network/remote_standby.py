@@ -11,16 +11,21 @@ from collections.abc import Callable, Iterable
 from typing import Any, Final
 
 from live import __version__
-from live.base.system.process_control import on_promotion_signal
+from live.base.system.process_control import RESTART_CODE, on_promotion_signal
 from live.supervisor.engine_failover import EngineFailover
 from live.supervisor.heartbeat import Phase
+from live.supervisor.network.follower_reports import FollowerReports, one_line, order_restart
 from live.supervisor.network.leadership import Action, Drop, Follow, Lead, Leadership, Role, Send, StepDown
 from live.supervisor.network.leadership import Claim as ClaimMessage
 from live.supervisor.network.peer_messages import (
     CannotFollow,
+    FollowerState,
     FollowRequest,
     Hello,
     InvalidMessage,
+    PeerMessage,
+    Restart,
+    ShowKeys,
     SignedClaim,
     StreamStart,
     format_message,
@@ -35,8 +40,6 @@ from live.supervisor.network.show_stream import ShowStream, is_show_line
 from live.supervisor.process import ROUND, ProcessManager
 from live.supervisor.supervisor_config import Report, SupervisorConfig
 
-LONGEST_WHY: Final = 400
-"""Most characters of a reason from another machine."""
 DRAIN_TIMEOUT: Final = 2.0
 """Seconds for which a machine that cannot stand by waits at its end until the leader has read the reason."""
 MAX_TURN: Final = 2.5 * ROUND
@@ -70,6 +73,8 @@ class RemoteStandby:
         self._stream = ShowStream()
         self._leader_stream, self._leader_line, self._received_bytes = "", 0, 0
         self._source_link = ""  # the link whose lines are the show's
+        self._keys, self._with_keys = dict(config.keys), config.with_keys
+        self._reports = FollowerReports()
         self._peers: Peers | None = None
         who = "" if config.identity is None else config.identity.fingerprint[:16]
         role = Role.LEADS if config.follow is None else Role.FOLLOWS
@@ -107,6 +112,8 @@ class RemoteStandby:
             self.promote("on command")
         ready, lead = self._is_ready(), self._leadership
         self._act(lead.update(now, max(0.0, turn - waited), ready=ready, idle=self._idle(now)))
+        if (leader := self._leader()) is not None and self._source_link:
+            self._reports.tell(leader, self._engines.engine, self._report, now)
         report = self._report
         report.followers = sum(link.follows for link in self._peers.links.values())
         report.ready, report.is_deputy, report.epoch = ready and not lead.leads, lead.is_deputy, lead.term.epoch
@@ -259,10 +266,25 @@ class RemoteStandby:
         elif isinstance(message, StreamStart):
             self._handle_stream_start(link, message)
         elif isinstance(message, CannotFollow):
-            self._say(f"another machine cannot stand by: {one_line(message.why)}")
+            self._reports.note_cannot(link.peer.name, one_line(message.why), self._now)
+            self._say(f"{link.peer.name} cannot stand by: {one_line(message.why)}")
             self._drop(link)
         elif (decided := leadership_message(message)) is not None:
             self._act(self._leadership.handle(link.name, decided, self._now))
+        else:
+            self._receive_standby_message(link, message)
+
+    def _receive_standby_message(self, link: Link, message: PeerMessage) -> None:
+        """Handle what a machine that stands by tells its leader, or is told by it."""
+        if isinstance(message, FollowerState):
+            link.state, link.state_tick = message, self._engines.log.tick
+        elif link is not self._leader():
+            self._report.lines_refused += 1  # of a former leader, or of one who claims to be one
+        elif isinstance(message, ShowKeys):
+            self._take_keys(link, message)
+        elif isinstance(message, Restart):
+            self._say(f"{link.peer.name} orders this machine, which stands by, to start again")
+            self._engines.code = RESTART_CODE
 
     def _reject(self, link: Link) -> None:
         """Count an invalid message and drop its sender."""
@@ -286,6 +308,9 @@ class RemoteStandby:
                 self._say(f"{why}: it cannot be followed; install the same version on both")
                 self._engines.code = 2
             else:
+                self._reports.note_cannot(
+                    link.peer.name, f"version {hello.version}, the leader {__version__}", self._now
+                )
                 self._drop(link)
             return
         for other in [other for other in self._peers.links.values() if other.peer_name == hello.sender]:
@@ -303,15 +328,36 @@ class RemoteStandby:
         link.last_claim = signed.number
         self._act(self._leadership.handle(link.name, claim, self._now))
 
+    # -- machines that stand by ------------------------------------------------------------------------------------
+
+    def standbys(self) -> list[dict[str, Any]]:
+        """Return state and lateness of each machine that stands by for this one."""
+        if self._peers is None or not self._leadership.leads:
+            return []
+        return self._reports.rows(self._peers.links.values(), self._leadership, self._now)
+
+    def restart_follower(self, name: str, process: str) -> None:
+        """Order a machine that stands by to start again."""
+        if self._peers is not None and self._leadership.leads:
+            order_restart(self._peers.links.values(), name, process)
+
+    def _take_keys(self, link: Link, told: ShowKeys) -> None:
+        try:
+            self._engines.show = self._with_keys(self._engines.show, dict(told.keys))
+        except ValueError:
+            self._reject(link)
+            return
+        self._keys = dict(told.keys)
+
     # -- the show --------------------------------------------------------------------------------------------------
 
     def _serve_show(self, link: Link, wanted: FollowRequest) -> None:
         """Let a machine follow: from where it was after a short break of its link, else from the last snapshot."""
         link.follows = True
-        recent = self._stream.since(wanted.stream, wanted.number)
-        number = self._stream.number if recent is None else wanted.number
-        link.channel.send_line(format_message(StreamStart(self._stream.name, number, recent is None)))
-        for line in self._engines.log.replay_lines() if recent is None else recent:
+        number, restart, lines = self._stream.resume(wanted.stream, wanted.number, self._engines.log)
+        link.channel.send_line(format_message(ShowKeys(tuple(self._keys.items()))))
+        link.channel.send_line(format_message(StreamStart(self._stream.name, number, restart)))
+        for line in lines:
             link.channel.send_line(line)
 
     def _handle_stream_start(self, link: Link, told: StreamStart) -> None:
@@ -373,8 +419,3 @@ def run_delay() -> float:
             return int(file.read().split()[1]) / 1e9
     except (OSError, ValueError, IndexError):
         return 0.0
-
-
-def one_line(words: object) -> str:
-    """Return text of another machine as one short line without control characters."""
-    return "".join(mark if mark.isprintable() else " " for mark in str(words)[:LONGEST_WHY])

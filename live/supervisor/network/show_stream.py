@@ -10,6 +10,7 @@ from collections import deque
 from typing import Any, Final
 
 from live.show.journal.skipped_events import MAX_SKIPPED, SKIPPED_KEY
+from live.supervisor.recovery_log import RecoveryLog
 
 RECENT: Final = 8 * 1024 * 1024
 """Most bytes of recent lines that are kept for machines that reconnect, ..."""
@@ -42,6 +43,12 @@ class ShowStream:
         self._bytes += len(line)
         while self._bytes > RECENT or len(self._recent) > RECENT_LINES:
             self._bytes -= len(self._recent.popleft())
+
+    def resume(self, stream: str, number: int, log: RecoveryLog) -> tuple[int, bool, list[str]]:
+        """Return what a machine gets that knows the lines of `stream` up to `number`: the number before the first
+        line, whether that is another beginning (the last snapshot of `log`), and the lines."""
+        recent = self.since(stream, number)
+        return (self.number, True, list(log.replay_lines())) if recent is None else (number, False, recent)
 
     def since(self, stream: str, number: int) -> list[str] | None:
         """Return the lines after line `number` of that stream; None if they are not kept."""

@@ -12,9 +12,11 @@ from pathlib import Path
 import aiohttp
 import pytest
 
+from live import __version__
 from live.app.launch_options import LaunchOptions
 from live.app.services.audience_service import AudienceService
 from live.app.services.gateway_shards import part_of
+from live.app.services.gateway_status import GatewayStatus
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
 from live.base.system.features import LINUX
@@ -64,12 +66,12 @@ async def is_cut_off(phone):
         return False
 
 
-async def return_within(stage, session, phone, seconds):
+async def return_within(stage, session, phone, seconds, address=""):
     began = stage.clock.now()
     while True:
         assert stage.clock.now() - began < seconds
         try:
-            return await FakePhone(session, stage.part.address).join(token=phone.token)
+            return await FakePhone(session, address or stage.part.address).join(token=phone.token)
         except (aiohttp.ClientError, OSError):
             await asyncio.sleep(0.05)
 
@@ -158,6 +160,17 @@ def test_gateway_of_a_paired_machine_serves_phones_and_that_of_a_stranger_does_n
             assert row["most"] == 50
             phone = await FakePhone(session, f"http://127.0.0.1:{phones_at}").join(stage.part.link.partition("#")[2])
             await drag_until(stage, [phone], 1.0)
+            told = GatewayStatus(stage.part, None)
+            loads = ["gateways: 1, phones: 1", "1 of 50 phones"]
+            await until(lambda: [row["load"] for row in told.rows()] == loads)
+            known = told.rows()[1]
+            assert (known["kind"], known["name"], known["machine"]) == ("gateway", "elsewhere", "there")
+            assert (known["state"], known["version"]) == ("serves", __version__)
+            told.restart("gateway", "elsewhere", known["process"])
+            assert await is_cut_off(phone)
+            await until(lambda: any(row["process"] != known["process"] for row in told.rows()[1:]))
+            phone = await return_within(stage, session, phone, 10.0, f"http://127.0.0.1:{phones_at}")
+            assert process.poll() is None  # the same process, with another program in it
             process.send_signal(signal.SIGTERM)
             assert await asyncio.to_thread(process.wait, 20.0) == 0
             assert await is_cut_off(phone)
@@ -167,6 +180,54 @@ def test_gateway_of_a_paired_machine_serves_phones_and_that_of_a_stranger_does_n
             process.communicate()
 
     asyncio.run(asyncio.wait_for(stage.play(test), 90.0))
+
+
+def test_orders_start_gateway_and_reducer_again_and_the_supervisor_is_told():
+    stage = Stage(gateways=2)
+    link = MadeLink()
+    told = GatewayStatus(stage.part, link)
+
+    def kinds():
+        return {(row["kind"], row["name"]): row for row in told.rows() if row["state"] == "serves"}
+
+    async def test(_session):
+        await until(lambda: len(kinds()) == 3)
+        told.frame(1.0)
+        (message,) = link.sent
+        assert message["alive"] == "gateways"
+        assert [(row["kind"], row["name"], row["machine"]) for row in message["rows"]] == [
+            ("reducer", "reducer", ""), ("gateway", "here 1", ""), ("gateway", "here 2", ""),
+        ]  # fmt: skip
+        for kind, name in (("gateway", "here 2"), ("reducer", "reducer")):
+            before = kinds()
+            for process in ("of another", before[kind, name]["process"]):
+                link.requests.append({"alive": "restart", "kind": kind, "name": name, "process": process})
+            told.frame(1.5)
+            await until(lambda kind=kind, name=name, before=before: len(kinds()) == 3
+                        and kinds()[kind, name]["process"] != before[kind, name]["process"])  # fmt: skip
+            assert kinds()["gateway", "here 1"]["process"] == before["gateway", "here 1"]["process"]
+        refused = {**told.rows()[1], "name": "old", "state": "refused", "why": "of version 9", "machine": "stage-pc"}
+        told._tell_refused([refused])
+        told._tell_refused([refused])
+        assert link.notes == ["gateway old of stage-pc is refused: of version 9"]
+
+    asyncio.run(asyncio.wait_for(stage.play(test), 120.0))
+
+
+class MadeLink:
+    """The engine's end of its link to the supervisor."""
+
+    def __init__(self):
+        self.sent, self.notes, self.requests, self.channel = [], [], [], self
+
+    def send_json(self, **told):
+        self.sent.append(told)
+
+    def send_note(self, words):
+        self.notes.append(words)
+
+    def pop_request(self, name):
+        return self.requests.pop(0) if self.requests else None
 
 
 def proxy_config(folder, port, gateways):

@@ -299,6 +299,7 @@ def test_gateways_that_do_not_fit_are_told_why():
     for hello, why in (
         (ShardHello(PROTOCOL + 1, "9.9", "a", 10, 0), "version 9.9"),
         (ShardHello(PROTOCOL, "1", "", 10, 0), "a name"),
+        (ShardHello(PROTOCOL, "1\n", "\x1b[2J", 10, 0), "a name"),
         (ShardHello(PROTOCOL, "1", "a", 0, 0), "room for phones"),
         (None, "hello"),
     ):
@@ -307,12 +308,31 @@ def test_gateways_that_do_not_fit_are_told_why():
         told = decode_packet(answer[0])
         assert isinstance(told, ShardRefused)
         assert why in told.why
-    assert hall.reduction.refused["gateway: does not fit"] == 4
+    assert hall.reduction.refused["gateway: does not fit"] == 5
+    rows = hall.reduction.facts(30.0)["gateways"]
+    assert [(row["name"], row["state"], row["version"], row["machine"]) for row in rows] == [
+        ("", "refused", "1", "here"), (" [2J", "refused", "1 ", "here"), ("a", "refused", "1", "here"),
+    ]  # fmt: skip
+    hall.reduction.enter(ShardHello(PROTOCOL, "1", "a", 10, 0), "here", answer.append, lambda: None, 0.0)
+    assert [row["name"] for row in hall.reduction.facts(70.0)["gateways"]] == ["a"]  # it fits; the others have gone
     one, answer = hall.join("one"), []
     hello = ShardHello(PROTOCOL, "1", one.known.name, 10, 0)
     assert hall.reduction.enter(hello, "elsewhere", answer.append, lambda: None, 0.0) is None
     assert "another machine" in decode_packet(answer[0]).why
     assert not one.link.closed
+
+
+def test_gateway_starts_again_on_order_and_the_others_do_not():
+    hall = Hall(2)
+    hall.reduction.restart(hall.shards[1].known.name)
+    hall.reduction.restart("of no gateway")
+    hall.step()
+    assert [one.uplink.restart_asked for one in hall.shards] == [False, True]
+    assert [row["state"] for row in hall.reduction.facts(hall.time)["gateways"]] == ["serves", "serves"]
+    hall.kill(hall.shards[1])
+    hall.step(200)  # 3 s: the first is heard all the time
+    hall.reduction.shards[hall.shards[0].known.name].heard_at -= 2.5
+    assert [row["state"] for row in hall.reduction.facts(hall.time)["gateways"]] == ["silent", "gone"]
 
 
 def test_rates_fall_smoothly_with_the_number_of_phones():

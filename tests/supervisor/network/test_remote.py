@@ -46,6 +46,13 @@ def test_standby_continues_after_dead_leader_without_lost_or_repeated_lines(mach
     assert "takes over because its leader has gone (epoch 2)" in other.said.read_text()
 
 
+def test_leader_knows_its_standby(machines):
+    leader, other = machines({})
+    assert wait_for(lambda: len(other.numbers()) > 250, 20)
+    [row] = leader.stop()["standbys"]
+    assert (row["name"], row["state"], row["why"]) == ("config-standby", "ready", "takes over next")
+
+
 def test_silent_leader_is_replaced_and_follows_after_return(machines):
     """It stops at once and stands by from then on: when the other machine dies it takes over in turn."""
     leader, other = machines({})

@@ -12,13 +12,23 @@ from live import __version__
 from live.app.processes.remote_standby import apply_log
 from live.app.session_records import resident_megabytes
 from live.base.errors import PersonError
+from live.base.system.process_control import RESTART_CODE
 from live.show.journal.replay import ReplayError
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
 from live.supervisor.engine_failover import EngineFailover
 from live.supervisor.line_channel import LineChannel
 from live.supervisor.network.leadership import HandOver, Pulse, Term
-from live.supervisor.network.peer_messages import CannotFollow, FollowRequest, Hello, StreamStart, format_message
+from live.supervisor.network.peer_messages import (
+    CannotFollow,
+    FollowerState,
+    FollowRequest,
+    Hello,
+    Restart,
+    ShowKeys,
+    StreamStart,
+    format_message,
+)
 from live.supervisor.network.peers import Link
 from live.supervisor.network.remote_standby import MAX_SHOW_BYTES, RemoteStandby
 from live.supervisor.network.show_stream import is_show_line
@@ -47,6 +57,9 @@ WORDS = [
     format_message(StreamStart("abc", 0, True)),
     format_message(StreamStart("abc", 7, False)),
     format_message(CannotFollow("because")),
+    format_message(FollowerState(64, 3, 1)),
+    format_message(ShowKeys((("web_key", "k"), ("audience_secret", "00")))),
+    format_message(Restart()),
     json.dumps({"alive": "claim", "epoch": 2, "leader": "x", "number": 1, "signature": "00" * 64}),
     json.dumps({"alive": "lead", "epoch": 99}),
 ]
@@ -136,6 +149,30 @@ def test_no_line_of_paired_machine_ends_supervisor(standby, packets):
     assert standby._report.lines_refused > packets / 30
     assert len(passed) > packets / 30  # and what does make sense is still heard
     assert resident_megabytes()() - before <= 200.0
+
+
+def test_keys_and_orders_count_only_from_the_machine_that_leads(standby):
+    standby._with_keys = given_keys
+    link, theirs = open_leader_link(standby, 1)
+    standby._receive(link, format_message(ShowKeys((("web_key", "right"),))))
+    assert standby._engines.show == "right"
+    other = Link("other #2", link.channel, False, peer_challenge=bytes(32), peer_name="other")
+    standby._peers.links[other.name] = other
+    for message in (ShowKeys((("web_key", "wrong"),)), Restart()):
+        standby._receive(other, format_message(message))
+    assert standby._report.lines_refused == 2
+    assert (standby._engines.show, standby._engines.code) == ("right", None)
+    standby._receive(link, format_message(Restart()))
+    assert standby._engines.code == RESTART_CODE
+    standby._receive(link, format_message(ShowKeys((("another", "name"),))))  # what makes no sense ends the link
+    assert link.name not in standby._peers.links
+    theirs.close()
+
+
+def given_keys(show, keys):
+    if set(keys) != {"web_key"}:
+        raise ValueError("keys of a show expected")
+    return keys["web_key"]
 
 
 def test_endless_stream_of_lines_closes_link(standby):
