@@ -100,12 +100,14 @@ def _crowded_places(
     known, rest = set[tuple[int, int]](), list[TooNear]()
     for one in pairs:
         pair = one.first, one.second
+        if pair in known:  # they still stand there
+            continue
         there = places[one.measure + 1, list(pair)]
         if float(np.hypot(*(there[1] - there[0]))) >= TOUCH_DISTANCE - TOLERANCE:
             rest.append(one)
         elif _segment_of(show, segments, one, one.first) == _segment_of(show, segments, one, one.second):
             rest.append(one)  # within one formation, which has a warning of its own
-        elif pair not in known:
+        else:
             known.add(pair)
             crowded.setdefault(one.measure, []).append(pair)
     notes = []
@@ -170,8 +172,8 @@ def _formation_notes(show: Show) -> list[str]:
         where = f"measure {section.measure}: {section.formation}"
         notes += [f"{where}: {warning}" for warning in formation.warnings]
         if formation.min_distance < TOUCH_DISTANCE - TOLERANCE:
-            fit = _fitting(lambda count, words=section.formation: evolutions.formation(words, count), int(who.sum()))
-            notes.append(f"{where}: {fit} of these {int(who.sum())} dancers fit without touching")
+            fitting = _fitting(partial(evolutions.formation, section.formation), int(who.sum()))
+            notes.append(f"{where}: {fitting} of these {int(who.sum())} dancers fit without touching")
         fit = fit_stage(formation, stage.width, stage.depth)
         if not fit.fits:
             notes.append(f"{where}: {len(fit.outside)} places lie off the stage: {fit.remedy}")
