@@ -136,7 +136,7 @@ def test_the_first_change_is_found_and_anything_else_begins_anew(loaded: LoadedS
 def test_it_tells_who_meets_and_whose_way_is_too_long(loaded: LoadedShow) -> None:
     segment = loaded.patch.segment[1]
     right, left = (segment.model_copy(update={"formation": None, "group": group, "path": path}) for group, path in (
-        ("ember", ((-2.5, 0.0), (5.0, 0.0))), ("tide", ((2.5, 0.0), (-5.0, 0.0))),
+        ("ember", ((-2.5, 0.0), (2.5, 5.0))), ("tide", ((2.5, 0.0), (2.5, 5.0))),  # to the same places
     ))  # fmt: skip
     far = loaded.patch.model_copy(update={"segment": (right, left)})
     values = preview_values(PreviewEngine(replace(loaded, patch=far)), 8, 9)
@@ -149,6 +149,24 @@ def test_it_tells_who_meets_and_whose_way_is_too_long(loaded: LoadedShow) -> Non
     assert any("m to go" in note for note in values["notes"])
     with pytest.raises(PersonError, match="the first one comes last"):
         preview_values(PreviewEngine(loaded), 5, 4)
+
+
+def test_groups_of_the_same_measures_are_planned_together(loaded: LoadedShow) -> None:
+    """Two groups that change sides, as they are edited: nobody meets, and the ways are bent (T147)."""
+    segment = loaded.patch.segment[1]
+    swapped = tuple(
+        segment.model_copy(update={"group": group, "formation": "square", "measures": 6, "mirror": mirror})
+        for group, mirror in (("ember", None), ("tide", True))
+    )
+    square = {"name": "square", "shape": "places", "points": [[2.5, -1.0], [2.5, 0.1], [2.5, 1.2]]}
+    together = loaded.patch.model_copy(update={"segment": swapped, "formation": (square,)})
+    engine = PreviewEngine(replace(loaded, patch=together))
+    plan = engine.plan(8, 13)
+    assert plan.too_near == ()
+    assert np.abs(plan.ways[0, :3, 0] - plan.ways[-1, :3, 0]).min() > 3.0  # they have changed sides
+    apart = np.hypot(*np.moveaxis(plan.ways[:, :3, None] - plan.ways[:, None, 3:], -1, 0))
+    assert apart.min() > 0.69
+    assert preview_values(engine, 8, 13)["meetings"] == []
 
 
 def test_the_ways_of_an_edited_segment_are_planned_without_a_run(loaded: LoadedShow) -> None:

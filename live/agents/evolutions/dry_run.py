@@ -94,8 +94,8 @@ def simulate_plan(
 ) -> DryRunResult:
     """Run `measures` measures from `positions` (A, 2) [m]. `available` (A,): who is on the stage; None: everybody.
 
-    Dancers moved by elements are assumed to stay, unless `moved` tells who of them, (A,), stands where, (A, 2) [m], at
-    the line of a measure (from 0).
+    Segments that begin together are planned together (T147). Dancers moved by elements are assumed to stay, unless
+    `moved` tells who of them, (A,), stands where, (A, 2) [m], at the line of a measure (from 0).
     """
     plan = Plan(roster, repertoire, segments, measure_beats=measure_beats, half=half, radius=radius, seed=seed)
     if available is not None:

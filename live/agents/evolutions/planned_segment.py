@@ -99,6 +99,11 @@ class PlannedSegment:
         self._actual_start = np.asarray(position, np.float64)
         self._shift_start()
 
+    def reshape(self, motion: PlannedMotion) -> None:
+        """Take other ways of its dancers, planned together with those of other segments (T147)."""
+        self.motion = motion
+        self._shift_start()
+
     def _shift_start(self) -> None:
         if self.motion is None or self._actual_start is None:
             return

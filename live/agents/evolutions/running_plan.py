@@ -14,7 +14,8 @@ import numpy.typing as npt
 from live.agents.agent_command import AgentCommand
 from live.agents.evolutions.evolution_kernels import track
 from live.agents.evolutions.intention import Repertoire, Segment
-from live.agents.evolutions.planned_segment import PlannedSegment
+from live.agents.evolutions.joint_planning import JointPlanning
+from live.agents.evolutions.planned_segment import MAX_LATE_CALLS, PlannedSegment
 from live.agents.evolutions.segment_start import SegmentStart
 from live.agents.evolutions.trajectory import GroupState
 from live.agents.groups.group_expression import select_dancers
@@ -33,6 +34,10 @@ CATCH_UP_TIME = 0.3
 """Seconds within which a displaced dancer returns to the planned path."""
 MAX_IMMEDIATE_DANCERS = 100
 """Segments that begin now are planned at once for up to this many dancers, otherwise over the next ticks."""
+JOINT_PIECES_PER_CALL = 2
+"""Pieces of joint planning in one call: about a millisecond."""
+BEATS_HELD = 1.0
+"""Beats for which ways stay as they are when joint planning begins with the segment: so long it takes."""
 
 
 @dataclass(slots=True, eq=False)
@@ -70,6 +75,8 @@ class Plan:
         self._motions: list[PlannedSegment] = []
         self._prepared: dict[int, list[PlannedSegment]] = {}
         self._in_progress: list[PlannedSegment] = []
+        self._joints: list[JointPlanning] = []
+        self._late_joint_calls_left = MAX_LATE_CALLS
         self._now = GroupState(roster.count)
         self._target = GroupState(roster.count)
         self._boundary = GroupState(roster.count)
@@ -157,7 +164,9 @@ class Plan:
             if if_controlled and not self._all_controlled(measure, positions):
                 return
             entries = [entry for entry in self._entries if entry.segment.start == measure]
-            self._prepared[measure] = self._start_segments(entries, None, np.asarray(positions), np.asarray(headings))
+            motions = self._start_segments(entries, None, np.asarray(positions), np.asarray(headings))
+            self._prepared[measure] = motions
+            self._plan_together(motions)
 
     def work(self) -> None:
         """Do one piece (about a millisecond at most) of pending planning, if there is any."""
@@ -172,6 +181,8 @@ class Plan:
             if motion.done:
                 self._in_progress.remove(motion)
             return
+        if self._work_on_joint():
+            return
         waiting = (motion for coming in self._prepared.values() for motion in coming)
         motion_ahead = next((motion for motion in waiting if not motion.done), None)
         if motion_ahead is not None:
@@ -184,17 +195,25 @@ class Plan:
             if motion not in self._motions:
                 self._motions.append(motion)
         self._in_progress.clear()
+        for joint in self._joints:
+            if joint.motions[0] in self._motions:
+                if not joint.started:
+                    joint.held_until = None
+                joint.finish()
+        self._joints = [joint for joint in self._joints if not joint.done]
 
     def drop_incomplete(self) -> None:
         """Drop segments whose planning is incomplete: their dancers are free, and later segments are prepared again."""
         self._motions = [motion for motion in self._motions if motion not in self._in_progress]
         self._in_progress.clear()
+        self._joints.clear()
         self._prepared.clear()
 
     @property
     def idle(self) -> bool:
         """Whether no planning is pending."""
-        return not self._in_progress and all(motion.done for coming in self._prepared.values() for motion in coming)
+        waiting = any(not motion.done for coming in self._prepared.values() for motion in coming)
+        return not (self._in_progress or waiting or self._pending_joints())
 
     def begin_measure(self, measure: int, positions: npt.ArrayLike, headings: npt.ArrayLike) -> list[PlannedSegment]:
         """Begin the segments of `measure` from where the dancers are now, and return them.
@@ -216,6 +235,7 @@ class Plan:
                 self._in_progress.append(motion)
         self._prepared = {number: motions for number, motions in self._prepared.items() if number > measure}
         self._motions.extend(coming)
+        self._hold_late_joint(coming, line)
         self._forget(line)
         return coming
 
@@ -238,6 +258,8 @@ class Plan:
             if not motion.done:
                 self._in_progress.append(motion)
         self._prepared.clear()
+        self._plan_together(motions)
+        self._hold_late_joint(motions, beat)
         self._forget(beat)
         return motions
 
@@ -269,6 +291,48 @@ class Plan:
     def motions(self) -> tuple[PlannedSegment, ...]:
         """The segments that have begun and still control a dancer, in order of precedence."""
         return tuple(self._motions)
+
+    # joint planning (T147)
+
+    def _plan_together(self, motions: list[PlannedSegment]) -> None:
+        """Plan the ways of segments that begin together, once each is planned, with all other segments in mind."""
+        if motions:
+            self._joints = [*self._pending_joints(), JointPlanning(motions, radius=self._radius, fill=self._fill_all)]
+
+    def _fill_all(self, beat: float, out: GroupState) -> GroupState:
+        return self._fill(beat, out, True)
+
+    def _hold_late_joint(self, motions: list[PlannedSegment], beat: float) -> None:
+        """Hold the ways of segments that begin now, at `beat`, for a while, unless they are being planned together."""
+        for joint in self._joints:
+            if motions and joint.motions[0] is motions[0]:
+                self._late_joint_calls_left = MAX_LATE_CALLS
+                if not joint.started:
+                    joint.held_until = beat + BEATS_HELD
+
+    def _pending_joints(self) -> list[JointPlanning]:
+        """Return joint planning that is not complete, and whose segments have not been dropped."""
+        if not self._joints:
+            return []
+        there = {
+            id(motion) for motions in (self._motions, self._in_progress, *self._prepared.values()) for motion in motions
+        }
+        return [joint for joint in self._joints if not joint.done and any(id(one) in there for one in joint.motions)]
+
+    def _work_on_joint(self) -> bool:
+        """Do some pieces of the first joint planning whose segments are planned; return whether there is any."""
+        self._joints = self._pending_joints()
+        joint = next((joint for joint in self._joints if joint.ready), None)
+        if joint is None:
+            return False
+        if joint.motions[0] in self._motions:
+            self._late_joint_calls_left -= 1
+            if self._late_joint_calls_left < 0:
+                joint.stop()
+        for _ in range(JOINT_PIECES_PER_CALL):
+            if not joint.done:
+                joint.work()
+        return True
 
     # implementation
 

@@ -2,14 +2,17 @@
 (T088)."""
 
 import math
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
 import numpy.typing as npt
 from shapely import LineString, Point
 
+from live.agents.evolutions.collision_check import TOLERANCE
 from live.agents.evolutions.dry_run import TooNear, simulate_plan
 from live.agents.evolutions.intention import Segment
+from live.agents.formations.formation import TOUCH_DISTANCE, Formation
 from live.agents.formations.stage_fit import fit_stage
 from live.base.arrays import Bool, Float32
 from live.show.group.agent_run import agent_places
@@ -66,8 +69,10 @@ def dry_run_warnings(show: Show) -> list[str]:
         for measure, ways in sorted(far.items())
     ]
     far_notes = notes + _obstacle_warnings(show, rehearsal.places, rehearsal.under)
-    near = _near(show, segments, [one for one in rehearsal.too_near if present[one.first] and present[one.second]])
-    return [*_first(_formation_notes(show)), *_first(far_notes), *_first(near)]
+    pairs = [one for one in rehearsal.too_near if present[one.first] and present[one.second]]
+    crowded, pairs = _crowded_places(show, segments, rehearsal.places, pairs)
+    near = _near(show, segments, pairs)
+    return [*_first(_formation_notes(show)), *_first(crowded), *_first(far_notes), *_first(near)]
 
 
 def _moved_by_elements(show: Show, measures: int) -> dict[int, tuple[Bool, Float32]]:
@@ -82,6 +87,42 @@ def _moved_by_elements(show: Show, measures: int) -> dict[int, tuple[Bool, Float
     places = agent_places(show, moved.keys())
     show.state.position[:] = start
     return {line: (who, places[line]) for line, who in moved.items()}
+
+
+def _crowded_places(
+    show: Show, segments: list[Segment], places: Float32, pairs: list[TooNear]
+) -> tuple[list[str], list[TooNear]]:
+    """Return warnings about groups who end on the places of others (T147), with how many fit, and all other pairs.
+
+    `places` (M + 1, A, 2) [m] at the measure lines.
+    """
+    crowded: dict[int, list[tuple[int, int]]] = {}
+    known, rest = set[tuple[int, int]](), list[TooNear]()
+    for one in pairs:
+        pair = one.first, one.second
+        if pair in known:  # they still stand there
+            continue
+        there = places[one.measure + 1, list(pair)]
+        if float(np.hypot(*(there[1] - there[0]))) >= TOUCH_DISTANCE - TOLERANCE:
+            rest.append(one)
+        elif _segment_of(show, segments, one, one.first) == _segment_of(show, segments, one, one.second):
+            rest.append(one)  # within one formation, which has a warning of its own
+        else:
+            known.add(pair)
+            crowded.setdefault(one.measure, []).append(pair)
+    notes = []
+    for measure, touching in sorted(crowded.items()):
+        dancers, left = {dancer for pair in touching for dancer in pair}, list(touching)
+        fit = len(dancers)
+        while left:  # without the dancer who touches most others
+            most = max(sorted(dancers), key=lambda dancer: sum(dancer in pair for pair in left))
+            left, fit = [pair for pair in left if most not in pair], fit - 1
+        notes.append(
+            f"measure {measure + 2}: places of two groups overlap, {len(touching)} "
+            f"pair{'s' * (len(touching) > 1)} of dancers would touch there: {fit} of these {len(dancers)} dancers fit; "
+            "move one of the formations, or make it smaller"
+        )
+    return notes, rest
 
 
 def _near(show: Show, segments: list[Segment], pairs: list[TooNear]) -> list[str]:
@@ -103,13 +144,14 @@ def _near(show: Show, segments: list[Segment], pairs: list[TooNear]) -> list[str
     return notes
 
 
-def _segment_of(show: Show, segments: list[Segment], one: TooNear) -> int:
-    """Return the index of the segment in which two dancers meet, -1 for none: the last to begin that may move them."""
+def _segment_of(show: Show, segments: list[Segment], one: TooNear, *dancers: int) -> int:
+    """Return the index of the segment in which two dancers meet, -1 for none: the last to begin that may move them, or
+    these `dancers` of them."""
     beats, casting = show.patch.clock.beats_per_measure, show.casting
     found = -1
     for number, segment in enumerate(segments):
         if segment.start <= one.measure < segment.end_beat(beats) / beats:
-            sure = casting.select(segment.group, show.state.position)[[one.first, one.second]].any()
+            sure = casting.select(segment.group, show.state.position)[list(dancers) or [one.first, one.second]].any()
             if found < 0 or sure or casting.depends_on_places(segment.group):
                 found = number
     return found
@@ -118,7 +160,7 @@ def _segment_of(show: Show, segments: list[Segment], one: TooNear) -> int:
 def _formation_notes(show: Show) -> list[str]:
     """Return warnings about formations that are too tight or off the stage for their number of dancers."""
     notes = []
-    stage = show.patch.stage
+    stage, evolutions = show.patch.stage, show.motion.evolutions
     for section in show.patch.segment:
         if section.formation is None:
             continue
@@ -126,13 +168,28 @@ def _formation_notes(show: Show) -> list[str]:
         if not who.any() and not show.casting.depends_on_places(section.group):
             notes.append(f"measure {section.measure}: nobody is {section.group!r} as the groups are at the beginning")
             continue
-        formation = show.motion.evolutions.formation(section.formation, int(who.sum()))
+        formation = evolutions.formation(section.formation, int(who.sum()))
         where = f"measure {section.measure}: {section.formation}"
         notes += [f"{where}: {warning}" for warning in formation.warnings]
+        if formation.min_distance < TOUCH_DISTANCE - TOLERANCE:
+            fitting = _fitting(partial(evolutions.formation, section.formation), int(who.sum()))
+            notes.append(f"{where}: {fitting} of these {int(who.sum())} dancers fit without touching")
         fit = fit_stage(formation, stage.width, stage.depth)
         if not fit.fits:
             notes.append(f"{where}: {len(fit.outside)} places lie off the stage: {fit.remedy}")
     return list(dict.fromkeys(notes))
+
+
+def _fitting(formation: Callable[[int], Formation], count: int) -> int:
+    """Return how many of `count` dancers a formation has places for on which nobody touches (bisection)."""
+    fits, too_many = min(count, 1), count
+    while too_many - fits > 1:
+        middle = (fits + too_many) // 2
+        if formation(middle).min_distance >= TOUCH_DISTANCE - TOLERANCE:
+            fits = middle
+        else:
+            too_many = middle
+    return fits
 
 
 def _first(notes: list[str]) -> list[str]:

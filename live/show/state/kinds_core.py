@@ -117,8 +117,8 @@ KINDS: Final = [
     Kind("plan", Plan, """
         roster:roster available:b1 measure_beats:float _repertoire:repertoire _half:tuple[float,float] _radius:f8
         _seed:int _entries:list[plan.entry] _motions:list[motion] _prepared:dict[int,list[motion]]
-        _in_progress:list[motion] _now:setting _target:setting _boundary:setting
-    """),
+        _in_progress:list[motion] _late_joint_calls_left:int _now:setting _target:setting _boundary:setting
+    """, {"_joints": list}),
     Kind("plan.entry", _Entry, "segment:segment excluded:b1"),
     Kind("segment", Segment, """
         intention:str|hold|evolve|pause|trajectory|procedural group:str start:int measures:int ripple:delays.ripple

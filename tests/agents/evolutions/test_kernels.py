@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from live.agents.evolutions import evolution_kernels
+from live.agents.evolutions import evolution_kernels, joint_kernels
 from live.agents.evolutions.incremental_assignment import run_to_end
 from live.agents.evolutions.paths import separate_in_pieces
 from live.agents.evolutions.trajectory import GroupState, Locomotion
@@ -124,3 +124,25 @@ def test_swaps_skip_dancers_without_slot_and_other_sections():
     assert evolution_kernels.swap_pairs(start, slots, slot, np.array([0, 1, 0, 0], np.int32), 0, 4) == 0
     assert evolution_kernels.swap_pairs(start, slots, slot, np.zeros(4, np.int32), 0, 4) == 1
     assert slot.tolist() == [0, 1, 2, -1]
+
+
+def test_two_who_meet_head_on_are_shifted_to_their_right_within_their_times():
+    """T147: equal shifts, smooth, none before the start and after the arrival; an obstacle alone moves nobody."""
+    line = np.linspace(-3.0, 3.0, 33)
+    way = np.stack([np.stack([line, 0 * line], 1), np.stack([-line, 0 * line], 1)])
+    rest, shift, count, work = way.copy(), np.zeros_like(way), np.zeros((2, 33)), np.zeros((3, 33))
+    keep, free = np.full((2, 2), 0.6), np.array([[2, 30], [2, 30]])
+    for give in (np.zeros(2), np.ones(2)):
+        stride = np.full(2, 6.0 / 32)
+        found = joint_kernels.shift_encounters(
+            way, keep, 0.1, 0.01, stride, give, free, 5.0, 5.0, 0, 2, shift, count
+        )  # fmt: skip
+        assert found == give[0]
+        joint_kernels.apply_shifts(shift, count, free, rest, 3.0, 3.0, 0.05, 0.03, 5.0, 5.0, work, way)
+    moved = way - rest
+    assert np.abs(moved[0] + moved[1]).max() < 1e-12
+    assert moved[0, 16, 1] > 0.05  # who goes towards +x has the audience, +z, on the right
+    assert not moved[:, :4].any()
+    assert not moved[:, 29:].any()
+    assert not shift.any()
+    assert not count.any()

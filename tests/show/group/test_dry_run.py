@@ -45,3 +45,31 @@ def test_each_segment_reports_nearest_pair_and_count_of_others():
     for note, begins in zip(near, (1, 6), strict=True):
         assert f"the segment that begins in measure {begins};" in note
         assert "more pair" in note
+
+
+def test_groups_that_cross_are_planned_together():
+    """The two rows change places: nobody meets, and no more words are needed (T147)."""
+    assert (
+        warnings_of(
+            '[[segment]]\nmeasure = 2\nmeasures = 8\ngroup = "front"\nformation = "line"\n'
+            '[[segment]]\nmeasure = 2\nmeasures = 8\ngroup = "back"\nformation = "square"\n'
+            '[[formation]]\nname = "square"\nshape = "grid"\nsize = [3.0, 1.5]\ncentre = [0.0, 2.5]\n'
+        )
+        == []
+    )
+
+
+def test_places_of_two_groups_that_overlap_are_told_with_how_many_fit():
+    same = '[[segment]]\nmeasure = 2\nmeasures = 8\ngroup = "{}"\nformation = "line"\n'
+    (note,) = warnings_of(same.format("1-4") + same.format("6-9"))
+    assert "places of two groups overlap, 4 pairs of dancers would touch there: 4 of these 8 dancers fit" in note
+    assert "move one of the formations" in note
+
+
+def test_formation_too_small_for_its_group_is_told_with_how_many_fit():
+    told = warnings_of(
+        '[[segment]]\nmeasure = 2\nmeasures = 8\ngroup = "front"\nformation = "tight"\n'
+        '[[formation]]\nname = "tight"\nshape = "line"\nsize = [1.1, 1.1]\n'
+    )
+    assert any("bodies touch" in note for note in told)
+    assert any("3 of these 5 dancers fit without touching" in note for note in told)
