@@ -9,7 +9,6 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from live.agents.evolutions.dry_run import SAMPLES_PER_MEASURE, DryRunResult
 from live.agents.formations.formation import Formation, formation_of
-from live.agents.formations.formation_spec import spec_from_table
 from live.agents.formations.stage_fit import fit_stage
 from live.base.arrays import Float64
 from live.base.errors import PersonError
@@ -62,7 +61,7 @@ def _place_values(engine: PreviewEngine, wish: PlacesWish) -> dict[str, Any]:
     if isinstance(wish.formation, str):
         found = engine.formation(wish.formation, wish.dancers)
     else:
-        found = formation_of(spec_from_table(wish.formation), wish.dancers, engine.seed)
+        found = formation_of(engine.spec(wish.formation), wish.dancers, engine.seed)
     stage = engine.patch.stage
     fit = fit_stage(found, stage.width, stage.depth)
     return {

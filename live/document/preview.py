@@ -18,6 +18,8 @@ import numpy as np
 from live.agents.evolutions.dry_run import DryRunResult, simulate_plan
 from live.agents.evolutions.next_formations import NextFormation, rank_formations
 from live.agents.formations.formation import Formation
+from live.agents.formations.formation_spec import FormationSpec, spec_from_table
+from live.agents.formations.like import resolved
 from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.errors import PersonError
 from live.base.stage_snapshot import StageView
@@ -112,6 +114,10 @@ class PreviewEngine:
     def seed(self) -> int:
         """The seed of the show."""
         return self._show.seed
+
+    def spec(self, table: dict[str, Any]) -> FormationSpec:
+        """Return the spec of a formation's table, which may be like a formation of the patch; PersonError if invalid."""
+        return resolved(spec_from_table(table), self._show.motion.evolutions.written_formation)
 
     def formation(self, words: str, count: int) -> Formation:
         """Return the formation with this name or notation for `count` dancers; PersonError if there is none."""
@@ -349,7 +355,7 @@ def first_change(old: Patch, new: Patch) -> int | None:
     are danced alike soon; None if it cannot be told."""
     shapes = _changed_formations(old, new)
     for name in Patch.model_fields:
-        if name in (*SCORE_KINDS, "music", "formation"):
+        if name in (*SCORE_KINDS, "music", "formation", "evolution"):
             continue
         values = getattr(old, name)
         if values != getattr(new, name) or (shapes and any(each in repr(values).casefold() for each in shapes)):
@@ -375,9 +381,22 @@ def first_change(old: Patch, new: Patch) -> int | None:
 
 
 def _changed_formations(old: Patch, new: Patch) -> set[str]:
-    """Return the names, quoted and in small letters, of formations that one of two patches lacks or has otherwise."""
-    before, after = ({str(one.get("name", "")).casefold(): one for one in patch.formation} for patch in (old, new))
-    return {repr(name) for name in before.keys() | after.keys() if before.get(name) != after.get(name)}
+    """Return the names, quoted and in small letters, of formations and evolutions that one of two patches lacks or has otherwise."""
+    before, after = (_shapes(patch) for patch in (old, new))
+    changed, seen = {name for name in before.keys() | after.keys() if before.get(name) != after.get(name)}, -1
+    while len(changed) > seen:  # what is like a changed one is changed, too
+        seen = len(changed)
+        for name, table in (*before.items(), *after.items()):
+            used = {str(table.get(key)).casefold() for key in ("like", "along", "into")}
+            if used & changed:
+                changed.add(name)
+    return {repr(name) for name in changed}
+
+
+def _shapes(patch: Patch) -> dict[str, dict[str, Any]]:
+    """Return the tables of the formations and evolutions of a patch, by name in small letters."""
+    evolutions = [one.model_dump(exclude_unset=True) for one in patch.evolution]
+    return {str(one.get("name", "")).casefold(): one for one in (*evolutions, *patch.formation)}
 
 
 def _first_danced(patch: Patch, entries: list[Any]) -> int | None:

@@ -35,7 +35,12 @@ FIELDS: Final[dict[str, tuple[tuple[str, str], ...]]] = {
     "curve": (("signal", "curve"),),
     "scene": (("cue", "scene"), ("at", "scene")),
     "signal": (("at", "signal"), ("react", "on")),
-    "formation": (("segment", "formation"), ("group", "formation")),
+    "formation": (
+        ("segment", "formation"), ("group", "formation"),
+        *((kind, key) for kind, keys in (("formation", ("like", "along", "into")), ("evolution", ("along", "into")))
+          for key in keys),
+    ),
+    "evolution": (("segment", "evolution"), ("evolution", "like")),
     "group": (
         *((kind, "group") for kind in ("sequence", "segment", "element", "improvise", "regroup", "react")),
         ("improvise", "answers"), ("group", "like"), ("group", "facing"), ("regroup", "dancers"),

@@ -356,9 +356,13 @@ def formation_table(name: str, spec: Any) -> dict[str, Any]:
     table = {
         one.name: _plain(getattr(spec, one.name))
         for one in dataclasses.fields(spec)
-        if getattr(spec, one.name) != getattr(plain, one.name)
+        if one.name != "like" and getattr(spec, one.name) != getattr(plain, one.name)
     }
-    return {"name": name, "shape": spec.shape} | {key: value for key, value in table.items() if key != "name"}
+    table.pop("counts_ahead", None)
+    kept = {key: value for key, value in table.items() if key != "name"}
+    if spec.like is not None:
+        return {"name": name} | kept | {"like": spec.like.name}
+    return {"name": name, "shape": spec.shape} | kept
 
 
 def _plain(value: Any) -> Any:

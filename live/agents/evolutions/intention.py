@@ -18,6 +18,8 @@ EVEN_TURN: Final = Orientation()
 """Turn evenly from the first heading to the last."""
 ALONG_PATH: Final = Orientation(Facing.TANGENT)
 """Face along the path."""
+BY_MEASURES: Final = Orientation(Facing.MEASURES)
+"""Face along the path, a heading for each measure."""
 
 
 class FormationLike(Protocol):
@@ -134,6 +136,17 @@ class Trajectory:
 
 
 @dataclass(frozen=True, slots=True)
+class FollowWays:
+    """Group motion as material: each dancer follows a way that was drawn or recorded (T145, T146)."""
+
+    ways: str
+    matching: Matching = Matching()
+    orientation: Orientation = BY_MEASURES
+    backwards: bool = False
+    """From the ends of the ways to their starts."""
+
+
+@dataclass(frozen=True, slots=True)
 class Procedural:
     """Initial condition with evolution rules: elements move the group, no places are prescribed (T103, 4.4)."""
 
@@ -141,7 +154,7 @@ class Procedural:
     """Names of the elements, for storyboards; the elements define the motion."""
 
 
-Intention = Hold | Evolve | Pause | Trajectory | Procedural
+Intention = Hold | Evolve | Pause | Trajectory | FollowWays | Procedural
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,6 +164,8 @@ class Repertoire:
     formations: Mapping[str, FormationLike | FormationMaker] = field(default_factory=dict)
     paths: Mapping[str, npt.NDArray[np.floating]] = field(default_factory=dict)
     """Polylines (N, 2) [m]."""
+    ways: Mapping[str, npt.NDArray[np.floating]] = field(default_factory=dict)
+    """Ways of a group as knots at even times (D, K, 2) [m]."""
     intentions: Mapping[str, Intention] = field(default_factory=dict)
 
     def with_formation(self, formation: FormationLike | FormationMaker) -> "Repertoire":
@@ -160,6 +175,10 @@ class Repertoire:
     def with_path(self, name: str, polyline: npt.ArrayLike) -> "Repertoire":
         """Return a copy with this drawn path added or replaced."""
         return replace(self, paths={**self.paths, name: np.asarray(polyline, np.float64)})
+
+    def with_ways(self, name: str, ways: npt.NDArray[np.floating]) -> "Repertoire":
+        """Return a copy with these ways of a group added or replaced."""
+        return replace(self, ways={**self.ways, name: ways})
 
     def formation(self, name: str, count: int) -> FormationLike:
         """Return the formation of this name for `count` dancers, or raise a PersonError that lists the names."""
@@ -174,6 +193,12 @@ class Repertoire:
             raise PersonError(f"no path is called {name!r}", _there_are(self.paths))
         return self.paths[name]
 
+    def ways_of(self, name: str) -> npt.NDArray[np.floating]:
+        """Return the ways of this name, or raise a PersonError."""
+        if name not in self.ways:
+            raise PersonError(f"no evolution is called {name!r}", _there_are(self.ways))
+        return self.ways[name]
+
     def intention(self, of: "str | Intention") -> Intention:
         """Return the intention of a segment. Raises PersonError if it or a name in it does not exist."""
         if isinstance(of, str):
@@ -184,6 +209,8 @@ class Repertoire:
             self.formation(of.formation, 1)
         if isinstance(of, Trajectory):
             self.path(of.path)
+        if isinstance(of, FollowWays):
+            self.ways_of(of.ways)
         return of
 
 

@@ -12,6 +12,7 @@ from live.agents.evolutions.incremental_assignment import Pieces
 from live.agents.evolutions.intention import (
     Evolve,
     FollowMode,
+    FollowWays,
     FormationLike,
     Hold,
     Intention,
@@ -20,6 +21,7 @@ from live.agents.evolutions.intention import (
     Segment,
     Trajectory,
 )  # fmt: skip
+from live.agents.evolutions.recorded_ways import paths_to_ways
 from live.agents.evolutions.segment_start import MotionDraft, PlannedMotion, SegmentStart
 from live.agents.evolutions.slot_layout import assign_places
 from live.agents.evolutions.start_delays import Arrival, delays, limit_delays, start_and_arrival
@@ -44,6 +46,8 @@ def plan_segment(
         return (yield from _evolve(segment, intention, formation, departure, draft))
     if isinstance(intention, Trajectory):
         return (yield from _trajectory(segment, intention, repertoire.path(intention.path), departure, draft))
+    if isinstance(intention, FollowWays):
+        return (yield from _follow_ways(segment, intention, repertoire, departure, draft))
     return _pause(departure)
 
 
@@ -101,6 +105,22 @@ def _trajectory(
     yield
     moved = yield from _repaired(segment, timing, PathMode.STRAIGHT, departure)
     return with_turns(moved, facing, departure, after, exact_end=False)
+
+
+def _follow_ways(
+    segment: Segment, follow: FollowWays, repertoire: Repertoire, departure: SegmentStart, draft: MotionDraft
+) -> Pieces[PlannedMotion]:
+    ways, slot = yield from paths_to_ways(segment, follow, repertoire.ways_of(follow.ways), departure, draft)
+    segment = replace(segment, ripple=replace(segment.ripple, arrive=Arrival.APART))  # in canon nobody hurries
+    facing, after = follow.orientation, departure.heading
+    if facing.facing in (Facing.TANGENT, Facing.MEASURES):
+        after = final_direction(ways, departure.heading)
+    timing = _timing(segment, ways, 0.0, facing, departure, exact_end=False)
+    rough = with_turns(timing.journey(), facing, departure, after, exact_end=False)
+    draft.motion = replace(rough, slot=slot)
+    yield
+    moved = yield from _repaired(segment, timing, PathMode.DIVIDED, departure)
+    return replace(with_turns(moved, facing, departure, after, exact_end=False), slot=slot)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -19,10 +19,13 @@ from live.agents.formations.casting import (
 from live.agents.formations.distances import closest_distance
 from live.agents.formations.drawing import Drawing, drawing_of, places_by_hand
 from live.agents.formations.formation_spec import MAX_DANCERS, FormationSpec
+from live.agents.formations.like import capacity_of, transform_of, transformed_places
 from live.agents.formations.line_placement import place_on_lines
 from live.agents.formations.region_placement import PlacementRegion, count_by_spacing, place_inside, placement_region
 from live.agents.formations.shapes import staggered_rows
 from live.agents.formations.symmetry import LINE_TOLERANCE, SymmetryLine, clip_drawing, symmetry_line
+from live.agents.material.deformation import WANTED_SHARE
+from live.agents.material.transform import map_points
 from live.base.arrays import Float64, Int64
 
 TOUCH_DISTANCE: Final = 0.5
@@ -81,6 +84,8 @@ def formation_of(spec: FormationSpec, count: int, seed: int = 0) -> Formation:
     There are as many places as dancers, unless the spec has a count, density or spacing; then `waiting` and `empty`
     give the difference. PersonError, naming the field, if the shape cannot be used.
     """
+    if spec.like is not None:
+        return _like(spec, count, seed)
     if spec.shape == "places":
         return _by_hand(spec, count)
     drawing, line, room, ground = _prepare(spec)
@@ -146,6 +151,46 @@ def _by_hand(spec: FormationSpec, count: int) -> Formation:
         name=spec.name, slots=slots, heading=heading, section=section, soloist=soloist, min_distance=closest,
         unplaced_dancers=waiting, empty_places=0, warnings=tuple(found), lines=(), symmetry=None,
         marks=tuple(SOLOIST if n < soloists else names[section[n]] if names else "" for n in range(size)),
+    )  # fmt: skip
+
+
+def _like(spec: FormationSpec, count: int, seed: int) -> Formation:
+    """Return the formation of a spec that is like another one: as many places as that one has, or as have room."""
+    transform, most = transform_of(spec), capacity_of(spec)
+    other = formation_of(spec.like, count if most is None else min(count, most), seed)
+    size = len(other.slots) if most is None else min(len(other.slots), most)
+    before = other.slots[:size]
+    found = transformed_places(spec, before, lambda number: formation_of(spec.like, number, seed).slots[:most])
+    slots = np.ascontiguousarray(found.points[0])
+    heading = other.heading[:size]
+    if spec.heading == "along":
+        heading = found.turn + math.pi / 2.0
+    elif spec.heading != "public":
+        middle = (slots.min(axis=0) + slots.max(axis=0)) / 2.0 if size else np.zeros(2)
+        heading = place_headings(spec, slots, None, middle, ())
+    elif heading.any():  # those who face the public still do
+        heading = found.turn - heading if transform.mirror is not None else found.turn + heading
+    heading = np.asarray(np.mod(heading + math.pi, 2.0 * math.pi) - math.pi)
+    lines = tuple(np.array([*ring, ring[0]]) for ring in transform.into)
+    if not lines and size:
+        lines = tuple(map_points(transform, line[None], before[None])[0][0] for line in other.lines)
+    waiting, words = max(0, count - size), []
+    if most is not None and size < count:
+        words = [f"the region has room for {most} dancers; {count - size} have no place: make it larger"]
+    elif waiting:
+        words = [f"{waiting} dancers have no place: {spec.like.name!r} has as many places as it says"]
+    if found.kept < WANTED_SHARE:
+        words.append(f"{round(100 * (1.0 - found.kept))} of 100 neighbours do not stay neighbours")
+    closest = closest_distance(slots)
+    if closest < TOUCH_DISTANCE:
+        words.append(f"two dancers are only {closest:.2f} m apart, bodies touch: take fewer dancers")
+    section, soloist = other.section[:size], other.soloist[:size]
+    for array in (slots, heading):
+        array.setflags(write=False)
+    return Formation(
+        name=spec.name, slots=slots, heading=heading, section=section, soloist=soloist, min_distance=closest,
+        unplaced_dancers=waiting, empty_places=max(0, size - count), warnings=tuple(words), lines=lines,
+        symmetry=None, marks=other.marks[:size],
     )  # fmt: skip
 
 

@@ -44,6 +44,7 @@ def check_spec(spec: Any) -> None:
     for check in (_check_choices, _check_numbers, _check_sections, _check_shape, _check_points, _check_pattern):
         check(spec)
     _check_mirror(spec)
+    _check_like(spec)
 
 
 _CHOICES: Final[dict[str, tuple[str, ...]]] = {
@@ -53,6 +54,7 @@ _CHOICES: Final[dict[str, tuple[str, ...]]] = {
     "dancers": ("on", "inside"),
     "mirror_keep": ("left", "right", "front", "back"),
     "soloist_place": ("front", "centre"),
+    "neighbours": ("keep", "any"),
     "heading": ("public", "centre", "outwards", "along", "angle"),
 }
 _RANGES: Final[dict[str, tuple[float, float]]] = {
@@ -65,6 +67,7 @@ _RANGES: Final[dict[str, tuple[float, float]]] = {
     "density": (0.001, 100),
     "spacing": (0.1, 100),
     "soloist_gap": (0.1, 50),
+    "bend_deg": (-720, 720),
     "heading_deg": (-3600, 3600),
 }
 _INTEGER_RANGES: Final[dict[str, tuple[int, int]]] = {
@@ -197,7 +200,7 @@ def _check_pattern(spec: Any) -> None:
 
 def _check_mirror(spec: Any) -> None:
     mirror = spec.mirror
-    if mirror is not None and spec.shape == "grid":
+    if mirror is not None and spec.shape == "grid" and spec.like is None:
         spec.refuse(
             "mirror", "a grid is staggered rows, which have no symmetry", "shape = 'rectangle', pattern = 'grid'"
         )
@@ -220,6 +223,44 @@ def _check_mirror(spec: Any) -> None:
         _check_point(spec, "mirror", point, MAX_DISTANCE)
     if math.dist(mirror[0], mirror[1]) < 1e-3:
         spec.refuse("mirror", "both points are the same: there is no line through them")
+
+
+def _check_like(spec: Any) -> None:
+    scale = spec.scale if isinstance(spec.scale, tuple) else (spec.scale, spec.scale)
+    if len(scale) != 2 or not all(_is_number(each) and 0.01 <= each <= 100 for each in scale):
+        spec.refuse("scale", f"{str(spec.scale)[:60]}: a number from 0.01 to 100, or two, expected")
+    if spec.like is None:
+        given = [
+            field
+            for field in ("scale", "bend_deg", "along", "into", "neighbours")
+            if getattr(spec, field) != _FIELDS[field]
+        ]
+        if given:
+            spec.refuse(given[0], "transforms another formation, and there is none", 'like = "wave"')
+        return
+    if not isinstance(spec.like, str | FormationSpec) or spec.like == "":
+        spec.refuse("like", "the name of a formation expected", 'like = "wave"')
+    if spec.size is not None and scale != (1.0, 1.0):
+        spec.refuse("scale", "and size: leave one out")
+    if spec.along and spec.into:
+        spec.refuse("along", "and into: leave one out; another formation can be like this one")
+    if not isinstance(spec.along, str):
+        _check_line(spec, "along", spec.along)
+    if not isinstance(spec.into, str):
+        if not isinstance(spec.into, tuple):
+            spec.refuse(
+                "into", "points of a closed line, or the name of a formation, expected", "[[-3, 0], [3, 0], [0, 4]]"
+            )
+        for ring in spec.into:
+            _check_line(spec, "into", ring)
+
+
+def _check_line(spec: Any, field: str, points: object) -> None:
+    """Refuse what is no line of points; an empty one is none."""
+    if not isinstance(points, tuple) or len(points) > MAX_POINTS:
+        spec.refuse(field, f"up to {MAX_POINTS} points [x, z] expected", f"{field} = [[-3, 0], [0, -2], [3, 0]]")
+    for point in points:
+        _check_point(spec, field, point, MAX_DISTANCE)
 
 
 def _check_point(spec: Any, field: str, point: object, most: float) -> None:
@@ -318,6 +359,27 @@ class FormationSpec:
     """Heading for "angle": 0 faces the public, positive towards +x."""
     headings_deg: tuple[float, ...] = ()
     """Of "places": the heading of each; empty: as `heading` says."""
+    like: Any = None
+    """Instead of a shape: another formation, by name or in words, whose places are transformed with neighbours kept, in
+    this order: `scale` or `size` (with `proportions`), `bend_deg`, `rotation_deg`, moved by `centre`, `mirror` (then
+    all places are mirrored about it), `along`, `into`."""
+    scale: float | Point = 1.0
+    """With `like`: how many times as large; two numbers: in width and in depth."""
+    bend_deg: float = 0.0
+    """With `like`: angle of the arc to which its width is bent; positive: both sides come to the public."""
+    along: Any = ()
+    """With `like`: the line on which its width is laid: points (x, z) [m], or the name of a formation with a line."""
+    into: Any = ()
+    """With `like`: the region into which it is squeezed: points (x, z) [m] of a closed line, or several (a line within
+    another is a hole), or the name of a formation with closed lines. Bodies never touch; too many dancers are refused.
+    `proportions`: stretch fills the region at any cost, keep does not stretch; left out: it is filled as far as
+    neighbours stay neighbours."""
+    neighbours: Literal["keep", "any"] | None = None
+    """With `like`: keep: neighbours stay neighbours, also where it is stretched; any: places are only mapped; left out:
+    lines stay lines where it is scaled, neighbours are kept where it is bent, along a line or in a region."""
+    counts_ahead: tuple[int, ...] = ()
+    """Numbers of dancers for which `into` is computed when a show is loaded; for others places follow from the nearest
+    of them. Set by the show; empty: all are computed."""
 
     def __post_init__(self) -> None:
         check_spec(self)
@@ -343,6 +405,11 @@ class FormationSpec:
 
 
 _FIELDS: Final = {field.name: field.default for field in dataclasses.fields(FormationSpec)}
+_OWN_SHAPE: Final = ("shape", "corners", "inner", "turns", "arc_deg", "text", "path", "points", "closed", "dancers",
+    "pattern", "mark_corners", "weights", "focus", "focus_reach", "focus_strength", "count", "density", "spacing",
+    "mirror_keep", "soloists", "soloist_place", "soloist_gap", "sections", "section_names", "headings_deg",
+)  # fmt: skip
+"""Keys that say what the places are, which a formation that is like another one has from that one."""
 
 
 def spec_from_table(table: Mapping[str, Any], where: str = "formation") -> FormationSpec:
@@ -352,15 +419,23 @@ def spec_from_table(table: Mapping[str, Any], where: str = "formation") -> Forma
     """
     if not isinstance(table, Mapping):
         raise PersonError(f"{where}: a table expected, not {type(table).__name__}")
-    unknown = [str(key) for key in table if key not in _FIELDS]
+    unknown = [str(key) for key in table if key not in _FIELDS or key == "counts_ahead"]
     if unknown:
-        raise PersonError(f"{where}: unknown key {unknown[0][:60]!r} of a formation; there are: {', '.join(_FIELDS)}")
+        raise PersonError(
+            f"{where}: unknown key {unknown[0][:60]!r} of a formation; there are: {', '.join(key for key in _FIELDS if key != 'counts_ahead')}"
+        )
+    own = [key for key in _OWN_SHAPE if key in table and "like" in table]
+    if own:
+        raise PersonError(f"{where}: like and {own[0]}: leave one out; it has the places of {table['like']!r}")
     values = {key: _to_tuples(value) for key, value in table.items()}
     if isinstance(values.get("path"), str):
         values["path"] = (values["path"],)
     points = values.get("points")
     if isinstance(points, tuple) and points and _is_point(points[0]):
         values["points"] = (points,)
+    into = values.get("into")
+    if isinstance(into, tuple) and into and _is_point(into[0]):
+        values["into"] = (into,)
     try:
         return FormationSpec(**values)
     except TypeError:  # nested in a way that no field accepts

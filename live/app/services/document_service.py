@@ -18,6 +18,7 @@ from live.control.events.document import (
     KeepFormation,
     KeepMeasures,
     KeepScene,
+    KeepWays,
     RedoDocument,
     ReplaceMusic,
     RestoreDocument,
@@ -31,6 +32,7 @@ from live.document.music_edits import replace_music
 from live.document.place import refuse
 from live.document.show_check import show_faults
 from live.document.take import TakeRecorder, formation_table, keep_edits
+from live.document.taken_ways import WayRecorder, evolution_table
 from live.show.background_work import short_switch_interval
 from live.show.group.stage_check import stage_faults
 from live.show.patch.hot_reload import Candidate, PatchWatch
@@ -40,7 +42,7 @@ from live.show.patch.toml_model import TomlSources, key_text
 from live.show.show import Show
 from live.show.stages.now import Now
 
-Keep = KeepMeasures | KeepFormation | KeepScene | KeepCue
+Keep = KeepMeasures | KeepWays | KeepFormation | KeepScene | KeepCue
 Request = EditDocument | UndoDocument | RedoDocument | RestoreDocument | ReplaceMusic | Keep
 Make = Callable[[DocumentStore], Accepted]
 """Makes one revision of what was prepared."""
@@ -48,7 +50,8 @@ Change = tuple[str | int | None, Callable[[], Accepted]]
 """The sender's name for a change, and what makes it."""
 WORDS: Final[dict[type, str]] = {
     EditDocument: "edit", UndoDocument: "undo", RedoDocument: "redo", RestoreDocument: "restore",
-    ReplaceMusic: "music", KeepMeasures: "keep", KeepFormation: "keep", KeepScene: "keep", KeepCue: "keep",
+    ReplaceMusic: "music", KeepMeasures: "keep", KeepWays: "keep", KeepFormation: "keep",
+    KeepScene: "keep", KeepCue: "keep",
 }  # fmt: skip
 MAX_ANSWERS_LENGTH: Final = 6000
 """Maximum length of the published answers [characters]; it has to fit into one OSC packet."""
@@ -66,7 +69,7 @@ class DocumentService:
         """`path` is the patch's file; `open_store` reads the show's files, for the first edit."""
         self._watch, self._show, self._path, self._open_store = watch, show, path, open_store
         self._store: DocumentStore | None = None
-        self._recorder = TakeRecorder(show)
+        self._recorder, self._way_recorder = TakeRecorder(show), WayRecorder(show)
         show.frame.router.observers.append(self._observe)
         self._candidate: Candidate | None = None  # the patch that was checked last
         self._waiting = 0
@@ -94,6 +97,7 @@ class DocumentService:
     def frame(self) -> None:
         """Note what is being danced."""
         self._recorder.frame()
+        self._way_recorder.frame()
         measure = self._show.span.number
         if measure != self._last_measure and measure >= 0:
             self._last_measure = measure
@@ -150,6 +154,11 @@ class DocumentService:
                 if not take:
                     raise PersonError("no whole measure was danced yet", "wait for the next measure line")
                 return lambda patch: keep_edits(take, patch, event.name)
+            case KeepWays():
+                walked = self._way_recorder.last(event.measures, event.group)
+                return lambda patch: [
+                    _put("evolution", evolution_table(event.name, walked), [one.name for one in patch.evolution])
+                ]
             case KeepFormation():
                 made = self._show.motion.evolutions.formations.get(event.name.casefold().strip())
                 if made is None:

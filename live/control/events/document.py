@@ -65,6 +65,17 @@ class KeepMeasures(ControlEvent):
     by: Person = ""
 
 
+@command("/dance/document/keep/ways", "operator")
+class KeepWays(ControlEvent):
+    """Writes the ways that dancers have taken in the last measures into the show's files, as an evolution: curves with
+    few points, which can be edited, transformed and danced again."""
+
+    measures: Annotated[int, Argument.number("how many whole measures", 1, 64)]
+    name: Name
+    group: Annotated[str, Argument.label("the dancers")] = "*"
+    by: Person = ""
+
+
 @command("/dance/document/keep/formation", "operator")
 class KeepFormation(ControlEvent):
     """Writes a formation that was defined live into the show's files."""

@@ -14,6 +14,7 @@ from live.agents.evolutions.intention import (
     AssignmentMethod,
     Evolve,
     FollowMode,
+    FollowWays,
     Hold,
     Intention,
     Matching,
@@ -27,7 +28,8 @@ from live.agents.evolutions.running_plan import Plan
 from live.agents.evolutions.slot_assignment import Cost
 from live.agents.evolutions.start_delays import Ripple, StartOrder
 from live.agents.formations.formation import Formation, formation_of
-from live.agents.formations.formation_spec import spec_from_table
+from live.agents.formations.formation_spec import FormationSpec
+from live.agents.formations.like import capacity_of, specs_from_tables
 from live.agents.groups.roster import Line
 from live.base.arrays import Bool, Float32, Float64
 from live.base.errors import PersonError, error_context
@@ -35,6 +37,7 @@ from live.control.events import events
 from live.control.events.event import ControlEvent
 from live.show.group.casting import EVERYONE, Casting
 from live.show.group.formations import Formations, NamedFormation
+from live.show.group.material import compute_evolutions, evolution_ways
 from live.show.patch.patch import Patch
 from live.show.patch.section_motion import GroupSection
 from live.show.patch.section_score import SegmentSection
@@ -59,10 +62,14 @@ def selection_expression(words: str) -> str:
     return "" if words.strip() in EVERYONE else words.casefold().strip()
 
 
+_USUAL_FACING: Final = {(False, False): "linear", (True, False): "tangent", (False, True): "measures"}
+"""How dancers face, whether or not a segment has a path or an evolution, if it does not say."""
+
+
 def segment_of_section(section: SegmentSection, *, start: int, formation: str, path: str) -> Segment:
     """Return the score's segment from measure `start` (from 0) on, with these names of its formation and path."""
     orientation = Orientation(
-        Facing(section.facing or ("tangent" if section.path is not None else "linear")),
+        Facing(section.facing or _USUAL_FACING[section.path is not None, section.evolution is not None]),
         tuple(math.radians(heading) for heading in section.headings_deg),
     )
     intention: Intention
@@ -71,6 +78,8 @@ def segment_of_section(section: SegmentSection, *, start: int, formation: str, p
         intention = Hold(formation, matching)
     elif section.formation is not None:
         intention = Evolve(formation, matching, PathMode(section.way), orientation, section.soft)
+    elif section.evolution is not None:
+        intention = FollowWays(section.evolution.casefold().strip(), matching, orientation, section.backwards)
     elif section.path is not None:
         follow = FollowMode.FILE if section.single_file else FollowMode.SHIFTED
         intention = Trajectory(path, follow, orientation=orientation, soft=section.soft)
@@ -122,8 +131,10 @@ class Evolutions:
         """Create the plan of a patch. Raises PersonError for an invalid formation, path or group."""
         self._patch, self._casting = patch, casting
         self._score = score or Score(patch)
-        self._formations = Formations([spec_from_table(table) for table in patch.formation], seed=seed)
-        self._formations.precompute({*(group.dancers for group in patch.group), patch.dancer_count})
+        counts = {*(group.dancers for group in patch.group), patch.dancer_count}
+        self._formations = Formations(specs_from_tables(patch.formation, sorted(counts)), seed=seed)
+        self._formations.precompute(counts)
+        compute_evolutions(patch, self._formations.written)
         half = (patch.stage.width / 2, patch.stage.depth / 2)
         self._beats = patch.clock.beats_per_measure
         self._plan = Plan(casting.roster, Repertoire(), measure_beats=self._beats, half=half, radius=radius, seed=seed)
@@ -138,14 +149,43 @@ class Evolutions:
             if section.formation is not None:
                 with error_context(where, ("segment", index, "formation")):
                     self._register_formation(section.formation)
+            if section.evolution is not None:
+                with error_context(where, ("segment", index, "evolution")):
+                    self.ways(section.evolution)
             with error_context(where, ("segment", index, "group")):
                 claims.bits(section.group)
+            with error_context(where, ("segment", index, "formation")):
+                self._check_room(section)
         for index, regroup in enumerate(patch.regroup):
             with error_context(f"regroup in measure {regroup.measure}", ("regroup", index, "dancers")):
                 claims.bits(regroup.dancers)
         check_segments(patch.segment, self._score, claims)
         check_regroups(patch.regroup, self._score, casting)
         check_group_calls(patch, claims, self._formations.find)
+
+    def ways(self, name: str) -> Float32:
+        """Return the ways of the evolution with this name as knots at even times, (D, K, 2) [m]."""
+        return evolution_ways(self._patch, name, self._formations.written)
+
+    def _check_room(self, section: SegmentSection | GroupSection) -> None:
+        """Raise PersonError if a formation is squeezed into a region that has no room for all dancers; those who are
+        selected by place are not counted."""
+        if section.formation is None:
+            return
+        spec = self._formations.find(section.formation).spec
+        if isinstance(section, GroupSection):
+            dancers = section.dancers
+        elif self._casting.depends_on_places(section.group):
+            return
+        else:
+            count = self._patch.dancer_count
+            dancers = int(self._casting.select(section.group, np.zeros((len(self._casting.group), 2)))[:count].sum())
+        most = capacity_of(spec) if spec.like is not None else None
+        if most is not None and dancers > most:
+            raise PersonError(
+                f"the region of {spec.name!r} has room for {most} of {dancers} dancers",
+                "a larger region, or fewer dancers",
+            )
 
     def apply_patch(self, fresh: "Evolutions") -> None:
         """Apply the formations of another patch. Dancers in an edited one go to its new places.
@@ -163,6 +203,7 @@ class Evolutions:
         places = []
         for index, section in enumerate(self._patch.group):
             with error_context(f"group {section.name!r}", ("group", index, "formation")):
+                self._check_room(section)
                 places.append(self._group_starting_places(section))
         return np.concatenate(places)
 
@@ -206,13 +247,25 @@ class Evolutions:
             way = f"score {index} of measure {section.measure}"
             if section.path is not None:
                 self._plan.repertoire = self._plan.repertoire.with_path(way, np.array(section.path))
+            if section.evolution is not None:
+                self._register_ways(section.evolution)
             segments.append(segment_of_section(section, start=measure, formation=formation, path=way))
         return segments
+
+    def _register_ways(self, name: str) -> None:
+        """Add the ways of an evolution to the repertoire."""
+        folded, ways = name.casefold().strip(), self.ways(name)
+        if self._plan.repertoire.ways.get(folded) is not ways:
+            self._plan.repertoire = self._plan.repertoire.with_ways(folded, ways)
 
     def formation(self, words: str, count: int) -> Formation:
         """Return the formation with this name or notation for `count` dancers, with its warnings."""
         named_formation = self._formations.find(words)
         return formation_of(named_formation.spec, count, named_formation.seed)
+
+    def written_formation(self, words: str) -> FormationSpec:
+        """Return the formation of the patch with this name, or of this notation. Raises PersonError for others."""
+        return self._formations.written(words)
 
     def formation_name(self, words: str) -> str:
         """Return the name of the formation with this name or notation. Raises PersonError for one that is neither, or

@@ -105,6 +105,11 @@ class Formations:
                 self._unnamed.popitem(last=False)
         return self._unnamed[words]
 
+    def written(self, words: str) -> FormationSpec:
+        """Return the formation with this name in the patch, or of this notation. Raises PersonError for others."""
+        named = self._from_patch.get(words.casefold().strip())
+        return parse_formation(words) if named is None else named.spec
+
     def define(self, name: str, words: str) -> NamedFormation:
         """Define or replace the formation `name` by formation notation. Raises PersonError if it is invalid."""
         if name.casefold().strip() not in self._named and len(self._named) >= 2000:

@@ -38,7 +38,7 @@ def _floor_faults(patch: Patch, former: Patch) -> Iterator[PersonError]:
 
 
 def _segment_faults(show: Any, former: Patch) -> Iterator[PersonError]:
-    """Yield the segments whose formation or path leaves the stage, or has places in an obstacle."""
+    """Yield the segments whose formation, path or evolution leaves the stage, or has places in an obstacle."""
     patch: Patch = show.patch
     known: dict[tuple[str, int], Float64] = {}
     for index, section in enumerate(patch.segment):
@@ -49,6 +49,16 @@ def _segment_faults(show: Any, former: Patch) -> Iterator[PersonError]:
                     f"the path leads outside the stage of {_size(patch.stage)}",
                     f"a stage of at least {_needed(path)}, or a shorter path", ("segment", index, "path"),
                 )  # fmt: skip
+        if section.evolution is not None:
+            ways = _mirrored(section, np.asarray(show.motion.evolutions.ways(section.evolution), np.float64)).reshape(
+                -1, 2
+            )
+            if (outside(ways, patch.stage) & ~outside(ways, former.stage)).any():
+                yield PersonError(
+                    f"the ways of {section.evolution!r} lead outside the stage of {_size(patch.stage)}",
+                    f"a stage of at least {_needed(ways)}, or one like it into a smaller region",
+                    ("segment", index, "evolution"),
+                )
         if section.formation is None:
             continue
         who = show.motion.casting.select(section.group, show.motion.state.position) & show.motion.present

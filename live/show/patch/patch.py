@@ -26,6 +26,7 @@ from live.show.patch.section_picture import Characters, PictureSection, TextureS
 from live.show.patch.section_score import (
     AtSection,
     CurveSection,
+    EvolutionSection,
     FormationTable,
     ImproviseSection,
     RegroupSection,
@@ -109,6 +110,7 @@ class Patch(WholeFile):
     mocap: Annotated[tuple[MocapSection, ...], Field(max_length=16)] = ()
     formation: Annotated[tuple[FormationTable, ...], Field(max_length=1000)] = ()
     """Formations by name: see formations.md."""
+    evolution: Annotated[tuple[EvolutionSection, ...], Field(max_length=200)] = ()
     segment: Annotated[tuple[SegmentSection, ...], Field(max_length=20000)] = ()
     regroup: Annotated[tuple[RegroupSection, ...], Field(max_length=20000)] = ()
     element: Annotated[tuple[ElementSection, ...], Field(max_length=20000)] = ()

@@ -1,13 +1,13 @@
 """Patch sections for the score.
 
 `[[section]]`, `[[at]]` and `[[signal]]` (T015, T016), `[[sequence]]` (T009), `[[improvise]]`, `[[regroup]]` (T104),
-`[[segment]]` and `[[formation]]` (T085-T087, T095-T103).
+`[[segment]]`, `[[formation]]` and `[[evolution]]` (T085-T087, T095-T103, T145, T146).
 """
 
 import itertools
 import math
 from bisect import bisect_right
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import AfterValidator, Field, ValidationInfo, model_validator
 
@@ -262,6 +262,61 @@ def formation_names(tables: tuple[dict[str, Any], ...]) -> list[str]:
     return [str(table["name"]) for table in tables]
 
 
+WayPoints = Annotated[tuple[Place, ...], Field(min_length=1, max_length=400)]
+TRANSFORM_KEYS: Final = (
+    "scale", "size", "proportions", "bend_deg", "rotation_deg", "centre", "mirror", "along", "into", "neighbours",
+)  # fmt: skip
+"""Keys of `[[formation]]` that transform another one, which `[[evolution]]` has, too."""
+
+
+class EvolutionSection(Section):
+    """`[[evolution]]`: a group's motion as material: a way for each dancer, drawn, recorded, or like another's."""
+
+    name: Name
+    """Its name, for `[[segment]] evolution` and for others that are like it."""
+    ways: Annotated[tuple[WayPoints, ...], Field(max_length=400)] = ()
+    """A way for each dancer: points (x, z) [m] that she passes at even times, as a curve; one point is a place."""
+    like: Name | None = None
+    """Instead of ways: another evolution, whose ways are transformed with neighbours kept, by the keys below, in the
+    order and the meaning that they have in a `[[formation]]` that is like another one."""
+    scale: float | Place | None = None
+    """How many times as large; two numbers: in width and in depth."""
+    size: Place | None = None
+    """Or the width and depth [m] that the whole motion gets."""
+    proportions: Literal["keep", "stretch"] | None = None
+    """Of `size`, `along` and `into`: whether proportions are kept, or the size, line or region is filled."""
+    bend_deg: float | None = None
+    """Angle of the arc to which its width is bent; positive: both sides come to the public."""
+    rotation_deg: float | None = None
+    """Rotation about its middle; positive turns the front towards +x."""
+    centre: Place | None = None
+    """How far it is moved (x, z) [m]."""
+    mirror: Literal["left-right", "front-back"] | float | tuple[Place, Place] | None = None
+    """Line about which it is mirrored: from back to front, from side to side, in a direction [degrees], or through two
+    points."""
+    along: str | Polyline | None = None
+    """Line on which its width is laid: points (x, z) [m], or the name of a formation with a line."""
+    into: str | tuple[Place, ...] | tuple[tuple[Place, ...], ...] | None = None
+    """Region into which it is squeezed: points of a closed line, or several, or the name of a formation."""
+    neighbours: Literal["keep", "any"] | None = None
+    """Whether neighbours stay neighbours, also where it is stretched."""
+
+    @model_validator(mode="after")
+    def _ways_or_like(self, info: ValidationInfo) -> "EvolutionSection":
+        if bool(self.ways) == (self.like is not None):
+            raise ValueError(f"evolution {self.name!r}: either ways, or like, expected")
+        given = next((key for key in TRANSFORM_KEYS if getattr(self, key) is not None), None)
+        if given is not None and self.like is None:
+            raise ValueError(f"evolution {self.name!r}: {given} transforms another evolution: like expected")
+        run_check(info, "evolution", self)
+        return self
+
+    @property
+    def transform_table(self) -> dict[str, Any]:
+        """Its keys that transform, as keys of a formation."""
+        return {key: value for key in TRANSFORM_KEYS if (value := getattr(self, key)) is not None}
+
+
 class RegroupSection(Section):
     """`[[regroup]]`: at a measure line dancers change to another group's steps and colour (T104)."""
 
@@ -276,7 +331,8 @@ class RegroupSection(Section):
 
 
 class SegmentSection(Section):
-    """`[[segment]]`: how a group moves over some measures: into a formation, along a line, or not at all."""
+    """`[[segment]]`: how a group moves over some measures: into a formation, along a line, as an evolution, or not at
+    all."""
 
     measure: Annotated[int, Field(ge=1, le=100000)]
     """The measure at whose line it begins, from 1."""
@@ -295,6 +351,10 @@ class SegmentSection(Section):
     """Instead of a formation: a drawn line (x, z) [m] along which they travel in their present formation."""
     single_file: bool = False
     """They travel one behind another, on the line itself."""
+    evolution: Name | None = None
+    """Instead of both: an `[[evolution]]`, whose ways they take within its measures: half as many are twice as fast."""
+    backwards: bool = False
+    """They take the ways of the evolution from their ends to their starts."""
     match: Literal["squared", "shortest", "equal", "both", "bottleneck", "number"] = "squared"
     """Assignment of dancers to places: least squared distances (straight paths never meet), least sum, equal distances,
     both (T098-T100), least largest distance, or by the dancers' numbers."""
@@ -302,7 +362,7 @@ class SegmentSection(Section):
     """Where straight paths would meet: starts are shifted or paths bent; nothing; paths bent by halves (T101)."""
     facing: Literal["linear", "tangent", "measures", "declared"] | None = None
     """How they turn on the path: evenly, along it, measure by measure, or by `headings_deg` (T102, T126); left out:
-    evenly into a formation, along a path."""
+    evenly into a formation, along a path, measure by measure in an evolution."""
     headings_deg: Annotated[tuple[float, ...], Field(max_length=1000)] = ()
     """A heading for each measure: 0 faces the audience, positive towards +x."""
     soft: Annotated[float, Field(ge=0, le=0.5)] = 0.25
@@ -318,8 +378,11 @@ class SegmentSection(Section):
 
     @model_validator(mode="after")
     def _one_thing(self) -> "SegmentSection":
-        if self.formation is not None and self.path is not None:
-            raise ValueError("formation and path: leave one out; without either the dancers pause")
+        given = [key for key in ("formation", "path", "evolution") if getattr(self, key) is not None]
+        if len(given) > 1:
+            raise ValueError(f"{given[0]} and {given[1]}: leave one out; without either the dancers pause")
+        if self.backwards and self.evolution is None:
+            raise ValueError("backwards needs an evolution")
         if self.hold and self.formation is None:
             raise ValueError("hold needs a formation")
         if isinstance(self.mirror, tuple) and math.dist(*self.mirror) < 1e-3:

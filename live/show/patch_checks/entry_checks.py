@@ -19,7 +19,7 @@ from live.show.patch.section_cues import CueSection, SceneSection
 from live.show.patch.section_motion import GroupSection
 from live.show.patch.section_music import ReactSection
 from live.show.patch.section_picture import PictureSection
-from live.show.patch.section_score import AtSection, ImproviseMotion
+from live.show.patch.section_score import AtSection, EvolutionSection, ImproviseMotion
 from live.show.patch.section_stage import NamedLookSection
 
 
@@ -130,9 +130,17 @@ def _check_formation(table: dict[str, Any]) -> None:
         raise ValueError("a formation needs a name")
 
 
+def _check_evolution(section: EvolutionSection) -> None:
+    try:
+        spec_from_table({"name": section.name, "like": section.like or section.name, **section.transform_table})
+    except PersonError as error:
+        raise ValueError(str(error).replace("formation", "evolution", 1)) from None
+
+
 ENTRY_CHECKS: Final[Checks] = {
     "at": _check_at,
     "cue": _check_cue,
+    "evolution": _check_evolution,
     "formation": _check_formation,
     "group": _check_group,
     "improvise.motion": _check_improvise_motion,

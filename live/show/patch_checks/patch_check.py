@@ -54,6 +54,7 @@ def _check_size(patch: Patch) -> Iterator[InvalidEntry]:
 def _check_unique_names(patch: Patch) -> Iterator[InvalidEntry]:
     things = {"group": [group.name for group in patch.group]}
     things |= {"formation": [str(table["name"]) for table in patch.formation]}
+    things |= {"evolution": [evolution.name for evolution in patch.evolution]}
     things |= {"view": [view.name for view in patch.view], "looks": [look.name for look in patch.looks]}
     things |= {"scene": [scene.name for scene in patch.scene], "cue": [cue.name for cue in patch.cue]}
     things["pad"] = [pad.name for pad in patch.pad]

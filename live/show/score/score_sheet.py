@@ -201,7 +201,7 @@ def _add_boxes(show: Show, measure: int, length: int, rows: dict[str, list[Box]]
 
 
 def _segment_words(segment: SegmentSection) -> str:
-    what = segment.formation if segment.formation is not None else "travel" if segment.path is not None else "pause"
+    what = segment.formation or segment.evolution or ("travel" if segment.path is not None else "pause")
     return ("hold " if segment.hold else "") + what + _group_suffix(segment.group)
 
 

@@ -17,6 +17,7 @@ from live.agents.evolutions.intention import (
     AssignmentMethod,
     Evolve,
     FollowMode,
+    FollowWays,
     Hold,
     Matching,
     PathMode,
@@ -92,14 +93,15 @@ KINDS: Final = [
     Kind("by", AssignmentMethod, ""),
     Kind("evolve", Evolve, "formation:str matching:matching path_mode:way orientation:orientation soft:float"),
     Kind("follow", FollowMode, ""),
+    Kind("follow-ways", FollowWays, "ways:str matching:matching orientation:orientation backwards:bool"),
     Kind("hold", Hold, "formation:str matching:matching"),
     Kind("matching", Matching, "by:by cost:cost equal_weight:float fill:fill"),
     Kind("pause", Pause, ""),
     Kind("places", Places, "name:str slots:f8* heading:f8* marks:list[str]|row[str]", is_consistent=whole.places),
     Kind("procedural", Procedural, "marks:row[str]"),
     Kind("repertoire", Repertoire, """
-        formations:dict[str,places|named-formation] paths:dict[str,array*]
-        intentions:dict[str,hold|evolve|pause|trajectory|procedural]
+        formations:dict[str,places|named-formation] paths:dict[str,array*] ways:dict[str,f4*]
+        intentions:dict[str,hold|evolve|pause|trajectory|follow-ways|procedural]
     """),
     Kind("trajectory", Trajectory, "path:str follow:follow gap:float orientation:orientation soft:float"),
     Kind("way", PathMode, ""),
@@ -108,9 +110,9 @@ KINDS: Final = [
     Kind("cost", Cost, ""),
     Kind("fill", Fill, ""),
     Kind("motion", PlannedSegment, """
-        segment:segment intention:hold|evolve|pause|trajectory|procedural departure:departure dancers:i4(dancer)*
-        controlled:u1* motion:journey|none _draft:departure.draft _actual_start:array*|none _late_calls_left:int
-        _pieces:none
+        segment:segment intention:hold|evolve|pause|trajectory|follow-ways|procedural departure:departure
+        dancers:i4(dancer)* controlled:u1* motion:journey|none _draft:departure.draft _actual_start:array*|none
+        _late_calls_left:int _pieces:none
     """, is_consistent=whole.motion),
     Kind("orientation.facing", Facing, ""),
     Kind("orientation", Orientation, "facing:orientation.facing headings:row[float] smooth:bool turn_beats:float"),
@@ -121,7 +123,7 @@ KINDS: Final = [
     """, {"_joints": list}),
     Kind("plan.entry", _Entry, "segment:segment excluded:b1"),
     Kind("segment", Segment, """
-        intention:str|hold|evolve|pause|trajectory|procedural group:str start:int measures:int ripple:delays.ripple
+        intention:str|hold|evolve|pause|trajectory|follow-ways|procedural group:str start:int measures:int ripple:delays.ripple
         mirror:relations.line|none delay:float
     """),
     Kind("formation-spec", FormationSpec, """
@@ -132,7 +134,8 @@ KINDS: Final = [
         density:float|none spacing:float|none mirror:str|float|tuple[tuple[float,float],tuple[float,float]]|none
         mirror_at:tuple[float,float]|none mirror_keep:str|none soloists:int soloist_place:str soloist_gap:float
         sections:row[int] section_names:row[str] heading:str heading_deg:float
-        headings_deg:row[float]
+        headings_deg:row[float] like:formation-spec|none scale:float|tuple[float,float] bend_deg:float
+        along:row[tuple[float,float]] into:row[row[tuple[float,float]]] neighbours:str|none counts_ahead:row[int]
     """),
     Kind("relations.line", Line, "x:float z:float heading:float"),
     Kind("roster", Roster, "attributes:row[frozenset[str]] groups:dict[str,str] known:frozenset[str]"),

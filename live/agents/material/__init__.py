@@ -1,0 +1,1 @@
+"""Group motion as material: formations and evolutions moved, bent and squeezed elsewhere with neighbours kept (T145)."""
