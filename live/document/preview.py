@@ -116,7 +116,7 @@ class PreviewEngine:
         return self._show.seed
 
     def spec(self, table: dict[str, Any]) -> FormationSpec:
-        """Return the spec of a formation's table, which may be like a formation of the patch; PersonError if invalid."""
+        """Return the spec of a formation's table, which may be like one of the patch; PersonError if it is invalid."""
         return resolved(spec_from_table(table), self._show.motion.evolutions.written_formation)
 
     def formation(self, words: str, count: int) -> Formation:
@@ -381,7 +381,8 @@ def first_change(old: Patch, new: Patch) -> int | None:
 
 
 def _changed_formations(old: Patch, new: Patch) -> set[str]:
-    """Return the names, quoted and in small letters, of formations and evolutions that one of two patches lacks or has otherwise."""
+    """Return the names, quoted and in small letters, of formations and evolutions that one of two patches lacks or has
+    otherwise."""
     before, after = (_shapes(patch) for patch in (old, new))
     changed, seen = {name for name in before.keys() | after.keys() if before.get(name) != after.get(name)}, -1
     while len(changed) > seen:  # what is like a changed one is changed, too

@@ -422,7 +422,8 @@ def spec_from_table(table: Mapping[str, Any], where: str = "formation") -> Forma
     unknown = [str(key) for key in table if key not in _FIELDS or key == "counts_ahead"]
     if unknown:
         raise PersonError(
-            f"{where}: unknown key {unknown[0][:60]!r} of a formation; there are: {', '.join(key for key in _FIELDS if key != 'counts_ahead')}"
+            f"{where}: unknown key {unknown[0][:60]!r} of a formation; there are: "
+            + ", ".join(key for key in _FIELDS if key != "counts_ahead")
         )
     own = [key for key in _OWN_SHAPE if key in table and "like" in table]
     if own:

@@ -59,7 +59,7 @@ def specs_from_tables(tables: Sequence[Mapping[str, Any]], counts: Sequence[int]
         return parse_formation(words) if number is None else resolve(number, above)
 
     specs = []
-    for number, spec in enumerate(written):
+    for number in range(len(written)):
         try:
             specs.append(resolve(number, ()))
         except PersonError as error:

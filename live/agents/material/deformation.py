@@ -32,6 +32,10 @@ ITERATIONS: Final = 60
 """Most iterations in each stage."""
 INSET: Final = 0.02
 """Places are aimed so far inside the region [m]."""
+WAY_INSET: Final = 0.06
+"""Places of ways, which are not moved inside afterwards."""
+FIRM: Final = 10.0
+"""Weights of bodies and of the region are so many times as large in a last stage of ways."""
 ROUNDS: Final = 400
 """Most rounds in which places are parted and moved inside."""
 PRECISION: Final = 3
@@ -59,11 +63,12 @@ class Deformed:
 class Deformation:
     """The places of D dancers at S moments, whose neighbours are to be kept."""
 
-    def __init__(self, source: Float64, basis: Float64 | None = None) -> None:
-        """`source` (S, D, 2) [m] says who are neighbours; `basis` (S, C) makes places of C control points."""
+    def __init__(self, source: Float64, basis: Float64 | None = None, *, mirrored: bool = False) -> None:
+        """`source` (S, D, 2) [m] says who are neighbours, `mirrored`: on the other side of each other; `basis` (S, C)
+        makes places of C control points."""
         self._moments, self._count = source.shape[:2]
         self._basis = np.eye(self._moments) if basis is None else basis
-        self._graphs = [neighbours_of(places) for places in source]
+        self._graphs = [neighbours_of(places, mirrored=mirrored) for places in source]
         self._edges = self._joined([graph.edges for graph in self._graphs])
         self._inner = self._joined([graph.inner for graph in self._graphs])
         self._side = np.concatenate([graph.side for graph in self._graphs])
@@ -88,9 +93,12 @@ class Deformation:
         displacement = np.zeros((self._basis.shape[1], self._count, 2))
         deepest = 0.0 if room is None else max(0.0, -float(room.depth(flat)[0].min()))
         length = np.maximum(np.hypot(*(flat[self._edges[:, 0]] - flat[self._edges[:, 1]]).T), 0.3)
-        for stage in STAGES if room is not None else STAGES[-2:]:
+        stages = [(stage, 1.0) for stage in (STAGES if room is not None else STAGES[-2:])]
+        if self._moments > 1:
+            stages.append((0.0, FIRM))
+        for stage, firm in stages:
             now = first + np.einsum("sc,cdk->sdk", self._basis, displacement)
-            task = (first, 1.0 / length**2, self._near(now, 2.5 * gap), gap, room, stage * deepest)
+            task = (first, 1.0 / length**2, self._near(now, 2.5 * gap), gap, room, stage * deepest, firm)
             found = minimize(
                 self._cost, displacement.ravel(), args=task, jac=True, method="L-BFGS-B",
                 options={"maxiter": ITERATIONS},
@@ -108,7 +116,15 @@ class Deformation:
         return self._joined([cKDTree(now).query_pairs(distance, output_type="ndarray") for now in places])
 
     def _cost(
-        self, values: Float64, first: Float64, even: Float64, near: Int64, gap: float, room: Room | None, beyond: float
+        self,
+        values: Float64,
+        first: Float64,
+        even: Float64,
+        near: Int64,
+        gap: float,
+        room: Room | None,
+        beyond: float,
+        firm: float,
     ) -> tuple[float, Float64]:
         """Return the cost of a displacement and its gradient."""
         moved = np.einsum("sc,cdk->sdk", self._basis, values.reshape(-1, self._count, 2))
@@ -123,14 +139,14 @@ class Deformation:
             way = places[near[:, 0]] - places[near[:, 1]]
             apart = np.sqrt((way * way).sum(axis=1) + 1e-9)
             short = np.maximum(1.0 - apart / gap, 0.0)
-            cost += APART * float((short * short).sum())
-            sums.add_pairs(near, (-2.0 * APART * short / gap / apart)[:, None] * way)
+            cost += firm * APART * float((short * short).sum())
+            sums.add_pairs(near, (-2.0 * firm * APART * short / gap / apart)[:, None] * way)
         gradient = sums.total()
         if room is not None:
             depth, slope = room.depth(places)
-            out = np.maximum(INSET - depth - beyond, 0.0)
-            cost += INSIDE * float((out * out).sum())
-            gradient += (-2.0 * INSIDE * out)[:, None] * slope
+            out = np.maximum((INSET if self._moments == 1 else WAY_INSET) - depth - beyond, 0.0)
+            cost += firm * INSIDE * float((out * out).sum())
+            gradient += (-2.0 * firm * INSIDE * out)[:, None] * slope
         by_moment = gradient.reshape(moved.shape)
         if self._second is not None:
             jerky = np.einsum("ts,sdk->tdk", self._second, moved)
@@ -180,7 +196,8 @@ class _Sums:
 
     def total(self) -> Float64:
         rows, values = np.concatenate(self._rows), np.concatenate(self._values)
-        return np.stack([np.bincount(rows, values[:, axis], self._size) for axis in (0, 1)], axis=1)
+        sums = [np.bincount(rows, values[:, axis], self._size) for axis in (0, 1)]
+        return np.stack(sums, axis=1).astype(np.float64)  # without any rows they are integers
 
 
 def finish(places: Float64, room: Room | None, gap: float) -> Float64:
@@ -212,10 +229,9 @@ def _on_lattice(places: Float64, room: Room) -> Float64:
     return np.asarray(room.lattice[column])
 
 
-def fitted_into(source: Float64, basis: Float64 | None, guesses: list[Float64], room: Room, gap: float) -> Deformed:
+def fitted_into(task: Deformation, guesses: list[Float64], room: Room, gap: float) -> Deformed:
     """Return the first of some guesses (S, D, 2) that keeps `WANTED_SHARE` of the neighbours when it is deformed into
     `room`, or the one that keeps most."""
-    task = Deformation(source, basis)
     best: Deformed | None = None
     for guess in guesses:
         found = task.solve(guess, room, gap)

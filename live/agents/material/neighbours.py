@@ -58,9 +58,9 @@ def opposite_angles(inner: Int64, side: Float64, places: Float64) -> Float64:
     return angles
 
 
-def neighbours_of(places: Float64) -> Neighbours:
+def neighbours_of(places: Float64, *, mirrored: bool = False) -> Neighbours:
     """Return the neighbours among `places` (D, 2) [m]: the edges of all Delaunay triangles that are not flat, and each
-    one's nearest. In a row each has the next one; two are neighbours."""
+    one's nearest. In a row each has the next one; two are neighbours. `mirrored`: as they are in a mirror."""
     none = np.zeros((0, 4), np.int64), np.zeros((0, 2))
     order = _row_order(places)
     if order is not None:
@@ -79,7 +79,7 @@ def neighbours_of(places: Float64) -> Neighbours:
     edges = np.concatenate([ends, np.sort(nearest, axis=1)])
     a, b = places[inner[:, 0]], places[inner[:, 1]]
     side = np.stack([_side(a, b, places[inner[:, k]]) for k in (2, 3)], axis=1)
-    return Neighbours(_sorted(edges), inner, side)
+    return Neighbours(_sorted(edges), inner, -side if mirrored else side)
 
 
 def _delaunay_edges(places: Float64) -> Int64:

@@ -17,6 +17,8 @@ LEAST_GAP: Final = 2.0 * BODY_RADIUS + 0.1
 """Least distance of two dancers of a transformed group [m]: bodies do not touch."""
 CELLS: Final = 160
 """Cells of the field of distances along the longer side of a region."""
+SMALLEST_CELL: Final = 0.025
+"""Least distance of these cells [m]."""
 ANGLES: Final = (0.0, 15.0, 30.0, 45.0)
 SHIFTS: Final = 4
 """Directions and positions (along each axis) of the lattices that are tried to find out how many fit."""
@@ -107,7 +109,7 @@ def room_of(rings: Rings) -> Room:
     shapely.prepare(shape)
     low_x, low_z, high_x, high_z = shape.bounds
     longer = max(high_x - low_x, high_z - low_z, 0.1)
-    cell, beyond = longer / CELLS, max(2.0, 0.3 * longer)
+    cell, beyond = max(longer / CELLS, SMALLEST_CELL), max(2.0, 0.3 * longer)
     x = np.arange(low_x - beyond, high_x + beyond + cell, cell)
     z = np.arange(low_z - beyond, high_z + beyond + cell, cell)
     points = shapely.points(*np.meshgrid(x, z, indexing="ij"))
@@ -120,14 +122,32 @@ def room_of(rings: Rings) -> Room:
     return Room(shape, np.array([x[0], z[0]]), cell, field, _lattice(shape), middle)
 
 
+def _box_lattice(bounds: Float64, staggered: float) -> Float64:
+    """Return rows of places that reach the edges of a box, (N, 2), each row shifted by a share of the distance."""
+    width, depth = bounds[2:] - bounds[:2]
+    rows = int(depth / (LEAST_GAP * (math.sqrt(0.75) if staggered else 1.0)) + 1e-9) + 1
+    columns = int(width / LEAST_GAP + 1e-9) + 1
+    step = width / max(columns - 1, 1) if not staggered else LEAST_GAP
+    z = np.linspace(bounds[1], bounds[3], rows) if rows > 1 else np.array([(bounds[1] + bounds[3]) / 2.0])
+    x = bounds[0] + step * np.arange(columns) if columns > 1 else np.array([(bounds[0] + bounds[2]) / 2.0])
+    return np.concatenate(
+        [np.stack([x + staggered * step * (row % 2), np.full(columns, at)], 1) for row, at in enumerate(z)]
+    )
+
+
 def _lattice(shape: Any) -> Float64:
-    """Return the largest of some hexagonal lattices inside a shape, (N, 2), at least one place."""
+    """Return the largest of some lattices inside a shape, (N, 2), at least one place."""
     low_x, low_z, high_x, high_z = shape.bounds
     middle = np.array([low_x + high_x, low_z + high_z]) / 2.0
     reach = int(math.hypot(high_x - low_x, high_z - low_z) / LEAST_GAP / 1.7) + 2
     rows, columns = np.meshgrid(np.arange(-reach, reach + 1), np.arange(-reach, reach + 1), indexing="ij")
     flat = np.stack([columns + 0.5 * (rows % 2), rows * math.sqrt(0.75)], axis=-1).reshape(-1, 2) * LEAST_GAP
     best = shapely.get_coordinates(shapely.point_on_surface(shape))
+    for staggered in (0.0, 0.5):
+        places = _box_lattice(np.array(shape.bounds), staggered)
+        inside = shapely.distance(shape, shapely.points(places)) <= 1e-9
+        if inside.sum() > len(best):
+            best = places[inside]
     large = shape.area > LARGE * LEAST_GAP**2
     for angle in map(math.radians, ANGLES[:1] if large else ANGLES):
         turn = np.array([[math.cos(angle), -math.sin(angle)], [math.sin(angle), math.cos(angle)]])

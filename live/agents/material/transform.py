@@ -23,8 +23,10 @@ Point = tuple[float, float]
 DEEPEST_BEND: Final = 0.8
 """Greatest depth of a group in front of its middle, as a share of the radius to which it is bent."""
 LINE_SAMPLES: Final = 257
-SHRINKS: Final = (0.8, 0.65)
+SHRINKS: Final = (0.9, 0.8, 0.65)
 """Sizes about the middle of a region's largest circle that are tried if neighbours are lost in all of the region."""
+FILL: Final = 0.95
+"""Distance of neighbours that is aimed at in a region filled at any cost, as a share of that in the densest pattern."""
 ZIGZAG: Final = 0.05
 """A row that goes into a region is a zigzag of this depth first [m], so that it can fold."""
 SHORTEST_LINE: Final = 0.1
@@ -93,10 +95,13 @@ def room_for(transform: Transform) -> Room | None:
     return room_of(transform.into) if transform.into else None
 
 
-def transform_group(transform: Transform, points: Float64, basis: Float64 | None = None) -> Transformed:
+def transform_group(
+    transform: Transform, points: Float64, basis: Float64 | None = None, coarse: tuple[Float64, Float64] | None = None
+) -> Transformed:
     """Return a group's places (1, D, 2), or control points (C, D, 2) of its ways, transformed [m].
 
-    `basis` (S, C) makes the places at S moments from the points of a way. PersonError if the transformation does not
+    `basis` (S, C) makes the places at S moments from the points of a way; `coarse` (S, N) and (C, N) make displacements
+    of places and of points from those of N points. PersonError if the transformation does not
     suit the group: it is bent too far, or more dancers than the region has room for.
     """
     basis = np.eye(len(points)) if basis is None else basis
@@ -109,9 +114,9 @@ def transform_group(transform: Transform, points: Float64, basis: Float64 | None
         people = "1 dancer" if room.capacity == 1 else f"{room.capacity} dancers"
         raise PersonError(f"the region has room for {people}, not for {count}", "a larger region, or fewer dancers")
     moved, turn = map_points(transform, points, source)
-    flat_basis = basis if len(points) > 1 else None
+    task = Deformation(source, None if coarse is None else coarse[0], mirrored=transform.mirror is not None)
     if room is None:
-        first, task = np.einsum("sc,cdk->sdk", basis, moved), Deformation(source, flat_basis)
+        first = np.einsum("sc,cdk->sdk", basis, moved)
         near, kept, before = _least(first), task.share_kept(first), _least(source)
         lost = kept < WANTED_SHARE and transform.keeps_neighbours
         if transform.keeps_distances or (near >= min(LEAST_GAP, before) - 1e-9 and not lost):
@@ -120,11 +125,16 @@ def transform_group(transform: Transform, points: Float64, basis: Float64 | None
     else:
         guesses = [_fitted(moved, basis, room, *each) for each in _guesses(transform)]
         first_guesses = [np.einsum("sc,cdk->sdk", basis, each) for each in guesses]
-        found = fitted_into(source, flat_basis, first_guesses, room, EASY_GAP)
+        even = FILL * math.sqrt(room.shape.area / (math.sqrt(0.75) * count))
+        gap = max(EASY_GAP, even) if transform.proportions == "stretch" else EASY_GAP
+        found = fitted_into(task, first_guesses, room, gap)
         if len(points) == 1:
             turn = turn + _local_turn(moved[0], found)
         moved = guesses[next(k for k, each in enumerate(first_guesses) if each is found.first)]
-    return Transformed(moved + found.displacement, turn, found.kept, _least(found.places))
+    shift = found.displacement
+    if coarse is not None:
+        shift = np.einsum("cn,ndk->cdk", coarse[1], shift)
+    return Transformed(moved + shift, turn, found.kept, _least(found.places))
 
 
 def map_points(transform: Transform, points: Float64, source: Float64) -> tuple[Float64, Float64]:

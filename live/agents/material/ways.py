@@ -27,6 +27,11 @@ KNOTS: Final = (65, 1025)
 MOST_MOMENTS: Final = 33
 """Most moments at which neighbours and distances are looked at."""
 
+MOST_BENDS: Final = 13
+"""Most points of the curve by which a way is displaced."""
+
+UNCHANGED: Final = Transform()
+
 Way = tuple[tuple[float, float], ...]
 
 
@@ -100,9 +105,11 @@ def transform_ways(transform: Transform, ways: Sequence[Way]) -> tuple[Way, ...]
     """
     points = max(map(len, ways), default=1)
     moments = 1 if points == 1 else min(2 * points + 5, MOST_MOMENTS)
-    source = sample_ways(ways, moments)
     together = sample_ways(ways, points)
-    found = transform_group(transform, together, way_basis(points, moments))
+    source = np.einsum("sc,cdk->sdk", way_basis(points, moments), together)
+    bends = min(points, MOST_BENDS)
+    coarse = None if points == 1 else (way_basis(bends, moments), way_basis(bends, points))
+    found = transform_group(transform, together, way_basis(points, moments), coarse)
     exact = map_points(transform, together, source)[0]
     if transform.is_exact and np.array_equal(found.points, exact):
         mapped = [map_points(transform, np.array(way, np.float64)[:, None], source)[0][:, 0] for way in ways]
@@ -116,7 +123,7 @@ class Material:
 
     ways: tuple[Way, ...] = ()
     like: "Material | None" = None
-    transform: Transform = Transform()
+    transform: Transform = UNCHANGED
 
 
 @lru_cache(maxsize=512)

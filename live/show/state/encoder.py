@@ -188,7 +188,7 @@ def is_immutable(kind: Kind) -> bool:
     return (
         parameters is not None
         and parameters.frozen
-        and all(_is_immutable(kind_of) for kind_of in kind.types().values())
+        and all(_is_immutable(kind_of, kind) for kind_of in kind.types().values())
     )
 
 
@@ -204,11 +204,11 @@ def _is_plain(found: Type) -> bool:
     return (found.word in _PLAIN or found.word in ("|", "tuple", "row")) and all(map(_is_plain, found.items))
 
 
-def _is_immutable(found: Type) -> bool:
+def _is_immutable(found: Type, within: Kind) -> bool:
+    """Whether a type is immutable, if the kind `within` whose field it is, which may hold others of its own, is."""
     known = BY_NAME.get(found.word)
-    return (is_immutable(known) if known is not None else found.word in _IMMUTABLE) and all(
-        map(_is_immutable, found.items)
-    )
+    mutable = known is not within and not (is_immutable(known) if known is not None else found.word in _IMMUTABLE)
+    return not mutable and all(_is_immutable(item, within) for item in found.items)
 
 
 def _field_check(kind: Kind) -> Callable[[Any], None]:

@@ -123,8 +123,8 @@ KINDS: Final = [
     """, {"_joints": list}),
     Kind("plan.entry", _Entry, "segment:segment excluded:b1"),
     Kind("segment", Segment, """
-        intention:str|hold|evolve|pause|trajectory|follow-ways|procedural group:str start:int measures:int ripple:delays.ripple
-        mirror:relations.line|none delay:float
+        intention:str|hold|evolve|pause|trajectory|follow-ways|procedural group:str start:int measures:int
+        ripple:delays.ripple mirror:relations.line|none delay:float
     """),
     Kind("formation-spec", FormationSpec, """
         shape:str name:str centre:tuple[float,float] size:tuple[float,float]|none proportions:str|none

@@ -21,6 +21,7 @@ from live.control.events.document import (
     KeepFormation,
     KeepMeasures,
     KeepScene,
+    KeepWays,
     RedoDocument,
     ReplaceMusic,
     RestoreDocument,
@@ -335,6 +336,36 @@ def test_what_was_danced_becomes_a_section_and_is_danced_again(night: EditedShow
     assert night.path.read_text() == PATCH
     night.run(3.0)
     assert night.replay_differences() == ()
+
+
+def test_ways_of_a_flock_are_kept_and_danced_again(night: EditedShow) -> None:
+    ask = KeepWays(time=night.clock.now(), source="osc", measures=2, name="flock", group="ember", by="ana")
+    assert "no whole measure" in night.serve(ask)[-1]["refused"][0]["what"]
+    night.run(4.5)  # measures of 2 s
+    night.inbox.put(REGISTRY.call("/dance/attract", [3.0, 1.0, 1.0, 6.0], night.clock.now(), "osc"))  # type: ignore[arg-type]
+    night.run(1.0)
+    walked = []
+    while night.show.span.number < 5:
+        if night.show.span.number >= 3:
+            walked.append(night.show.state.position[:3].copy())
+        night.run(0.1)
+    answer = night.serve(replace(ask, time=night.clock.now()))[-1]
+    assert "revision" in answer, answer
+    (flock,) = read_patch(night.path).evolution
+    assert [len(way) <= 12 for way in flock.ways] == [True] * 3
+    ends = np.array([[way[0], way[-1]] for way in flock.ways])
+    assert np.hypot(*(ends - np.stack([walked[0], walked[-1]], axis=1)).transpose(2, 0, 1)).max() < 0.25
+    assert np.hypot(*(ends[:, 1] - ends[:, 0]).T).max() > 0.3
+    table = {"measure": 10, "measures": 2, "group": "ember", "evolution": "flock", "mirror": True}
+    edit = json.dumps({"do": "insert", "at": ["segment"], "value": table})
+    assert "revision" in night.serve(EditDocument(time=night.clock.now(), source="osc", edit=edit))[-1]
+    while night.show.span.number < 11:
+        night.run(0.1)
+    apart = night.show.state.position[:3, None] - ends[:, 1] * (-1.0, 1.0)
+    assert np.hypot(*apart.T).min(axis=1).max() < 0.6  # someone is at the end of each way, mirrored
+    assert night.replay_differences() == ()
+    wrong = replace(ask, time=night.clock.now(), group="nobody & ember")
+    assert "refused" in night.serve(wrong)[-1]
 
 
 def test_steps_of_parts_are_kept_and_danced_again(night: EditedShow) -> None:
