@@ -1,4 +1,4 @@
-"""Formations: milliseconds to make the places, by shape and pattern."""
+"""Formations: milliseconds to make the places, by shape and pattern; transformed groups and their neighbours."""
 
 import time
 from pathlib import Path
@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import shapely
 
+from bench._material import FIRST_SEED, material_rows
 from live.agents.formations.drawing import drawing_of
 from live.agents.formations.formation import formation_of
 from live.agents.formations.formation_spec import spec_from_table
@@ -42,7 +43,7 @@ def run(full: bool, shared: Path | None) -> list[Row]:
             bar = BAR_50_MS if dancers == 50 else None
             peers = {"dart throwing": _thrown(table, dancers)} if name == "circle, Poisson disk" else {}
             rows.append(Row(f"{dancers} dancers: {name}", milliseconds, "ms", bar, peers=peers))
-    return rows
+    return rows + material_rows(range(FIRST_SEED, FIRST_SEED + (40 if full else 4)))
 
 
 def _milliseconds(table: dict[str, Any], dancers: int) -> float:

@@ -318,16 +318,16 @@ def _replace_music(show: str, file: str, lines: str | None, fix: Path | None, by
 
 @app.command("keep")
 def keep(
-    what: Annotated[Literal["measures", "formation", "scene", "cue"], typer.Argument(help="What is kept.")],
+    what: Annotated[Literal["measures", "ways", "formation", "scene", "cue"], typer.Argument(help="What is kept.")],
     name: Annotated[str, typer.Argument(help="Its name: of the new section, or of what was made live.")],
     to: Annotated[str, typer.Option(help="The show that runs there.", metavar="HOST:PORT")] = "127.0.0.1:9010",
-    measures: Annotated[int, typer.Option(help="How many of the last measures become a section.", min=1)] = 16,
+    measures: Annotated[int, typer.Option(help="How many of the last measures become a section, or ways.", min=1)] = 16,
     by: BY = None,
     as_json: JSON = False,
 ) -> None:
-    """Keep what a running show made: its last measures as a section, or a formation, scene or cue."""
+    """Keep what a running show made: its last measures as a section, the ways of its dancers, a formation, scene or cue."""
     with _remote(to, by) as remote:
-        values = (measures, name) if what == "measures" else (name,)
+        values = (measures, name) if what in ("measures", "ways") else (name,)
         answer = remote.command(f"keep/{what}", *values)
     if as_json:
         print(json.dumps(answer, ensure_ascii=False))

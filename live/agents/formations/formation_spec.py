@@ -255,7 +255,7 @@ def _check_like(spec: Any) -> None:
             _check_line(spec, "into", ring)
 
 
-def _check_line(spec: Any, field: str, points: object) -> None:
+def _check_line(spec: Any, field: str, points: Any) -> None:
     """Refuse what is no line of points; an empty one is none."""
     if not isinstance(points, tuple) or len(points) > MAX_POINTS:
         spec.refuse(field, f"up to {MAX_POINTS} points [x, z] expected", f"{field} = [[-3, 0], [0, -2], [3, 0]]")

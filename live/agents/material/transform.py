@@ -29,6 +29,8 @@ FILL: Final = 0.95
 """Distance of neighbours that is aimed at in a region filled at any cost, as a share of that in the densest pattern."""
 ZIGZAG: Final = 0.05
 """A row that goes into a region is a zigzag of this depth first [m], so that it can fold."""
+TOUCH_TOLERANCE: Final = 0.02
+"""Bodies on ways may overlap by so much [m]."""
 SHORTEST_LINE: Final = 0.1
 """Least length of a line that a group is laid along [m]."""
 
@@ -131,10 +133,12 @@ def transform_group(
         if len(points) == 1:
             turn = turn + _local_turn(moved[0], found)
         moved = guesses[next(k for k, each in enumerate(first_guesses) if each is found.first)]
-    shift = found.displacement
+    shift, least = found.displacement, _least(found.places)
     if coarse is not None:
+        if least < min(2.0 * BODY_RADIUS, _least(source)) - TOUCH_TOLERANCE:
+            raise PersonError(f"two dancers would come as near as {least:.2f} m", "more room, or fewer dancers")
         shift = np.einsum("cn,ndk->cdk", coarse[1], shift)
-    return Transformed(moved + shift, turn, found.kept, _least(found.places))
+    return Transformed(moved + shift, turn, found.kept, least)
 
 
 def map_points(transform: Transform, points: Float64, source: Float64) -> tuple[Float64, Float64]:

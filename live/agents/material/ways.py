@@ -24,7 +24,7 @@ KNOTS_PER_POINT: Final = 16
 """Knots of a danced way between two of its points."""
 KNOTS: Final = (65, 1025)
 """Fewest and most knots of a danced way."""
-MOST_MOMENTS: Final = 33
+MOST_MOMENTS: Final = 65
 """Most moments at which neighbours and distances are looked at."""
 
 MOST_BENDS: Final = 13
