@@ -204,11 +204,14 @@ def _is_plain(found: Type) -> bool:
     return (found.word in _PLAIN or found.word in ("|", "tuple", "row")) and all(map(_is_plain, found.items))
 
 
-def _is_immutable(found: Type, within: Kind) -> bool:
+def _is_immutable(found: Type, within: Kind | None = None) -> bool:
     """Whether a type is immutable, if the kind `within` whose field it is, which may hold others of its own, is."""
     known = BY_NAME.get(found.word)
-    mutable = known is not within and not (is_immutable(known) if known is not None else found.word in _IMMUTABLE)
-    return not mutable and all(_is_immutable(item, within) for item in found.items)
+    if known is None:
+        fixed = found.word in _IMMUTABLE
+    else:
+        fixed = known is within or is_immutable(known)
+    return fixed and all(_is_immutable(item, within) for item in found.items)
 
 
 def _field_check(kind: Kind) -> Callable[[Any], None]:

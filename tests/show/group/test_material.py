@@ -75,7 +75,10 @@ def test_a_show_dances_them_at_its_measures(patch_file):
 
 
 @pytest.mark.parametrize(("old", "new", "words"), [
-    (f'like = "ring"\ninto = {HALL}', 'like = "ring"\ninto = [[0, 0], [1.3, 0], [1.3, 1.3], [0, 1.3]]', "room for 4 of 6 dancers"),
+    (
+        f'like = "ring"\ninto = {HALL}', 'like = "ring"\ninto = [[0, 0], [1.3, 0], [1.3, 1.3], [0, 1.3]]',
+        "room for 4 of 6 dancers",
+    ),
     ('evolution = "Flock in', 'evolution = "Fleet in', "no evolution is called 'Fleet in the hall'.*flock"),
     ('like = "flock"', 'like = "flock in the hall"', "leads back to itself"),
     ('like = "flock"', 'like = "flock"\nbend_deg = 200', "would fold"),
