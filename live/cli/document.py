@@ -325,7 +325,7 @@ def keep(
     by: BY = None,
     as_json: JSON = False,
 ) -> None:
-    """Keep what a running show made: its last measures as a section, the ways of its dancers, a formation, scene or cue."""
+    """Keep what a running show made: its last measures as a section, dancers' ways, a formation, scene or cue."""
     with _remote(to, by) as remote:
         values = (measures, name) if what in ("measures", "ways") else (name,)
         answer = remote.command(f"keep/{what}", *values)

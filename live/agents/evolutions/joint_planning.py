@@ -29,7 +29,7 @@ import numpy.typing as npt
 from live.agents.evolutions.evolution_kernels import longest_moves, nearest_approach
 from live.agents.evolutions.facing import Facing, final_direction, with_turns
 from live.agents.evolutions.incremental_assignment import Pieces
-from live.agents.evolutions.intention import Evolve, Hold, PathMode, Pause, Trajectory
+from live.agents.evolutions.intention import Evolve, FollowWays, Hold, PathMode, Pause, Trajectory
 from live.agents.evolutions.joint_kernels import apply_shifts, shift_encounters
 from live.agents.evolutions.planned_segment import PlannedSegment
 from live.agents.evolutions.segment_start import PlannedMotion
@@ -215,8 +215,8 @@ class JointPlanning:
         )  # fmt: skip
 
     def _drawn(self, ways: _Ways) -> Bool:
-        """Whether each dancer follows a drawn line, (D,)."""
-        drawn = [isinstance(motion.intention, Trajectory) for motion in self._moving()]
+        """Whether each dancer follows a drawn line, or a way that was drawn or recorded, (D,)."""
+        drawn = [isinstance(motion.intention, Trajectory | FollowWays) for motion in self._moving()]
         return np.array([party >= 0 and drawn[party] for party in ways.party], np.bool_)
 
     def _separate(self, ways: _Ways, rest: Float64, soft: Float64, hard: Float64) -> Pieces[None]:
@@ -376,7 +376,7 @@ def _reshaped(motion: PlannedSegment, ways: _Ways, rows: npt.NDArray[np.intp]) -
     if isinstance(motion.intention, Evolve | Hold):
         facing = motion.intention.orientation if isinstance(motion.intention, Evolve) else None
         after, exact = old.turns[:, -1, 1], True
-    elif isinstance(motion.intention, Trajectory):
+    elif isinstance(motion.intention, Trajectory | FollowWays):
         facing, exact = motion.intention.orientation, False
         after = final_direction(moved.path_knots, motion.departure.heading)
     else:

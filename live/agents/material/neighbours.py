@@ -100,7 +100,7 @@ def _smallest_sine(corners: Float64) -> Float64:
     """Return the sine of the smallest angle of triangles (T, 3, 2), (T,)."""
     u, v = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     sides = np.sort(np.stack([np.hypot(*u.T), np.hypot(*v.T), np.hypot(*(v - u).T)]), axis=0)
-    return np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / np.maximum(sides[1] * sides[2], 1e-12)
+    return np.asarray(np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]) / np.maximum(sides[1] * sides[2], 1e-12))
 
 
 def _row_order(places: Float64) -> Int64 | None:

@@ -250,7 +250,7 @@ def _local_turn(source: Float64, found: Deformed) -> Float64:
     along = (before * after).sum(axis=1)
     size = len(source)
     sums = [np.bincount(a, each, size) + np.bincount(b, each, size) for each in (across, along)]
-    return np.arctan2(sums[0], sums[1])
+    return np.asarray(np.arctan2(sums[0], sums[1]))
 
 
 def _least(places: Float64) -> float:

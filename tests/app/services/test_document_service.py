@@ -356,10 +356,10 @@ def test_ways_of_a_flock_are_kept_and_danced_again(night: EditedShow) -> None:
     ends = np.array([[way[0], way[-1]] for way in flock.ways])
     assert np.hypot(*(ends - np.stack([walked[0], walked[-1]], axis=1)).transpose(2, 0, 1)).max() < 0.25
     assert np.hypot(*(ends[:, 1] - ends[:, 0]).T).max() > 0.3
-    table = {"measure": 10, "measures": 2, "group": "ember", "evolution": "flock", "mirror": True}
+    table = {"measure": 10, "measures": 5, "group": "ember", "evolution": "flock", "mirror": True}
     edit = json.dumps({"do": "insert", "at": ["segment"], "value": table})
     assert "revision" in night.serve(EditDocument(time=night.clock.now(), source="osc", edit=edit))[-1]
-    while night.show.span.number < 11:
+    while night.show.span.number < 14:
         night.run(0.1)
     apart = night.show.state.position[:3, None] - ends[:, 1] * (-1.0, 1.0)
     assert np.hypot(*apart.T).min(axis=1).max() < 0.6  # someone is at the end of each way, mirrored
