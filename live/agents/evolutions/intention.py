@@ -164,9 +164,9 @@ class Repertoire:
     formations: Mapping[str, FormationLike | FormationMaker] = field(default_factory=dict)
     paths: Mapping[str, npt.NDArray[np.floating]] = field(default_factory=dict)
     """Polylines (N, 2) [m]."""
+    intentions: Mapping[str, Intention] = field(default_factory=dict)
     ways: Mapping[str, npt.NDArray[np.floating]] = field(default_factory=dict)
     """Ways of a group as knots at even times (D, K, 2) [m]."""
-    intentions: Mapping[str, Intention] = field(default_factory=dict)
 
     def with_formation(self, formation: FormationLike | FormationMaker) -> "Repertoire":
         """Return a copy with this formation added or replaced."""

@@ -133,7 +133,7 @@ class Evolutions:
         self._score = score or Score(patch)
         counts = {*(group.dancers for group in patch.group), patch.dancer_count}
         self._formations = Formations(specs_from_tables(patch.formation, sorted(counts)), seed=seed)
-        self._formations.precompute(counts)
+        self._formations.precompute({1, *counts})  # 1: whether it exists
         compute_evolutions(patch, self._formations.written)
         half = (patch.stage.width / 2, patch.stage.depth / 2)
         self._beats = patch.clock.beats_per_measure
