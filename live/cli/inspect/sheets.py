@@ -31,8 +31,8 @@ def sheets(
     from rich.console import Console
 
     from live.app.machine.kernel_warmup import warm_kernels
-    from live.app.sheets.sheet_files import SheetFolder, sheet_names, write_sheets
     from live.base.errors import PersonError
+    from live.document.sheets.sheet_files import SheetFolder, sheet_names, write_sheets
     from live.show.patch.patch_search_path import find_patch, show_stem
 
     paper = paper.casefold()
@@ -42,9 +42,9 @@ def sheets(
     console = Console(stderr=True, highlight=False)
     warm_kernels(console)  # before modules with kernels are imported
     from live.app.launch_options import LaunchOptions
-    from live.app.sheets.score_course import course_of
-    from live.app.sheets.sheet_book import book_of
-    from live.app.sheets.show_record import record_show
+    from live.document.sheets.score_course import course_of
+    from live.document.sheets.sheet_book import book_of
+    from live.document.sheets.show_record import record_show
     from live.show.loader import make_scene
 
     loaded = LaunchOptions(patch=show, steps=steps).load()

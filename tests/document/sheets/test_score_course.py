@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from live.app.sheets.score_course import FREE_MEASURES, course_of
+from live.document.sheets.score_course import FREE_MEASURES, course_of
 from live.show.loader import load_show
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import find_patch

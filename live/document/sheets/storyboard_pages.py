@@ -5,12 +5,12 @@ from typing import Final
 
 import numpy as np
 
-from live.app.sheets.dancer_part import WAY_TOLERANCE, simplified
-from live.app.sheets.page import FAINT, LEADING, MARGIN, SMALL, TEXT, Page, shortened, wrapped
-from live.app.sheets.scenes import Scene, count_label, measures_words, scene_lines, scene_title
-from live.app.sheets.sheet_book import FOOT, HEAD, SheetBook, add_feet, add_legend, add_notes, fit_pages, new_page
-from live.app.sheets.stage_picture import NUMBER_RADIUS, StagePicture, mark_radius
 from live.base.arrays import Float64, Int32
+from live.document.sheets.dancer_part import WAY_TOLERANCE, simplified
+from live.document.sheets.page import FAINT, LEADING, MARGIN, SMALL, TEXT, Page, shortened, wrapped
+from live.document.sheets.scenes import Scene, count_label, measures_words, scene_lines, scene_title
+from live.document.sheets.sheet_book import FOOT, HEAD, SheetBook, add_feet, add_legend, add_notes, fit_pages, new_page
+from live.document.sheets.stage_picture import NUMBER_RADIUS, StagePicture, mark_radius
 
 GAP: Final = 16.0
 """Space between pictures [pt]."""
@@ -80,7 +80,7 @@ def _columns(book: SheetBook, width: float) -> int:
     for scene in book.scenes:
         radius = mark_radius(_places(book, int(record.lines[scene.end]))[1], half, NUMBER_RADIUS)
         near.append(radius >= MARKS_WIDTH / 2.0)
-    return 2 if np.mean(near) > 0.5 or len(book.dancers) > 100 else 1
+    return 2 if np.mean(near) > 0.5 else 1
 
 
 def _places(book: SheetBook, row: int) -> tuple[Int32, Float64]:

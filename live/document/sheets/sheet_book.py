@@ -8,14 +8,14 @@ from typing import Final
 import numpy as np
 
 from live.agents.entrances.gate import Gate
-from live.app.sheets.dancer_part import PartScene, part_scene
-from live.app.sheets.group_marks import GroupMark, draw_mark, marks_of
-from live.app.sheets.page import FAINT, LEADING, MARGIN, SMALL, TEXT, Page, shortened, text_width, wrapped
-from live.app.sheets.scenes import Scene, calm_ways, scenes_of
-from live.app.sheets.show_record import ShowRecord
-from live.app.sheets.stage_picture import StagePlan
-from live.app.sheets.stage_words import direction_words
 from live.base.arrays import Float64, Int32
+from live.document.sheets.dancer_part import PartScene, part_scene
+from live.document.sheets.group_marks import GroupMark, draw_mark, marks_of
+from live.document.sheets.page import FAINT, LEADING, MARGIN, SMALL, TEXT, Page, shortened, text_width, wrapped
+from live.document.sheets.scenes import Scene, calm_ways, scenes_of
+from live.document.sheets.show_record import ShowRecord
+from live.document.sheets.stage_picture import StagePlan
+from live.document.sheets.stage_words import direction_words
 from live.show.group.stage_area import gates_of
 from live.show.patch.patch import Patch
 

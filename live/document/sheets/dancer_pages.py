@@ -5,14 +5,27 @@ from typing import Final
 
 import numpy as np
 
-from live.app.sheets.dancer_part import PartScene
-from live.app.sheets.group_marks import draw_mark
-from live.app.sheets.page import BLACK, FAINT, LEADING, MARGIN, SMALL, TEXT, WHITE, Ink, Page, grey, shortened, wrapped
-from live.app.sheets.scenes import arrival_label, count_label, measures_words, scene_title
-from live.app.sheets.sheet_book import FOOT, HEAD, SheetBook, add_feet, add_notes, fit_pages, new_page
-from live.app.sheets.stage_picture import StagePicture, mark_radius
-from live.app.sheets.stage_words import direction_words, facing_words, place_numbers, place_words
 from live.base.arrays import Float64
+from live.document.sheets.dancer_part import PartScene
+from live.document.sheets.group_marks import draw_mark
+from live.document.sheets.page import (
+    BLACK,
+    FAINT,
+    LEADING,
+    MARGIN,
+    SMALL,
+    TEXT,
+    WHITE,
+    Ink,
+    Page,
+    grey,
+    shortened,
+    wrapped,
+)
+from live.document.sheets.scenes import arrival_label, count_label, measures_words, scene_title
+from live.document.sheets.sheet_book import FOOT, HEAD, SheetBook, add_feet, add_notes, fit_pages, new_page
+from live.document.sheets.stage_picture import StagePicture, mark_radius
+from live.document.sheets.stage_words import direction_words, facing_words, place_numbers, place_words
 
 PICTURE_SHARE: Final = 0.38
 """Width of a picture, as a share of the page's."""
@@ -136,6 +149,8 @@ def _way_lines(book: SheetBook, part: PartScene) -> list[tuple[str, str]]:
     where = f"{straight:.1f} m {direction_words(dx, dz)}" if straight >= 0.3 else "away and back to the same place"
     longer = f" (way {part.length:.1f} m)" if part.length > (1.0 + FLAT) * straight + 0.2 else ""
     when = f"off at {count_label(record, part.off)}, there at {count_label(record, part.arrived)}"
+    planned = [led.end for led in part.led if led.end <= part.scene.end * record.beats + 1e-6]
+    when += f" (by the score at {arrival_label(record, max(planned))})" if planned else ""
     arrive = f"{place_words(*part.end)} ({place_numbers(*part.end)}), facing {facing_words(part.heading[1])}"
     return [("Go", f"{where}{longer}, {when}"), ("End", arrive)]
 

@@ -6,12 +6,12 @@ from itertools import combinations, pairwise
 import numpy as np
 import pytest
 
-from live.app.sheets.dancer_pages import dancer_pages, dancer_rows
-from live.app.sheets.group_marks import marks_of, tint
-from live.app.sheets.page import MARGIN, PAPERS, SMALL, Page, Words, known_letters, text_width, wrapped
-from live.app.sheets.sheet_book import SheetBook
-from live.app.sheets.stage_words import direction_words, facing_words, place_numbers, place_words, side_words
-from live.app.sheets.storyboard_pages import storyboard_pages
+from live.document.sheets.dancer_pages import dancer_pages, dancer_rows
+from live.document.sheets.group_marks import marks_of, tint
+from live.document.sheets.page import MARGIN, PAPERS, SMALL, Page, Words, known_letters, text_width, wrapped
+from live.document.sheets.sheet_book import SheetBook
+from live.document.sheets.stage_words import direction_words, facing_words, place_numbers, place_words, side_words
+from live.document.sheets.storyboard_pages import storyboard_pages
 
 
 def words_of(page: Page) -> list[Words]:

@@ -8,14 +8,14 @@ from typing import Final
 import numpy as np
 import shapely
 
-from live.app.sheets.scenes import Scene
-from live.app.sheets.show_record import Led, ShowRecord
-from live.app.sheets.stage_words import side_words
 from live.base.arrays import Float64
+from live.document.sheets.scenes import Scene
+from live.document.sheets.show_record import Led, ShowRecord
+from live.document.sheets.stage_words import side_words
 
 STAYS_M: Final = 0.35
 """Whoever is never farther from the first place than this stays there: steps sway [m]."""
-OFF_SHARE: Final = 0.15
+OFF_SHARE: Final = 0.4
 """Share of the largest distance at which she has set off, and from the last place at which she is there ..."""
 OFF_M: Final = 0.3
 """... and the largest such distance [m]."""

@@ -6,14 +6,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from live.app.sheets.dancer_pages import dancer_rows
-from live.app.sheets.sheet_book import SheetBook
 from live.clock.ticks import TICK
 from live.control.events import events
+from live.document.sheets.dancer_pages import dancer_rows
+from live.document.sheets.sheet_book import SheetBook
 from live.motion.skeleton import SKELETON
 from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_search_path import find_patch
-from tests.app.sheets.small_show import make_book
+from tests.document.sheets.small_show import make_book
 
 NUMBERS = re.compile(r"x ([+−]?[\d.]+), z ([+−]?[\d.]+)")
 EXAMPLES = (

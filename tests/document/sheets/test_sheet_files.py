@@ -9,12 +9,12 @@ import mido
 import pytest
 from PIL import Image
 
-from live.app.sheets.drawn_pages import DPI
-from live.app.sheets.score_markers import labels_of, midi_of, piece_map, score_marks
-from live.app.sheets.sheet_book import SheetBook
-from live.app.sheets.sheet_files import LIST, SheetFolder, SheetsWritten, dancer_stem, sheet_names, write_sheets
 from live.base.errors import PersonError
 from live.clock.measure_map import MeasureMap
+from live.document.sheets.drawn_pages import DPI
+from live.document.sheets.score_markers import labels_of, midi_of, piece_map, score_marks
+from live.document.sheets.sheet_book import SheetBook
+from live.document.sheets.sheet_files import LIST, SheetFolder, SheetsWritten, dancer_stem, sheet_names, write_sheets
 from live.library.music_map_file import read_map
 from live.show.loader import LoadedShow
 from live.show.patch.section_music import MusicLine
@@ -144,9 +144,9 @@ def test_pdf_has_the_words_of_its_page(tmp_path: Path, loaded: LoadedShow, book:
     """Both drawings show one page model: there are as many words in the PDF as on the page."""
     from base64 import a85decode
 
-    from live.app.sheets.drawn_pages import pdf_of
-    from live.app.sheets.page import Words
-    from live.app.sheets.storyboard_pages import storyboard_pages
+    from live.document.sheets.drawn_pages import pdf_of
+    from live.document.sheets.page import Words
+    from live.document.sheets.storyboard_pages import storyboard_pages
 
     page = storyboard_pages(book, "a4")[0]
     data = pdf_of([page], "x")

@@ -7,8 +7,8 @@ from typing import Final
 
 import numpy as np
 
-from live.app.sheets.show_record import FreeMotion, Led, ShowRecord
 from live.base.arrays import Float64
+from live.document.sheets.show_record import FreeMotion, Led, ShowRecord
 
 PHRASE: Final = 4
 """Measures of a scene where dancers move freely."""

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
-from live.app.sheets.score_course import course_of
-from live.app.sheets.sheet_book import SheetBook, book_of
-from live.app.sheets.show_record import record_show
+from live.document.sheets.score_course import course_of
+from live.document.sheets.sheet_book import SheetBook, book_of
+from live.document.sheets.show_record import record_show
 from live.show.loader import LoadedShow, load_show, make_scene
 
 TEXT = """name = "Zwei Reihen, ça va"

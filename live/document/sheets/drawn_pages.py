@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from PIL import Image, ImageDraw, ImageFont, PngImagePlugin
 
-from live.app.sheets.page import Disc, Item, Page, Point, Shape, Stroke, Words, font_face, font_file
+from live.document.sheets.page import Disc, Item, Page, Point, Shape, Stroke, Words, font_face, font_file
 
 CREATOR: Final = "ChoreoGraphics Live"
 DPI: Final = 150

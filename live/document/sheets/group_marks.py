@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
-from live.app.sheets.page import BLACK, WHITE, Ink, Page, Point, grey
+from live.document.sheets.page import BLACK, WHITE, Ink, Page, Point, grey
 
 CIRCLE: Final = 0
 _CORNERS: Final = {1: (4, math.pi / 4), 2: (3, 0.0), 3: (4, 0.0), 4: (6, 0.0), 5: (3, math.pi)}

@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 
 from live.agents.entrances.gate import Gate
-from live.app.sheets.group_marks import GroupMark, draw_mark
-from live.app.sheets.page import BLACK, FAINT, SMALL, WHITE, Ink, Page, Point, grey, text_width
 from live.base.arrays import Float64
+from live.document.sheets.group_marks import GroupMark, draw_mark
+from live.document.sheets.page import BLACK, FAINT, SMALL, WHITE, Ink, Page, Point, grey, text_width
 from live.show.group.stage_area import gates_of
 from live.show.patch.patch import Patch
 

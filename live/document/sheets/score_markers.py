@@ -9,9 +9,9 @@ from typing import Any, Final
 
 import mido
 
-from live.app.sheets.scenes import Scene, arrival_label, measures_words, scene_title
-from live.app.sheets.show_record import ShowRecord
 from live.clock.measure_map import MeasureLine, MeasureMap
+from live.document.sheets.scenes import Scene, arrival_label, measures_words, scene_title
+from live.document.sheets.show_record import ShowRecord
 from live.show.patch.patch import Patch
 
 PULSES: Final = 480

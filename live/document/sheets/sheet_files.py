@@ -13,13 +13,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
 
-from live.app.sheets.dancer_pages import dancer_pages
-from live.app.sheets.drawn_pages import pdf_of, picture_of
-from live.app.sheets.page import Page
-from live.app.sheets.score_markers import labels_of, midi_of, piece_map, score_marks
-from live.app.sheets.sheet_book import SheetBook
-from live.app.sheets.storyboard_pages import storyboard_pages
 from live.base.errors import PersonError
+from live.document.sheets.dancer_pages import dancer_pages
+from live.document.sheets.drawn_pages import pdf_of, picture_of
+from live.document.sheets.page import Page
+from live.document.sheets.score_markers import labels_of, midi_of, piece_map, score_marks
+from live.document.sheets.sheet_book import SheetBook
+from live.document.sheets.storyboard_pages import storyboard_pages
 from live.library.whole_file import write_atomically
 from live.show.patch.patch import Patch
 

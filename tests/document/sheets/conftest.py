@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 
-from live.app.sheets.sheet_book import SheetBook
+from live.document.sheets.sheet_book import SheetBook
 from live.show.loader import LoadedShow
-from tests.app.sheets.small_show import loaded_small, small_book
+from tests.document.sheets.small_show import loaded_small, small_book
 
 
 @pytest.fixture(scope="session")

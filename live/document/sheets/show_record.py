@@ -11,10 +11,10 @@ from typing import Any, Final
 import numpy as np
 
 from live.agents.evolutions.intention import Evolve, Hold, Segment, Trajectory
-from live.app.sheets.score_course import ScoreCourse
 from live.base.arrays import Bool, Float32, Float64, Int32
 from live.clock.ticks import TICK
 from live.control.events import events
+from live.document.sheets.score_course import ScoreCourse
 from live.motion.editing.facing import heading_of
 from live.show.patch.section_elements import ElementSection
 from live.show.patch.section_score import AtSection
