@@ -125,7 +125,7 @@ def _lines(book: SheetBook, part: PartScene) -> list[tuple[str, str]]:
     lines += _way_lines(book, part)
     if part.exit is not None:
         lines.append(("Exit", f"{count_label(record, part.exit)}, {book.gate(part.end)}"))
-    lines.append(("Steps", ", ".join(f"{name} ×{times}" if times > 1 else name for name, times in part.steps)))
+    lines.append(("Steps", _steps_words(book, part)))
     if part.partner >= 0:
         how = book.partner_words[part.group]
         lines.append(("Partner", f"{book.name(part.partner)}{', ' + how if how else ''}"))
@@ -138,6 +138,16 @@ def _lines(book: SheetBook, part: PartScene) -> list[tuple[str, str]]:
     if passed:
         lines.append(("Pass", "; ".join(passed)))
     return [*lines, *_notes(book, part)]
+
+
+def _steps_words(book: SheetBook, part: PartScene) -> str:
+    """Return what she dances by measures: `1–2 groove, 3 turn`."""
+    words, measure = [], part.scene.first
+    for name, times in part.steps:
+        first, last = (book.record.course.measures[one].number for one in (measure, measure + times - 1))
+        words.append(f"{first}–{last} {name}" if times > 1 else f"{first} {name}")
+        measure += times
+    return ", ".join(words)
 
 
 def _way_lines(book: SheetBook, part: PartScene) -> list[tuple[str, str]]:

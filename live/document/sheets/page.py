@@ -1,6 +1,6 @@
 """Page model of sheets: lines, shapes and words on paper, in points (1/72 inch) from its upper left corner, y down.
 
-`pdf_pages` and `picture_pages` draw the same pages, so layout is done once.
+`drawn_pages` draws them as PDF and as pictures, so layout is done once.
 """
 
 from collections.abc import Sequence

@@ -74,6 +74,7 @@ def test_part_tells_entrance_partner_and_wait(book: SheetBook) -> None:
     entering = [dict(row.lines) for row in dancer_rows(book, 5)]
     assert entering[0]["Enter"] == "2:1, gate 'door' (stage left)"
     assert "Partner" not in entering[0]
+    assert entering[0]["Steps"] == "1–3 walk"
     beside = [dict(row.lines) for row in dancer_rows(book, 3)]
     assert {row["Partner"] for row in beside} == {"5 (tide), beside"}
     assert ["Wait" in row for row in beside] == [False, False, True, False]
