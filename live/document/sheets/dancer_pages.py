@@ -172,7 +172,7 @@ def _notes(book: SheetBook, part: PartScene) -> list[tuple[str, str]]:
         if led.end > part.scene.end * record.beats + 1e-6:
             notes.append(("Note", f"{led.words} goes on until {arrival_label(record, led.end)}"))
     if not part.led and part.free:
-        notes.append(("Note", "free: no drawn way; this is the run with the show's seed"))
+        notes.append(("Note", "free: no planned way; this is the run with the show's seed"))
     one = record.course.measures[part.scene.end - 1]
     if one.waits:
         notes.append(("Wait", f"{one.section!r} repeats and waits for GO or a cue: then counts start again"))

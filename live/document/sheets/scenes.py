@@ -144,6 +144,8 @@ def scene_title(scene: Scene) -> str:
     """Return what a scene shows in a few words: formations first."""
     begun = [led for led in scene.led if led.measure >= scene.first]
     names = list(dict.fromkeys(_short(led.words) for led in begun))
+    if not names and scene.led:
+        return f"{_short(scene.led[0].words)}, going on"
     if not names:
         names = list(dict.fromkeys(free.kind for free in scene.free))
     return ", ".join(names) or "steps"
