@@ -42,7 +42,7 @@ from live.cli import (
     soak,
 )
 from live.cli.beats import beats, clock_check
-from live.cli.inspect import check, contact_sheet, formation, journal, schema, score
+from live.cli.inspect import check, contact_sheet, formation, journal, schema, score, sheets
 from live.cli.motion import bvh, character, export, sync
 from live.cli.steps import couple, dance, partner, steps, texture
 from live.cli.venue import calibrate, devices, doctor
@@ -101,6 +101,7 @@ PANELS: Final[Mapping[str, Mapping[str, Registered]]] = {
     "Shows": {
         "check": check.check,
         "score": score.score,
+        "sheets": sheets.sheets,
         "contact-sheet": contact_sheet.contact_sheet,
         "formation": formation.formation,
         "document": document.app,

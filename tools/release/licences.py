@@ -39,6 +39,11 @@ CORRECTIONS: Final[Mapping[str, tuple[str, str]]] = {
     ),
     "python-osc": ("Unlicense", "the label is the text of the licence"),
     "python-rtmidi": ("MIT", "the label is the text of the licence; not on every system, so not always read here"),
+    "reportlab": (
+        "BSD-3-Clause",
+        "the label is BSD; its licence file has three clauses; fonts beside its code have licences of their own, and "
+        "sheets embed Bitstream Vera",
+    ),
     "scipy": (
         "BSD-3-Clause AND LGPL-2.1-or-later AND GPL-3.0-or-later WITH GCC-exception-3.1",
         "the label is BSD; its licence file has three clauses and names the libraries of GCC in its wheels",

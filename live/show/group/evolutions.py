@@ -31,7 +31,7 @@ from live.agents.formations.formation import Formation, formation_of
 from live.agents.formations.formation_spec import FormationSpec
 from live.agents.formations.like import capacity_of, specs_from_tables
 from live.agents.groups.roster import Line
-from live.base.arrays import Bool, Float32, Float64
+from live.base.arrays import Bool, Float32, Float64, Int32
 from live.base.errors import PersonError, error_context
 from live.control.events import events
 from live.control.events.event import ControlEvent
@@ -383,6 +383,14 @@ class Evolutions:
             who[motion.dancers[motion.controlled != 0]] = True
             if who.any():
                 yield motion.segment.group, who
+
+    def begun(self) -> Iterator[tuple[Segment, Int32]]:
+        """Yield the segments that have begun and still lead somebody, with the indices of the dancers whom they lead,
+        (D,)."""
+        for motion in self._plan.motions:
+            led = motion.dancers[motion.controlled != 0]
+            if len(led):
+                yield motion.segment, led.astype(np.int32)
 
     @property
     def at_rest(self) -> bool:
