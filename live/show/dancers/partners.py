@@ -187,6 +187,11 @@ class Partners:
         """Sides wanted by followers whose leaders dance nodes of `node_side` (P,), (P,): mirrored for facing pairs."""
         return np.where(self._arrangement[self._group[self.leader]] == FACING, -node_side, node_side).astype(np.int32)
 
+    def follower_nodes(self, node: Int32) -> Int32:
+        """Measures wanted by followers whose leaders dance `node` (P,), (P,): the same for pairs who look the same way,
+        below 0 (any) for facing pairs, whose ways are opposite."""
+        return np.where(self._arrangement[self._group[self.leader]] == FACING, -1, node).astype(np.int32)
+
     def wanted_sides(self, side: Int32, now: Int32) -> Int32:
         """Sides wanted by all dancers (A,), who now dance nodes of the sides `now` (A,).
 

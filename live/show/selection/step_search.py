@@ -11,7 +11,7 @@ from live.base.arrays import Float64, Int32
 from live.base.motion_parameters import FACE_AVERAGE, OBEDIENCE, TURN_ON_SUPPORT
 from live.graph.motion_graph import MotionGraph
 from live.graph.select.candidates import wrap_angle
-from live.graph.select.selector import CORRECTION_COST, PLACE_COST, StepSelector, with_direction
+from live.graph.select.selector import CORRECTION_COST, PLACE_COST, WRONG_COST, StepSelector, with_direction
 from live.show.dancers.partners import Partners
 from live.show.dancers.root_correction import MIN_CORRECTION_SHARE
 from live.show.patch.patch import Patch
@@ -54,7 +54,8 @@ class StepSearch:
         self._targets, self._choices = targets, choices
         self._search_nodes = np.full(len(targets.step), -1, np.int32)
         self._arguments: tuple[Any, ...] = ()
-        self._following: tuple[Int32, Int32] = np.zeros(0, np.int32), np.zeros(0, np.int32)
+        nobody = np.zeros(0, np.int32)
+        self._following: tuple[Int32, Int32, Int32] = nobody, nobody, nobody
         self._behind: list[npt.NDArray[np.intp]] = []
         self.seconds = 2.0
         """Duration of a measure [s]."""
@@ -116,7 +117,7 @@ class StepSearch:
         `turned_batches`."""
         self._choosing.choose(rows, *self._arguments)
         behind = rows.start + np.flatnonzero(self._choices.edge[rows, 0] >= 0)
-        within = self._corrected(self._choices.target[behind], self._choices.outputs, behind)
+        within = _corrected(self._choices.target[behind], self._choices.outputs, behind)
         short = self._shortfalls(behind, within, self._choices.end[behind])
         self._behind.append(behind[short > self._targets.turn_shortfall[behind]])
 
@@ -125,13 +126,6 @@ class StepSearch:
         behind = np.concatenate([*self._behind, np.zeros(0, np.intp)])
         self._behind.clear()
         return [behind[some] for some in batches(len(behind), batch_size(len(self._search_nodes)))]
-
-    def _corrected(self, target: Float64, out: tuple[Any, ...], at: npt.NDArray[np.intp]) -> Float64:
-        """Return how far measures in the rows `at` (n,) of `out`, chosen for `target` (n, 2) [m], are corrected [m]."""
-        square = ((target - out[3][at, :2]) ** 2).sum(axis=1)
-        return np.asarray(
-            np.sqrt(np.maximum(PLACE_COST * square - out[2][at, 0, 0], 0.0) / (PLACE_COST - CORRECTION_COST))
-        )
 
     def _shortfalls(self, rows: npt.NDArray[np.intp], corrected: Float64, end: Float64) -> Float64:
         """Return how far from their wishes dancers `rows` (n,) get who are `corrected` (n,) [m] from `end` (n, 4)."""
@@ -152,7 +146,7 @@ class StepSearch:
         costs = found.cost + TURNED_COST * wrap_angle(turned - np.tile(wanted, len(TURNS))) ** 2
         heading = turned.reshape(len(TURNS), -1)[costs.reshape(len(TURNS), -1).argmin(axis=0), np.arange(len(rows))]
 
-        short = self._shortfalls(rows, self._corrected(choices.target[rows], out, rows), choices.end[rows])
+        short = self._shortfalls(rows, _corrected(choices.target[rows], out, rows), choices.end[rows])
         cost = _cost(short, choices.terms[rows, 0]) - TURNED_GAIN
         found = self._search_turned(rows, heading, mixed=True)
         better = found.cost + TURNED_COST * wrap_angle(heading - wanted) ** 2 < cost
@@ -173,14 +167,14 @@ class StepSearch:
             slice(0, len(rows)), node[rows], placement[rows], with_direction(np.column_stack([goal, heading])),
             row[rows], ahead, side[rows], manner[rows], results, mixed=mixed,
         )  # fmt: skip
-        corrected = self._corrected(goal, results, np.arange(len(rows)))
+        corrected = _corrected(goal, results, np.arange(len(rows)))
         shortfall = self._shortfalls(rows, corrected, results[3])
         return _Found(results, corrected, shortfall, _cost(shortfall, results[2][:, 0]))
 
     def set_follower_targets(self) -> None:
         """Set the followers' targets from the ends of their leaders' measures, which are chosen already."""
         partners = self._motion.partners
-        self._following = partners.follower, partners.follower
+        self._following = partners.follower, partners.follower, partners.follower
         if len(partners.leader):
             self._following = set_follower_targets(
                 partners, self._choosing, self._choices, self._targets.heading, self._arguments
@@ -188,9 +182,9 @@ class StepSearch:
 
     def choose_followers(self, pairs: slice) -> None:
         """Choose the next measures of the followers of these pairs."""
-        rows, sides = (array[pairs] for array in self._following)
+        rows, sides, nodes = (array[pairs] for array in self._following)
         if len(rows):
-            choose_followers(rows, sides, self._choosing, self._choices, self._arguments)
+            choose_followers(rows, sides, nodes, self._choosing, self._choices, self._arguments)
 
     def choose_replaced(self) -> bool:
         """Choose again for dancers whose present measure was replaced since the search. Returns whether there are
@@ -232,13 +226,23 @@ def batches(count: int, size: int) -> list[slice]:
     return [slice(row, min(row + size, count)) for row in range(0, count, size)]
 
 
+def _corrected(target: Float64, out: tuple[Any, ...], at: npt.NDArray[np.integer]) -> Float64:
+    """Return how far measures in the rows `at` (n,) of `out`, chosen for `target` (n, 2) [m], are corrected [m]."""
+    square = ((target - out[3][at, :2]) ** 2).sum(axis=1)
+    return np.asarray(np.sqrt(np.maximum(PLACE_COST * square - out[2][at, 0, 0], 0.0) / (PLACE_COST - CORRECTION_COST)))
+
+
 def _cost(shortfall: Float64, terms: Float64) -> Float64:
     """Return the cost of measures (n,) that end `shortfall` (n,) [m] from the wish, with `terms` (n, 5) of theirs."""
     return np.asarray(SHORTFALL_COST * shortfall + terms[:, 1:].sum(axis=1))
 
 
+OTHER_STEP_COST: Final = 0.5
+"""Cost of another measure than the leader's for followers who look the same way: more than most joins or a
+correction of half a metre, less than a place error of a quarter beyond it."""
 TOO_FAR: Final = 0.4
-"""A follower whose measure would end farther than this [m] from the target may dance either side of the step."""
+"""A follower whose measure, though corrected, would end farther than this [m] from the target may dance either side of
+the step."""
 
 
 def set_follower_targets(
@@ -247,12 +251,13 @@ def set_follower_targets(
     choices: StepChoices,
     heading: Float64,
     search_arguments: tuple[Any, ...],
-) -> tuple[Int32, Int32]:
+) -> tuple[Int32, Int32, Int32]:
     """Set the targets of followers after all dancers chose; `search_arguments` are those of `StepSelector.choose`.
 
     A leader ends where clip and correction lead, with the heading that the turn reaches. Both are written to the
-    targets and to `heading` (A,) [rad], together with the followers' targets. Returns the followers (P,) and the sides
-    they want: the mirror image of the leader's side for facing pairs, else the same side.
+    targets and to `heading` (A,) [rad], together with the followers' targets. Returns the followers (P,), the sides
+    they want: the mirror image of the leader's side for facing pairs, else the same side; and the measures they want:
+    the leader's, below 0 for facing pairs, who go opposite ways in their steps.
     """
     node, _, wish, _, _, _, manner, _ = search_arguments
     lead, follow = partners.leader, partners.follower
@@ -266,28 +271,45 @@ def set_follower_targets(
     reached[lost], facing[lost] = choices.target[lead][lost], heading[lead][lost]
     partners.set_follower_targets(reached, facing, choices.target, heading)
     wish[follow] = with_direction(np.column_stack([choices.target[follow], heading[follow]]))
-    return follow, partners.follower_sides(choosing.graph.library.node_side[chosen])
+    return follow, partners.follower_sides(choosing.graph.library.node_side[chosen]), partners.follower_nodes(chosen)
 
 
 def choose_followers(
-    rows: Int32, sides: Int32, choosing: StepSelector, choices: StepChoices, search_arguments: tuple[Any, ...]
+    rows: Int32,
+    sides: Int32,
+    nodes: Int32,
+    choosing: StepSelector,
+    choices: StepChoices,
+    search_arguments: tuple[Any, ...],
 ) -> None:
-    """Choose again for the followers `rows` (n,) who want these `sides` (n,).
+    """Choose again for the followers `rows` (n,) who want these `sides` (n,) and `nodes` (n,), below 0 for any.
 
-    Staying together counts more than dancing on the same feet: followers who end too far away choose from both sides.
+    Staying together counts more than dancing the same step on the same feet: followers who end too far away choose
+    from both sides.
     """
-    _choose(rows, sides, choosing, search_arguments)
+    row, ahead = search_arguments[3], search_arguments[4]
+    # wrong measures for each row and leader's measure that occur, and how much another measure than the leader's counts
+    count = ahead.shape[1] + 1
+    kinds, kind = np.unique(row[rows].astype(np.int64) * count + nodes + 1, return_inverse=True)
+    of, node = np.divmod(kinds, count)
+    wrong = ahead[of] + np.where(node == 0, 0.0, OTHER_STEP_COST / WRONG_COST)[:, None]
+    led = np.flatnonzero(node)
+    wrong[led, node[led] - 1] = ahead[of[led], node[led] - 1]
+    _choose(rows, sides, kind.astype(np.int32), wrong, choosing, search_arguments)
     off = np.hypot(*(choices.end[rows, :2] - choices.target[rows]).T)
-    far = rows[off > TOO_FAR]
+    far = rows[off - _corrected(choices.target[rows], choices.outputs, rows) > TOO_FAR]
     if len(far):
-        _choose(far, np.zeros(len(far), np.int32), choosing, search_arguments)
+        _choose(far, np.zeros(len(far), np.int32), row[far], ahead, choosing, search_arguments)
 
 
-def _choose(rows: Int32, sides: Int32, choosing: StepSelector, search_arguments: tuple[Any, ...]) -> None:
-    node, placement, wish, row, ahead, _, manner, out = search_arguments
+def _choose(
+    rows: Int32, sides: Int32, row: Int32, ahead: Float64, choosing: StepSelector, search_arguments: tuple[Any, ...]
+) -> None:
+    """Choose for the dancers `rows` (n,) with these `sides` (n,) and rows `row` (n,) of `ahead` (R, N)."""
+    node, placement, wish, _, _, _, manner, out = search_arguments
     results: Any = tuple(np.ascontiguousarray(array[rows]) for array in out)
     choosing.choose(
-        slice(0, len(rows)), node[rows], placement[rows], wish[rows], row[rows], ahead, sides, manner[rows], results
+        slice(0, len(rows)), node[rows], placement[rows], wish[rows], row, ahead, sides, manner[rows], results
     )
     for array, result in zip(out, results, strict=True):
         array[rows] = result

@@ -70,18 +70,19 @@ class ShowRecorder:
 
     def __init__(self, show, seconds, acts=()):
         self.show, waiting = show, sorted(acts, key=lambda act: act[0])
-        self.hips, self.gaps, self.headings = [], [], []
+        self.hips, self.gaps, self.headings, self.nodes = [], [], [], []
         view = show.view()
         for tick in range(1, round(seconds / TICK)):
             while waiting and waiting[0][0] <= tick * TICK:
                 assert show.apply(waiting.pop(0)[1])
             if show.tick(tick * TICK):
                 self.headings.append(show.dancers.present.end_heading())
+                self.nodes.append(show.dancers.node.copy())
             self.hips.append(show.dancers.drawn_hips.copy())
             if tick % 8 == 0:
                 show.fill(view, tick * TICK)
                 self.gaps.append(palm_gaps(show, view))
-        self.hips, self.headings = np.array(self.hips), np.array(self.headings)
+        self.hips, self.headings, self.nodes = np.array(self.hips), np.array(self.headings), np.array(self.nodes)
 
     def distances(self):
         """Distance between the partners of each pair at each tick [m], (ticks, P)."""
@@ -121,6 +122,18 @@ def test_pairs_stay_at_arms_length_while_they_travel_and_turn(pair_run):
     assert np.abs(distance - ARM).max() < 0.15
 
 
+def test_followers_dance_on_their_leaders_feet_and_those_who_look_the_same_way_their_steps(pair_run):
+    partners, library = pair_run.show.motion.partners, pair_run.show.dancers.graph.library
+    lead, follow = pair_run.nodes[:, partners.leader], pair_run.nodes[:, partners.follower]
+    side = library.node_side[lead]
+    assert len(lead) > 10
+    if partners.mirrored.any():
+        assert (library.node_side[follow] == -side).mean() > 0.95
+    else:
+        assert (library.node_side[follow] == side).all()  # else their hips sway against each other
+        assert (lead == follow).mean() > 0.9
+
+
 def test_no_dancer_passes_between_partners(pair_run):
     partners = pair_run.show.motion.partners
     for lead, follow in zip(partners.leader, partners.follower, strict=True):
@@ -147,6 +160,24 @@ def test_odd_dancer_has_no_partner_and_pairs_keep_facing(pair_run):
     ends = show.dancers.present.end_heading()
     off = ends[partners.follower] - partners.follower_headings(ends[partners.leader])
     assert np.abs(np.arctan2(np.sin(off), np.cos(off))).max() < np.radians(25.0)
+
+
+def test_partners_who_turn_beside_each_other_stay_on_the_same_feet(graph):
+    """The outer partner's way is longer, but a correction bridges that: no reason to dance the mirror image."""
+    show = assemble(parse_patch(PATCH.replace('"facing"', '"beside"'), "test.toml"), graph)
+    waiting = sorted(script(), key=lambda act: act[0])
+    partners, side, apart = show.motion.partners, graph.library.node_side, []
+    for tick in range(1, 720):
+        while waiting and waiting[0][0] <= tick * TICK:
+            assert show.apply(waiting.pop(0)[1])
+        if show.tick(tick * TICK):
+            node = show.dancers.node
+            assert (side[node[partners.follower]] == side[node[partners.leader]]).all()
+        apart.append(
+            np.hypot(*(show.dancers.drawn_hips[partners.follower] - show.dancers.drawn_hips[partners.leader]).T)
+        )
+    assert np.abs(show.dancers.present.end_heading()[partners.leader]).min() > np.radians(30.0)  # they did turn
+    assert np.abs(np.array(apart) - ARM).max() < 0.12
 
 
 def test_same_show_has_same_hash(graph):
