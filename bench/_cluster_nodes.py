@@ -28,6 +28,7 @@ from pathlib import Path
 from typing import Any, Final
 
 import psutil
+from pythonosc.osc_message_builder import OscMessageBuilder
 
 from live.cli.bench import Row
 from live.clock.ticks import TICK
@@ -41,6 +42,9 @@ JITTER: Final = 0.005
 LOSS: Final = 0.01
 SETTLES: Final = 15.0
 """Seconds in which clocks are learnt, and each node's spare process is loaded."""
+ANEW: Final = 5
+CUT_OFF: Final = 1.0
+"""So often a node is cut off, and for this long before and after an event that it misses [s]."""
 RESENT_AFTER: Final = 0.03
 """Seconds until a lost packet has been sent again, when more follow it (RFC 8985)."""
 SHOW: Final = """name = "small"
@@ -48,14 +52,14 @@ steps = "{steps}"
 [camera]
 [[group]]
 name = "front"
-dancers = 4
+dancers = {dancers}
 size = [6.0, 2.0]
 steps = ["groove", "side step", "samba"]
 """
 
 
 def rows(full: bool) -> list[Row]:
-    """Rows of two nodes, with `full` also of four, eight, and two that draw."""
+    """Rows of two nodes, with `full` also of four, eight, two that draw, and one that takes the show anew."""
     found: list[Row] = []
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -64,6 +68,7 @@ def rows(full: bool) -> list[Row]:
             found += _measure(folder / str(count), count, 60.0 if full else 10.0, alone=alone)
         if full:
             found += _measure(folder / "drawn", 2, 30.0, draws=True)
+            found.append(_joined_anew(folder / "anew"))
     return found
 
 
@@ -113,11 +118,50 @@ def _killed(folder: Path, node: "Node") -> list[Row]:
     os.kill(node.child(), signal.SIGKILL)
     _until(lambda: _frames(folder, node.number)[-1][0] > last + 0.3, "the node that was killed")
     gap = max(after[0] - before[0] for before, after in itertools.pairwise(_frames(folder, node.number)))
-    log = [json.loads(line) for line in (folder / f"joins-{node.number}").read_text().splitlines()]
+    log = _joins(folder, node.number)
     return [
         Row("a node is killed: to its next frame", gap, "s", 5.0),
         Row("a node joins: from the leader's first pulse to the first frame", log[0]["joined_s"], "s", 3.0),
     ]
+
+
+def _joined_anew(folder: Path) -> Row:
+    """A node of 24 dancers hears nothing for a while, misses an event, and takes the show anew while it draws on."""
+    folder.mkdir()
+    gaps, busy = [], []
+    with _leading(folder, dancers=24), _node(folder, 0, draws=False) as node:
+        _until(partial(_has_drawn, folder, 0), "the node")
+        time.sleep(SETTLES)
+        usual = max(_gaps(_frames(folder, 0)[-500:]))
+        for times in range(1, ANEW + 1):
+            os.kill(node.process.pid, signal.SIGSTOP)  # its relay
+            time.sleep(CUT_OFF)
+            _send_osc(folder, "/dance/clock/tempo", 110.0 + 2 * times)
+            time.sleep(CUT_OFF)
+            since = time.perf_counter()
+            os.kill(node.process.pid, signal.SIGCONT)
+            _until(lambda: len(_joins(folder, 0)) > times, "the snapshot")  # noqa: B023 (called at once)
+            time.sleep(2.0)
+            gaps.append(max(_gaps([each for each in _frames(folder, 0) if each[0] >= since])))
+            busy += [after[2] - before[2] for before, after in itertools.pairwise(_loads(folder, 0, since))]
+    return Row(
+        f"a node of 24 dancers takes the show anew, {ANEW} times: longest time between two frames", 1e3 * max(gaps),
+        "ms", 50.0,
+        peers={
+            "before, while it follows": 1e3 * usual, "processor time of the process in between, most": 1e3 * max(busy),
+        },
+    )  # fmt: skip
+
+
+def _gaps(frames: list[tuple[float, int]]) -> list[float]:
+    return [after[0] - before[0] for before, after in itertools.pairwise(frames)]
+
+
+def _send_osc(folder: Path, address: str, value: float) -> None:
+    builder = OscMessageBuilder(address)
+    builder.add_arg(value)
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        sender.sendto(builder.build().dgram, ("127.0.0.1", _port(folder, "osc")))
 
 
 def _is_right(at: float, tick: int, origin: float) -> bool:
@@ -146,12 +190,11 @@ class Node:
 
     def child(self) -> int:
         """The process that follows."""
-        line = (self.folder / f"joins-{self.number}").read_text().splitlines()[-1]
-        return int(json.loads(line)["process"])
+        return int(_joins(self.folder, self.number)[-1]["process"])
 
 
-def _port(folder: Path) -> int:
-    path = folder / "port"
+def _port(folder: Path, name: str = "port") -> int:
+    path = folder / name
     if not path.exists():
         with socket.create_server(("127.0.0.1", 0)) as free:
             path.write_text(str(free.getsockname()[1]))
@@ -159,11 +202,12 @@ def _port(folder: Path) -> int:
 
 
 @contextlib.contextmanager
-def _leading(folder: Path, *how: str) -> Iterator["subprocess.Popen[bytes]"]:
+def _leading(folder: Path, *how: str, dancers: int = 4) -> Iterator["subprocess.Popen[bytes]"]:
     """A leader of a small show, once it plays."""
     show = folder / "show.toml"
-    show.write_text(SHOW.format(steps=Path("patches/steps").resolve()))
-    options = ["--headless", "--bpm", "120", "--osc", "127.0.0.1:0", "--journal", str(folder / "journal.jsonl")]
+    show.write_text(SHOW.format(steps=Path("patches/steps").resolve(), dancers=dancers))
+    osc = f"127.0.0.1:{_port(folder, 'osc')}"
+    options = ["--headless", "--bpm", "120", "--osc", osc, "--journal", str(folder / "journal.jsonl")]
     options += how or ("--nodes", f"127.0.0.1:{_port(folder)}")
     with (folder / "leader.said").open("wb") as said:
         process = subprocess.Popen(
@@ -239,10 +283,21 @@ def _origin(folder: Path) -> float:
 
 def _frames(folder: Path, number: int) -> list[tuple[float, int]]:
     """All frames of a node so far: true time [s] and tick."""
+    return [(at, tick) for at, tick, _ in _loads(folder, number, 0.0)]
+
+
+def _loads(folder: Path, number: int, since: float) -> list[tuple[float, int, float]]:
+    """Frames of a node from `since` on: true time [s], tick, and processor time of its process so far [s]."""
     path = folder / f"frames-{number}"
     text = path.read_text() if path.exists() else ""
     rows = (line.split() for line in text.splitlines(keepends=True) if line.endswith("\n"))
-    return [(float(at), int(tick)) for at, tick in rows]
+    return [(float(at), int(tick), float(load)) for at, tick, load in rows if float(at) >= since]
+
+
+def _joins(folder: Path, number: int) -> list[dict[str, Any]]:
+    """What a node has noted of each time that it began with a snapshot."""
+    path = folder / f"joins-{number}"
+    return [json.loads(line) for line in path.read_text().splitlines()] if path.exists() else []
 
 
 def _has_drawn(folder: Path, number: int) -> bool:
@@ -323,7 +378,7 @@ def _options(folder: Path, number: int, *, draws: bool) -> Any:
 def child_main(folder: Path, number: int, drift: float, offset: float) -> None:
     """Follow, with a clock that is wrong, and note each frame in true time."""
     from live.app.processes import node_main as process
-    from live.nodes.follower import NodeFollower, Presentation
+    from live.nodes.follower import NodeFollower, Phase, Presentation
 
     base = time.perf_counter()
 
@@ -334,6 +389,7 @@ def child_main(folder: Path, number: int, drift: float, offset: float) -> None:
     noted = (folder / f"frames-{number}").open("a", buffering=1)
     present, hear = NodeFollower.present, NodeFollower._hear_pulse
     first: list[float] = []
+    joined = 0
 
     def hear_pulse(self: NodeFollower, pulse: Any, now: float) -> None:
         if not first:
@@ -341,13 +397,14 @@ def child_main(folder: Path, number: int, drift: float, offset: float) -> None:
         hear(self, pulse, now)
 
     def noting(self: NodeFollower, lead: float) -> Presentation | None:
+        nonlocal joined
         shown = present(self, lead)
         if shown is not None:
-            if len(first) == 1:
-                first.append(time.perf_counter())
+            if joined < self.joins and self.phase is Phase.FOLLOWS:
+                joined = self.joins
                 with (folder / f"joins-{number}").open("a") as file:
-                    file.write(json.dumps({"joined_s": first[1] - first[0], "process": os.getpid()}) + "\n")
-            noted.write(f"{time.perf_counter() + lead:.6f} {shown.tick}\n")
+                    file.write(json.dumps({"joined_s": time.perf_counter() - first[0], "process": os.getpid()}) + "\n")
+            noted.write(f"{time.perf_counter() + lead:.6f} {shown.tick} {time.process_time():.4f}\n")
         return shown
 
     NodeFollower.present = noting  # type: ignore[method-assign]

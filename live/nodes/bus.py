@@ -33,6 +33,11 @@ ANSWERS_AT_A_TIME: Final = 8
 """... so many at a time."""
 
 Receive = Callable[[bytes], None]
+End = Callable[[], None]
+
+
+def nothing() -> None:
+    """Do nothing."""
 
 
 class Question(Protocol):
@@ -63,8 +68,11 @@ class Bus(Protocol):
         """Call `act` with each question that is asked under this key."""
         ...
 
-    def ask(self, key: str, data: bytes, act: Receive, *, timeout: float, bulk: bool = False) -> None:
-        """Ask; `act` gets each answer that comes within `timeout` [s]. Never waits. `bulk`: all else goes before it."""
+    def ask(
+        self, key: str, data: bytes, act: Receive, *, timeout: float, bulk: bool = False, end: End = nothing
+    ) -> None:  # fmt: skip
+        """Ask; `act` gets each answer that comes within `timeout` [s]. Never waits. `bulk`: all else goes before it;
+        `end`: called once no answer can come any more."""
         ...
 
     def close(self) -> None:
@@ -144,7 +152,9 @@ class ZenohBus:
             self._session.declare_queryable(key, lambda query: act(ZenohQuestion(query, key, self._senders)))
         )
 
-    def ask(self, key: str, data: bytes, act: Receive, *, timeout: float, bulk: bool = False) -> None:
+    def ask(
+        self, key: str, data: bytes, act: Receive, *, timeout: float, bulk: bool = False, end: End = nothing
+    ) -> None:  # fmt: skip
         """Ask; `act` gets the answers."""
         zenoh = self._zenoh  # an answer goes as its question did
         priority = zenoh.Priority.DATA_LOW if bulk else zenoh.Priority.REAL_TIME
@@ -154,11 +164,14 @@ class ZenohBus:
             if reply.ok is not None:
                 act(bytes(reply.ok.payload))
 
-        with contextlib.suppress(zenoh.ZError):
+        try:
             self._session.get(
-                key, hear, payload=data, timeout=timeout, express=True, target=zenoh.QueryTarget.ALL,
-                consolidation=zenoh.ConsolidationMode.NONE, priority=priority, congestion_control=congestion,
+                key, zenoh.handlers.Callback(hear, end), payload=data, timeout=timeout, express=True,
+                target=zenoh.QueryTarget.ALL, consolidation=zenoh.ConsolidationMode.NONE, priority=priority,
+                congestion_control=congestion,
             )  # fmt: skip
+        except zenoh.ZError:
+            end()
 
     def close(self) -> None:
         """Close the session; harmless if it is closed."""

@@ -10,7 +10,7 @@ import enum
 import math
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -19,6 +19,7 @@ from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.message_codec import PacketError
 from live.nodes import messages
+from live.nodes.coming_show import Aside, ComingShow, do_in_thread, feed
 from live.nodes.leader_clock import Exchange, LeaderClock
 from live.nodes.messages import ClockAsked, ClockTold, Join, Joined, Lines, NodeState, Order, Pulse, Refused
 from live.nodes.signed_bus import SignedBus
@@ -27,18 +28,18 @@ from live.show.loader import LoadedShow
 from live.show.show import Show
 from live.supervisor.heartbeat import Heartbeat
 from live.supervisor.network.leadership import MAX_EPOCHS_AHEAD
-from live.supervisor.network.peer_messages import read_line
-from live.supervisor.network.show_stream import is_show_line
-from live.supervisor.state_follower import StateFollower, cannot_run, check_show
+from live.supervisor.state_follower import StateFollower, cannot_run
 
 FIRST_EXCHANGES: Final = 16
 """Exchanges of time stamps in quick succession, ..."""
 QUICK, USUAL = 0.03, 0.25
 """... and seconds between those and all later ones."""
-JOIN_AGAIN: Final = 1.0
+JOIN_AGAIN: Final = 0.5
 """Seconds after which the show is asked for again, ..."""
 MISSED_AGAIN: Final = 0.1
-"""... and lines that were lost."""
+"""... and lines that were lost, once no answer can come any more, ..."""
+LONGEST_ANSWER: Final = 60.0
+"""... or none has come in this time: it may have the whole show, and some networks are slow."""
 ALONE_AFTER: Final = 0.5
 """Seconds by which the leader may be late before the node goes on alone. An engine that takes over needs 0.3 s."""
 MUTE_AFTER: Final = 0.6
@@ -56,6 +57,7 @@ FIRST_WORK: Final = 0.048
 """... and before the first is drawn."""
 FAR_BEHIND: Final = 2.0
 """A node that is farther behind [s] takes a snapshot instead of running all the ticks."""
+ENDED: Final = "the leader has ended the show"
 MOST_WAITING: Final = 4096
 """Messages that wait; beyond that the oldest are lost, and the show is asked for again."""
 
@@ -101,7 +103,8 @@ class _Request:
 
     anew: bool
     """From the last snapshot; otherwise the lines that were missed."""
-    sent: float = -math.inf
+    due: float = -math.inf
+    """When it is sent; infinite while an answer may come."""
 
 
 class NodeFollower:
@@ -109,10 +112,12 @@ class NodeFollower:
 
     def __init__(
         self, me: NodeIdentity, loaded: LoadedShow, bus: SignedBus, say: Callable[[str], None], *,
-        heartbeat: Heartbeat | None = None, now: Callable[[], float] = time.perf_counter,
+        heartbeat: Heartbeat | None = None, now: Callable[[], float] = time.perf_counter, aside: Aside = do_in_thread,
     ) -> None:  # fmt: skip
-        """`say`: prints a line for the person; `now`: this machine's monotonic clock [s]."""
+        """`say`: prints a line for the person; `now`: this machine's monotonic clock [s]; `aside`: does what a frame
+        must not wait for."""
         self._me, self._loaded, self._bus, self._say, self._heartbeat, self._now = me, loaded, bus, say, heartbeat, now
+        self._aside = aside
         self.clock, self._coming_clock = LeaderClock(), LeaderClock()
         self.phase = Phase.SEARCHES
         self.why = ""
@@ -125,13 +130,14 @@ class NodeFollower:
         self._late_most = 0.0
         self._times: deque[tuple[str, float, bytes]] = deque(maxlen=64)
         self._answers: deque[bytes] = deque(maxlen=8)
+        self._unanswered: deque[_Request] = deque(maxlen=64)
         self._published: deque[tuple[type, bytes]] = deque(maxlen=MOST_WAITING)
         self._pulse: Pulse | None = None
         self._origin = 0.0
         self._pulsed = self._clock_at = self._state_at = self._repair_at = -math.inf
         self._quick = 0
         self._shown: StateFollower | None = None
-        self._next: StateFollower | None = None
+        self._coming: ComingShow | None = None
         self._request: _Request | None = None
         self._stream, self._number = "-", 0
         self._tick = self._due = 0
@@ -158,8 +164,8 @@ class NodeFollower:
         time = self.clock.leader(start) + lead - self._origin
         due = self._due = math.floor(time / TICK)
         try:
-            if self._next is not None:
-                self._prepare(self._next, due, start)
+            if self._coming is not None:
+                self._prepare(self._coming, due, start)
             shown = self._shown
             if shown is None or shown.show is None:
                 return None
@@ -182,14 +188,23 @@ class NodeFollower:
         time = self.clock.leader(self._now()) + lead - self._origin
         return max((self._due + 1) * TICK - time, 0.0)
 
-    def _prepare(self, coming: StateFollower, due: int, start: float) -> None:
+    def _prepare(self, coming: ComingShow, due: int, start: float) -> None:
         """Run the show that has been sent behind the one that is drawn, and change over once it is there."""
+        if not coming.built:
+            return
         work = FIRST_WORK if self._shown is None else JOIN_WORK
         done = coming.run_until(due, start + work, now=self._now)
-        if coming.differs:
-            self._next = None  # asked for again, see `_repair`
-        elif done and coming.show is not None:
-            self._shown, self._next = coming, None
+        differs = not done and coming.following.differs
+        if not (done or differs or coming.ended):
+            return
+        self._coming = None
+        self.refused += coming.refused
+        if coming.ended:
+            self._set_phase(Phase.ENDED, ENDED)
+        elif differs:
+            self._stream, self._request = "-", _Request(anew=True, due=start + REPAIR_EVERY)
+        else:
+            self._shown = coming.following
             self._set_phase(Phase.FOLLOWS, "")
 
     def _set_phase(self, phase: Phase, why: str) -> None:
@@ -210,6 +225,9 @@ class NodeFollower:
             self._hear_time(*self._times.popleft())
         while self._answers:
             self._hear_answer(self._answers.popleft())
+        while self._unanswered:
+            ended = self._unanswered.popleft()
+            ended.due = now + (JOIN_AGAIN if ended.anew else MISSED_AGAIN)
         while self._published:
             kind, data = self._published.popleft()
             try:
@@ -259,12 +277,14 @@ class NodeFollower:
                 lambda data: self._times.append((leader, self._now(), data)), timeout=1.0, anyone=True,
             )  # fmt: skip
         request = self._request
-        if request is not None and now - request.sent >= (JOIN_AGAIN if request.anew else MISSED_AGAIN):
-            request.sent = now
+        if request is not None and now >= request.due:
+            request.due = math.inf
             stream, number = ("-", 0) if request.anew else (self._stream, self._number)
             asked = Join(self._me.name, self._me.process, __version__, self._me.kernels, stream, number)
-            key = messages.question_key(pulse.leader, messages.JOIN)
-            self._bus.ask(key, messages.encode(asked), self._answers.append, timeout=5.0, bulk=True)
+            self._bus.ask(
+                messages.question_key(pulse.leader, messages.JOIN), messages.encode(asked), self._answers.append,
+                timeout=LONGEST_ANSWER, bulk=True, end=lambda: self._unanswered.append(request),
+            )  # fmt: skip
 
     def _want(self, *, anew: bool) -> None:
         """Ask for the show, if that has not been done yet."""
@@ -273,11 +293,11 @@ class NodeFollower:
 
     def _repair(self, now: float) -> None:
         """Ask for a snapshot if the state that is drawn differs, or this machine has fallen far behind."""
-        fed = self._fed
-        if now - self._pulsed > MUTE_AFTER or now - self._repair_at < REPAIR_EVERY or self._next is not None:
+        if now - self._pulsed > MUTE_AFTER or now - self._repair_at < REPAIR_EVERY or self._coming is not None:
             return
+        shown = self._shown
         behind = self.phase is Phase.FOLLOWS and (self._due - self._tick) * TICK > FAR_BEHIND
-        if fed is None or fed.differs or behind:
+        if shown is None or shown.differs or behind:
             self._repair_at = now
             self._want(anew=True)
 
@@ -303,6 +323,8 @@ class NodeFollower:
                 return
             self._say(f"follows {pulse.leader} (epoch {pulse.epoch})")
             self._coming_clock, self._quick, self._clock_at = LeaderClock(), FIRST_EXCHANGES, -math.inf
+            if self._request is not None:
+                self._request = _Request(self._request.anew)  # the one that was asked may be dead
         self._pulse, self._pulsed = pulse, now
         if self.clock is self._coming_clock:
             self._origin = pulse.origin
@@ -328,22 +350,19 @@ class NodeFollower:
         except PacketError:
             self._hear_refusal(data)
             return
-        fed = self._fed
         if self._request is None:
             return  # the second answer, of a request that was sent twice
         if told.restart:
-            self._next = fed = StateFollower(self._loaded, heartbeat=self._heartbeat, keeps_lines=False)
+            self._coming = ComingShow(self._loaded, told.lines, heartbeat=self._heartbeat, aside=self._aside)
             self.joins += 1
-        elif told.stream != self._stream or told.number - len(told.lines) != self._number or fed is None:
+            if self._shown is not None and self.phase is not Phase.ENDED:
+                self._set_phase(Phase.ALONE, "the show is taken anew")
+        elif told.stream != self._stream or told.number - len(told.lines) != self._number or not self._takes_lines:
             return  # of another moment: it is asked for again if need be
         self._request = None
         self._stream, self._number = told.stream, told.number
-        for line in told.lines:
-            self._add(fed, line)
-        if told.restart:
-            check_show(fed)
-        elif self.phase is Phase.ALONE and fed is self._shown:
-            self._return(fed)
+        if not told.restart:
+            self._take(told.lines)
 
     def _hear_refusal(self, data: bytes) -> None:
         try:
@@ -356,23 +375,35 @@ class NodeFollower:
         self.why = told.why[:400]
         self._say_once(f"{told.why[:400]} ({told.remedy[:400]})")
 
-    @property
-    def _fed(self) -> StateFollower | None:
-        """The state that gets the lines that come."""
-        return self._next or self._shown
-
     def _hear_lines(self, told: Lines) -> None:
-        fed, skip = self._fed, self._number + 1 - told.first
-        if told.stream != self._stream or fed is None or skip >= len(told.lines):
+        skip = self._number + 1 - told.first
+        if told.stream != self._stream or not self._takes_lines or skip >= len(told.lines):
             return
         if skip < 0:  # some were lost on the way
             self._want(anew=False)
             return
         self._number += len(told.lines) - skip
-        for line in told.lines[skip:]:
-            self._add(fed, line)
-        if self.phase is Phase.ALONE and fed is self._shown:
-            self._return(fed)
+        self._take(told.lines[skip:])
+
+    @property
+    def _takes_lines(self) -> bool:
+        """Whether there is a show for the lines that come."""
+        return self._coming is not None or self._shown is not None
+
+    def _take(self, lines: Sequence[str]) -> None:
+        """Give lines to the show that comes, or to the one that is drawn."""
+        coming, shown = self._coming, self._shown
+        for line in lines:
+            if coming is not None:
+                coming.add_line(line)
+            elif shown is not None:
+                try:
+                    if feed(shown, line):
+                        self._set_phase(Phase.ENDED, ENDED)
+                except PacketError:
+                    self.refused += 1
+        if self.phase is Phase.ALONE and coming is None and shown is not None:
+            self._return(shown)
 
     def _return(self, shown: StateFollower) -> None:
         """Go on with the leader that is heard again, if nothing has happened meanwhile; else see `_repair`."""
@@ -381,16 +412,6 @@ class NodeFollower:
         shown.run_until(shown.tick, now=self._now)
         if not shown.differs:
             self._set_phase(Phase.FOLLOWS, "")
-
-    def _add(self, to: StateFollower, line: str) -> None:
-        """Give a line to a state, if it can be one of a show."""
-        told = read_line(line)
-        if not is_show_line(told, begun=bool(to.header), tick=to.granted):
-            self.refused += 1
-        elif told.get("end"):
-            self._set_phase(Phase.ENDED, "the leader has ended the show")
-        else:
-            to.add_line(line)
 
     def _say_once(self, words: str) -> None:
         if words not in self._said and len(self._said) < 64:

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from typing import Any, Final
 
 from live.base.errors import PersonError
-from live.nodes.bus import Bus, Question, Receive
+from live.nodes.bus import Bus, End, Question, Receive, nothing
 from live.supervisor.network.identity import Identity, Pairings, Peer
 
 FINGERPRINT: Final = 32
@@ -108,15 +108,18 @@ class SignedBus:
         self._bus.serve(key, hear)
 
     def ask(
-        self, key: str, data: bytes, act: Receive, *, timeout: float, anyone: bool = False, bulk: bool = False
+        self, key: str, data: bytes, act: Receive, *, timeout: float, anyone: bool = False, bulk: bool = False,
+        end: End = nothing,
     ) -> None:  # fmt: skip
-        """Ask; `act` gets each answer that a paired machine has signed. `anyone`: as for `serve`; `bulk`: see `Bus`."""
+        """Ask; `act` gets each answer that a paired machine has signed. `anyone`: as for `serve`; `bulk`, `end`: see
+        `Bus`."""
 
         def hear(sealed: bytes) -> None:
             if (found := self.opened(key, sealed)) is not None:
                 act(found)
 
-        self._bus.ask(key, bytes(HEAD) + data if anyone else self.sealed(key, data), hear, timeout=timeout, bulk=bulk)
+        asked = bytes(HEAD) + data if anyone else self.sealed(key, data)
+        self._bus.ask(key, asked, hear, timeout=timeout, bulk=bulk, end=end)
 
     def close(self) -> None:
         """Close the bus."""

@@ -249,6 +249,13 @@ class StateFollower:
             self._stuck = True
         return False
 
+    def build(self) -> None:
+        """Make the show as the snapshot says that comes first, or as it began, without running a tick; ReplayError if
+        it cannot be made here."""
+        if self._pending and "snapshot" in self._pending[0]:
+            self._run(self._pending.popleft())
+        self._ensure_started()
+
     def _run(self, value: Line) -> None:
         self._measures -= "measure" in value
         if "snapshot" in value:

@@ -13,7 +13,8 @@ from live.base.jit import KERNEL_SET
 from live.clock.ticks import TICK
 from live.clock.time_source import ManualClock
 from live.control.events.events import ControlEvent
-from live.nodes.bus import Question, Receive
+from live.nodes.bus import End, Question, Receive, nothing
+from live.nodes.coming_show import Aside
 from live.nodes.follower import NodeFollower, NodeIdentity, Presentation
 from live.nodes.leader import NodeLeader
 from live.nodes.signed_bus import SignedBus
@@ -51,16 +52,17 @@ class MadeNetwork:
         self.receivers: list[tuple[str, str, Receive]] = []
         self.servers: dict[str, tuple[str, Callable[[Question], None]]] = {}
 
-    def post(self, source: str, target: str, act: Callable[[], None], *, lossy: bool = True) -> None:
+    def post(self, source: str, target: str, act: Callable[[], None], *, lossy: bool = True) -> bool:
         """Deliver after a delay, in order between two places, unless it is lost or one of them is cut off."""
         if source != target and ({source, target} & self.cut):
-            return
+            return False
         if lossy and self._random.random() < self._loss:
-            return
+            return False
         at = self.clock.now() + 0.001 + self._random.random() * self._jitter
         at = self._last[source, target] = max(at, self._last.get((source, target), 0.0))
         self._count += 1
         heapq.heappush(self._queue, (at, self._count, act))
+        return True
 
     def deliver(self) -> None:
         """Deliver what is due."""
@@ -85,11 +87,16 @@ class MadeBus:
     def serve(self, key: str, act: Callable[[Question], None]) -> None:
         self._network.servers[key] = self.place, act
 
-    def ask(self, key: str, data: bytes, act: Receive, *, timeout: float, bulk: bool = False) -> None:
-        if key in self._network.servers:
-            place, serve = self._network.servers[key]
-            question = MadeQuestion(self._network, self.place, place, data, act)
-            self._network.post(self.place, place, lambda: serve(question))
+    def ask(
+        self, key: str, data: bytes, act: Receive, *, timeout: float, bulk: bool = False, end: End = nothing
+    ) -> None:  # fmt: skip
+        if key not in self._network.servers:
+            end()
+            return
+        place, serve = self._network.servers[key]
+        question = MadeQuestion(self._network, self.place, place, data, act, end)
+        if not self._network.post(self.place, place, lambda: serve(question)):
+            end()
 
     def close(self) -> None:
         self._network.receivers = [each for each in self._network.receivers if each[0] != self.place]
@@ -102,10 +109,16 @@ class MadeQuestion:
     place: str
     data: bytes
     act: Receive
+    end: End = nothing
     arrived: float = 0.0
 
     def answer(self, data: bytes) -> None:
-        self.network.post(self.place, self.asker, lambda: self.act(data))
+        def hear() -> None:
+            self.act(data)
+            self.end()
+
+        if not self.network.post(self.place, self.asker, hear):
+            self.end()
 
 
 class MadeLeader:
@@ -148,18 +161,23 @@ class MadeLeader:
         self.nodes.update(self.log, self.report)
 
 
+def do_now(task: Callable[[], None]) -> None:
+    """Do what a node does in a thread at once, so that a test does not depend on a thread's speed."""
+    task()
+
+
 class MadeNode:
     """A node with a clock of its own."""
 
     def __init__(
         self, cluster: "MadeCluster", name: str, loaded: LoadedShow, *, offset: float = 0.0, drift: float = 0.0,
-        kernels: str = KERNEL_SET,
+        kernels: str = KERNEL_SET, aside: Aside = do_now,
     ) -> None:  # fmt: skip
         self.cluster, self.said, self.place = cluster, list[str](), f"{name}-{len(cluster.nodes)}"
         bus = SignedBus(MadeBus(cluster.network, self.place), cluster.identity, cluster.pairings)
         me = NodeIdentity(name, self.place, kernels)
         self.follower = NodeFollower(
-            me, loaded, bus, self.said.append, now=lambda: cluster.clock.now() * (1.0 + drift) + offset
+            me, loaded, bus, self.said.append, now=lambda: cluster.clock.now() * (1.0 + drift) + offset, aside=aside
         )
         self.presented: list[tuple[float, Presentation]] = []
         self.first: float | None = None

@@ -66,10 +66,24 @@ def test_paired_machines_exchange_messages_and_others_do_not(places):
     bus.serve("live/ask/me", lambda asked: asked.answer(b"answer to " + asked.data))
     assert publish_until(bus, node, b"line", 20.0)
     assert set(node.heard) == {b"line"}
-    answers, came = [], threading.Event()
-    node.bus.ask("live/ask/me", b"question", lambda data: (answers.append(data), came.set()), timeout=5.0)
-    assert came.wait(5.0)
+    answers, ended = [], threading.Event()
+    node.bus.ask("live/ask/me", b"question", answers.append, timeout=60.0, end=ended.set)
+    assert ended.wait(20.0)
     assert answers == [b"answer to question"]
+    ended.clear()
+    node.bus.ask("live/ask/nobody", b"question", answers.append, timeout=60.0, end=ended.set)
+    assert ended.wait(20.0)  # long before the time that it would have had
+    assert len(answers) == 1
+    kept, ends, asked = [], [], threading.Event()
+    bus.serve("live/ask/slow", lambda question: (kept.append(question), asked.set()))
+    end = time.monotonic() + 20.0
+    while not asked.is_set() and time.monotonic() < end:  # until the node knows that it is answered there
+        ends.append(threading.Event())
+        node.bus.ask("live/ask/slow", b"question", answers.append, timeout=60.0, end=ends[-1].set)
+        asked.wait(0.2)
+    assert asked.is_set()
+    bus.close()
+    assert all(end.wait(20.0) for end in ends)  # whoever was asked has gone
     assert stranger.heard == []
     assert stranger.bus.strangers == 0  # TLS has refused it: nothing reaches it at all
 

@@ -151,6 +151,66 @@ def test_node_that_missed_events_takes_a_snapshot(cluster, loaded):
     assert node.hash == (leader.tick, leader.show.state_hash())
 
 
+def test_picture_goes_on_alone_while_a_snapshot_is_restored(cluster, loaded):
+    leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
+    cluster.run(2.0, follows(node))
+    restoring = []
+    node.follower._aside = restoring.append
+    node.follower.following.reset_to(None, 0)  # it has lost its state
+    node.follower.following.reset_to(loaded.start(seed=9), node.follower._tick)  # and has a wrong one
+    cluster.run(4.0, lambda: bool(restoring))
+    since = cluster.clock.now()
+    cluster.run(0.6)
+    leader.apply(tempo(140.0))
+    cluster.run(0.6)
+    assert node.follower.phase is Phase.ALONE
+    assert node.follower.state().why == "the show is taken anew"
+    drawn = [shown for at, shown in node.presented if at > since + 0.01]
+    assert len(drawn) > 250
+    assert all(shown.tick == shown.due for shown in drawn)
+    wrong = drawn[0].show
+    restoring.pop()()
+    cluster.run(1.0, follows(node))
+    assert node.presented[-1][1].show is not wrong
+    cluster.run(0.1)
+    leader.running = False
+    cluster.run(0.1)
+    assert node.hash == (leader.tick, leader.show.state_hash())
+    assert node.follower.joins == 2
+
+
+def test_show_is_not_asked_for_again_while_its_answer_comes(cluster, loaded):
+    """The answer is the whole show: on a slow network it takes a while."""
+    leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
+    answer, held = leader.nodes._answer_join, []
+    leader.nodes._answer_join = lambda *asked: held.append(asked)
+    cluster.run(4.0)
+    assert len(held) == 1
+    answer(*held.pop())
+    cluster.run(1.0, follows(node))
+    assert node.follower.phase is Phase.FOLLOWS
+    assert node.follower.joins == 1
+    assert held == []
+
+
+def test_show_is_asked_for_again_if_no_answer_can_come(cluster, loaded):
+    leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
+    answer, asked = leader.nodes._answer_join, []
+
+    def lose(log, question, now):
+        asked.append(cluster.clock.now())
+        if len(asked) < 3:
+            question._question.end()
+        else:
+            answer(log, question, now)
+
+    leader.nodes._answer_join = lose
+    cluster.run(3.0, follows(node))
+    assert node.follower.phase is Phase.FOLLOWS
+    assert len(asked) == 3
+    assert asked[2] - asked[1] > 0.4
+
+
 def test_node_that_missed_what_no_hash_shows_takes_a_snapshot(cluster, loaded):
     """The hash of a measure is that of the dancers: it is right after a late mute, and the picture is not."""
     leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)

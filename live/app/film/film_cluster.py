@@ -4,6 +4,7 @@ Dask sends functions and values between its own processes as pickles, so the clu
 its scheduler can run code on all of it. Each part is drawn in a process of its own beside the Dask worker.
 """
 
+import contextlib
 import tempfile
 import warnings
 import zlib
@@ -18,7 +19,7 @@ from rich.console import Console
 
 from live.app.film.film_crew import MAX_TRIES, WAIT_S, PartResult
 from live.app.film.film_plan import FilmPart
-from live.app.film.film_worker import FilmOrder, FilmWorker, draw_alone
+from live.app.film.film_worker import FilmOrder, FilmWorker, WorkerEnded, draw_alone
 from live.base.errors import PersonError
 from live.base.system.process_control import processor_count
 
@@ -43,14 +44,44 @@ def check_worker(order: dict[str, Any], journal: bytes) -> dict[str, str]:
     return {"refused": str(message.get("refused", message.get("ended", "")))}
 
 
+class PartFailed(Exception):
+    """A worker could not draw a part; others may."""
+
+    def __init__(self, worker: str, why: str) -> None:
+        """`worker`: its address; empty if it is not known."""
+        super().__init__(worker, why)
+        self.worker, self.why = worker, why
+
+    def __str__(self) -> str:
+        return self.why
+
+
 def draw_remote(
     order: dict[str, Any], journal: bytes, part: FilmPart, at_a_time: int
 ) -> tuple[dict[str, str], dict[str, bytes]]:
     """Run on a worker: draw a part; return the hashes of its pictures (`PartResult`), and the files. `at_a_time`: so
     many parts are drawn on this machine, and share its processors.
 
-    PersonError if it cannot be drawn here, WorkerEnded if the process that drew it has ended.
+    PartFailed if it cannot be drawn here: the process that drew it has ended, or the disk is full.
     """
+    try:
+        return _draw_here(order, journal, part, at_a_time)
+    except (PersonError, WorkerEnded, OSError) as error:
+        raise PartFailed(_this_worker(), str(error)) from None
+
+
+def _this_worker() -> str:
+    """Return the address of the Dask worker that runs this."""
+    from distributed import get_worker
+
+    with contextlib.suppress(ValueError):  # there is none
+        return str(get_worker().address)
+    return ""
+
+
+def _draw_here(
+    order: dict[str, Any], journal: bytes, part: FilmPart, at_a_time: int
+) -> tuple[dict[str, str], dict[str, bytes]]:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         here = _order_here(order, journal, folder)
@@ -93,6 +124,7 @@ class ClusterCrew:
         self._film, self._folder = Path(order.film), folder
         self._order, self._journal = asdict(replace(order, needs=needs)), zlib.compress(journal.read_bytes(), 6)
         self._tries: dict[int, int] = {}
+        self._failed: dict[int, set[str]] = {}
         self._futures: dict[Any, FilmPart] = {}
         self._ended: SimpleQueue[Any] = SimpleQueue()
         try:
@@ -138,9 +170,11 @@ class ClusterCrew:
 
     def add(self, part: FilmPart) -> None:
         """See `Crew`."""
+        failed = self._failed.get(part.number, set())
+        workers = [worker for worker in self._threads if worker not in failed] or list(self._threads)
         future = self._client.submit(
             draw_remote, self._order, self._journal, part, max(self._threads.values()),
-            workers=list(self._threads), pure=False, priority=-part.number,
+            workers=workers, pure=False, priority=-part.number,
         )  # fmt: skip
         self._futures[future] = part
         future.add_done_callback(self._ended.put)
@@ -161,9 +195,7 @@ class ClusterCrew:
             part = self._futures.pop(future)
             try:
                 hashes, files = future.result()
-            except PersonError:
-                raise
-            except Exception as error:  # its worker has gone, or the process that drew it
+            except Exception as error:  # its worker has gone, or cannot draw it
                 self._lost(part, error)
                 continue
             self._store(part, files)
@@ -173,8 +205,10 @@ class ClusterCrew:
     def _lost(self, part: FilmPart, error: Exception) -> None:
         self._tries[part.number] = tries = self._tries.get(part.number, 0) + 1
         if tries >= MAX_TRIES:
-            words = f"{tries} workers that drew frames {part.first} to {part.end - 1} have ended"
+            words = f"frames {part.first} to {part.end - 1} could not be drawn by {tries} workers"
             raise PersonError(f"{words}: {error}") from None
+        if isinstance(error, PartFailed):
+            self._failed.setdefault(part.number, set()).add(error.worker)
         self.add(part)
 
     def _store(self, part: FilmPart, files: dict[str, bytes]) -> None:

@@ -1,7 +1,8 @@
 """Workers that draw the parts of a film: processes of this machine, and what any workers have to offer."""
 
+import time
 from collections import deque
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from queue import Empty, SimpleQueue
@@ -16,6 +17,10 @@ MAX_TRIES: Final = 3
 """So often a part is begun whose workers die."""
 WAIT_S: Final = 0.5
 """Longest wait for a message [s]."""
+HUNG_FACTOR: Final = 10.0
+"""A worker hangs if it is silent for so many times the longest silence of any that went on, ..."""
+HUNG_LEAST_S: Final = 60.0
+"""... and for this long at least [s]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,13 +56,15 @@ class Crew(Protocol):
 
 
 class LocalCrew:
-    """Processes of this machine. A process that dies is replaced, and its part is begun again by another one.
+    """Processes of this machine. A process that dies or hangs is replaced, and its part is begun again by another one.
 
     Thread: one.
     """
 
-    def __init__(self, order: FilmOrder, folder: Path, workers: int) -> None:
-        """PersonError if no process can be started."""
+    def __init__(
+        self, order: FilmOrder, folder: Path, workers: int, *, now: Callable[[], float] = time.monotonic
+    ) -> None:  # fmt: skip
+        """`now`: a clock [s]. PersonError if no process can be started."""
         self._order, self._folder = order, folder
         self._threads = max(processor_count() // workers, 1)
         self._waiting: deque[FilmPart] = deque()
@@ -65,6 +72,8 @@ class LocalCrew:
         self._tries: dict[int, int] = {}
         self._drawn: dict[int, int] = {}
         self._failed_starts = 0
+        self._now, self._longest = now, 0.0
+        self._since: dict[FilmWorker, float] = {}
         self.workers: list[FilmWorker] = []
         """The processes that run."""
         try:
@@ -76,6 +85,7 @@ class LocalCrew:
 
     def _start(self) -> None:
         self.workers.append(FilmWorker(self._order, self._heard, threads=self._threads))
+        self._since[self.workers[-1]] = self._now()
 
     def add(self, part: FilmPart) -> None:
         """See `Crew`."""
@@ -100,6 +110,7 @@ class LocalCrew:
                 out = Path(self._order.film).parent if pictures else self.file_of(part)
                 worker.ask(part, out, None if part.snapshot is None else self._snapshot(part))
                 self._drawn[part.number] = 0
+                self._since[worker] = self._now()
 
     @property
     def busy(self) -> bool:
@@ -112,12 +123,25 @@ class LocalCrew:
             try:
                 worker, message = self._heard.get(timeout=WAIT_S) if wait else self._heard.get_nowait()
             except Empty:
-                return
+                break
             wait = False
-            yield from self._act(worker, message)
+            if worker in self.workers:  # it may have been given up since
+                yield from self._act(worker, message)
+        yield from self._look_for_hung()
+
+    def _look_for_hung(self) -> Iterator[int]:
+        """Give up workers that are silent for much longer than others were that went on. Before any has, none is."""
+        limit = max(HUNG_FACTOR * self._longest, HUNG_LEAST_S)
+        for worker in list(self.workers):
+            silent = self._now() - self._since[worker]
+            if self._longest and silent > limit and (worker.part is not None or not worker.ready):
+                yield from self._lost(worker, f"nothing was heard of it for {silent:.0f} s")
 
     def _act(self, worker: FilmWorker, message: dict[str, Any]) -> Iterator[int | PartResult]:
-        part = worker.part
+        part, now = worker.part, self._now()
+        if "ended" not in message:
+            self._longest = max(self._longest, now - self._since[worker])
+            self._since[worker] = now
         if "refused" in message:
             raise PersonError(str(message["refused"]))
         if "ready" in message:
@@ -138,6 +162,7 @@ class LocalCrew:
         part = worker.part
         worker.close()
         self.workers.remove(worker)
+        del self._since[worker]
         if part is None:
             self._failed_starts += not worker.ready
             tries, what = self._failed_starts, "processes for the film"

@@ -233,6 +233,76 @@ def test_crew_gives_up_a_part_whose_workers_die_and_workers_that_do_not_start(cr
         heard(crew)
 
 
+def test_crew_gives_the_part_of_a_worker_that_hangs_to_another_one(crew):
+    time, (one, two) = [0.0], MadeWorker.made
+    crew._now = lambda: time[0]
+    crew._since = dict.fromkeys(crew.workers, 0.0)
+    assert heard(crew) == []  # both are ready
+    time[0] = 1e5
+    assert heard(crew) == []  # how fast this machine draws is not known yet
+    crew._since = dict.fromkeys(crew.workers, 1e5)
+    time[0] += 10.0
+    one.tell(drawn=1)
+    two.tell(drawn=1)
+    assert heard(crew) == [1, 1]
+    for _ in range(10):
+        time[0] += 20.0
+        two.tell(drawn=1)
+        assert heard(crew) == [1]
+    assert crew.workers == [one, two]
+    time[0] += 1.0  # now it is silent for more than ten times 20 s
+    assert heard(crew) == [-1]
+    assert one.closed
+    assert two in crew.workers
+    one.tell(ended="killed")  # its last message comes later
+    MadeWorker.made[2].tell(drawn=1)
+    assert heard(crew) == [1]
+    assert MadeWorker.made[2].asked == [(0, "0.part")]
+
+
+class MadeFuture:
+    """What a Dask worker made of a part."""
+
+    def __init__(self, result):
+        self.result = result
+
+    def add_done_callback(self, act):
+        act(self)
+
+
+def test_full_disk_of_one_worker_of_a_cluster_costs_its_part_only(monkeypatch, tmp_path):
+    """Another worker draws it."""
+    asked = []
+
+    class Client:
+        def submit(self, run, order, journal, part, at_a_time, *, workers, **how):
+            asked.append((part.number, workers))
+            return MadeFuture(lambda: draw(run, order, journal, part, at_a_time, workers[0]))
+
+    def draw(run, order, journal, part, at_a_time, worker):
+        monkeypatch.setattr(film_cluster, "_this_worker", lambda: worker)
+        monkeypatch.setattr(film_cluster, "draw_alone", lambda *asked, **how: drawn(worker, *asked))
+        return run(order, zlib.compress(b"journal"), part, at_a_time)
+
+    def drawn(worker, order, part, out, snapshot):
+        if worker == "full":
+            raise PersonError("the film cannot be written: No space left on device")
+        out.write_bytes(b"packets")
+        yield {"before": "b", "last": "l", "done": 0}
+
+    monkeypatch.setattr(film_cluster, "_connect", lambda address: Client())
+    monkeypatch.setattr(film_cluster.ClusterCrew, "_accept", lambda self, console: {"full": 1, "other": 1})
+    journal = tmp_path / "a.jsonl"
+    journal.write_bytes(b"journal")
+    order = FilmOrder(str(journal), "film.mp4", SIZE, FPS)
+    crew = film_cluster.ClusterCrew("", order, (), tmp_path, journal, QUIET)
+    crew.add(FilmPart(0, 0, 10, Reach(0, 0)))
+    assert heard(crew) == [10, PartResult(0, "b", "l")]
+    assert asked == [(0, ["full", "other"]), (0, ["other"])]
+    assert crew.file_of(FilmPart(0, 0, 10, Reach(0, 0))).read_bytes() == b"packets"
+    assert not crew.busy
+
+
 def test_worker_of_a_cluster_shares_its_own_processors_among_parts(monkeypatch, tmp_path):
     asked = []
 
