@@ -10,7 +10,19 @@ from typing import Any, Final
 
 from PIL import Image, ImageDraw, ImageFont, PngImagePlugin
 
-from live.document.sheets.page import Disc, Ink, Item, Page, Point, Shape, Stroke, Words, font_face, font_file, text_width
+from live.document.sheets.page import (
+    Disc,
+    Ink,
+    Item,
+    Page,
+    Point,
+    Shape,
+    Stroke,
+    Words,
+    font_face,
+    font_file,
+    text_width,
+)
 
 CREATOR: Final = "ChoreoGraphics Live"
 DPI: Final = 150

@@ -10,8 +10,8 @@ from live.base.errors import PersonError
 from live.document.sheets.dancer_pages import dancer_pages
 from live.document.sheets.drawn_pages import page_values, pdf_of
 from live.document.sheets.page import Page
-from live.document.sheets.score_course import course_of
 from live.document.sheets.scenes import measures_words, scene_title
+from live.document.sheets.score_course import course_of
 from live.document.sheets.sheet_book import SheetBook, book_of
 from live.document.sheets.show_record import ShowRecorder
 from live.document.sheets.storyboard_pages import storyboard_pages

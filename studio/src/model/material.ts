@@ -104,7 +104,7 @@ export function groundWords(ground: Ground): string {
 /** The table of a bent formation or evolution. One that is bent already goes elsewhere, and is not bent twice. */
 export function bentTable(score: Score, material: Material, ground: Ground): Entry {
   const own = entries(score, material.list)[numberOf(score, material) - 1];
-  const { along: _a, into: _i, ...rest } = own && own["like"] !== undefined && (own["along"] !== undefined || own["into"] !== undefined) ? own : { like: material.name };
+  const { along: _a, into: _i, ...rest } = own && own["like"] !== undefined && (own["along"] !== undefined || own["into"] !== undefined) ? own : { name: "", like: material.name };
   return { ...rest, name: freeName(score, material.list, `${material.name} ${ground.kind === "into" ? "in a region" : "along a line"}`), [ground.kind]: ground.to };
 }
 
