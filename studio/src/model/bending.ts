@@ -18,6 +18,8 @@ export class Bending {
   readonly grounds = signal<Ground[]>([]);
   /** Where it would be dropped now. */
   readonly target = signal<Ground | null>(null);
+  /** The place of the floor over which it is held. */
+  private place: Place | null = null;
   private asked = 0;
   private shown = "";
 
@@ -27,6 +29,7 @@ export class Bending {
   async begin(material: Material): Promise<void> {
     this.held.value = material;
     this.target.value = null;
+    this.place = null;
     this.shown = "";
     const stroke = this.stage.stroke.value;
     const drawn = stroke ? [drawnGround(stroke.points, stroke.closed)] : [];
@@ -37,10 +40,12 @@ export class Bending {
     const places = await Promise.all(others.map((name) => studio.library.placesOf(name, this.count(material))));
     if (this.held.value !== material) return;
     this.grounds.value = [...drawn, ...others.flatMap((name, at) => namedGround(name, (places[at] as Places).lines) ?? [])];
+    if (this.place) this.over(this.place);
   }
 
   /** It is held over a place of the floor. */
   over(place: Place): void {
+    this.place = place;
     this.aim(groundAt(place, this.grounds.value));
   }
 
