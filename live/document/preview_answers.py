@@ -30,12 +30,13 @@ from live.document.preview import (
     way_values,
 )
 from live.document.preview_question import Question, parse_question
+from live.document.sheets.sheet_answers import SheetRun, sheet_values, sheets_pdf
 from live.document.show_check import ShowCheck, needs_loading
 from live.document.step_answers import motion_frames, sequence_values, step_values
 from live.show.loader import LoadedShow, adapt_edited_patch, load_from_patch
 from live.show.patch.patch import Patch
 from live.show.patch.patch_search_path import find_resource
-from live.show.view.stage_frames import joints_frame, positions_frame, waveform_frame
+from live.show.view.stage_frames import document_frame, joints_frame, positions_frame, waveform_frame
 
 MAX_RANGE: Final = 64
 """Maximum number of measures in an answer."""
@@ -58,7 +59,8 @@ class PreviewAnswers:
         store.check = ShowCheck(loaded.path, loaded.recordings, loaded.tempo)
         self._engine = PreviewEngine(self._with(store.document.patch), seed=seed)
         self._revision = store.revision
-        self._asked: tuple[str | int | None, PreviewEngine] = (None, self._engine)
+        self._asked: tuple[str | int | None, PreviewEngine | SheetRun] = (None, self._engine)
+        self._sheets: SheetRun | None = None
         self._branches: list[PreviewEngine] = []  # of other documents, the latest last
         self._notes: list[tuple[PreviewEngine, Patch, list[str]]] = []
         self._waveform: tuple[tuple[Path, int, int], bytes] | None = None  # of a file as it was
@@ -107,6 +109,9 @@ class PreviewAnswers:
             return
         if question.waveform:
             yield self._music_waveform()
+            return
+        if question.sheets is not None:
+            yield self._sheet_frame(question, question.sheets)
             return
         engine, answers = self._find(question)
         engine.on_tick = self.on_tick
@@ -257,6 +262,21 @@ class PreviewAnswers:
             engine = self._engine.branch(patch)
         self._branches = [*self._branches, engine][-MAX_BRANCHES:]
         return engine
+
+    def _sheet_frame(self, question: Question, paper: str) -> str | bytes:
+        """Return the pages of sheets, or all of them as a PDF. PersonError if the show does not start, or refuses the
+        edits."""
+        patch, answers = self._patch_of(question)
+        for fault in (fault for answer in answers for fault in answer.get("refused", ())):
+            raise PersonError(fault["what"], fault.get("remedy"))
+        loaded = self._with(patch)
+        if self._sheets is None or self._sheets.patch != loaded.patch:
+            self._sheets = SheetRun(loaded, seed=self._seed)
+        self._asked = question.id, self._sheets
+        book = self._sheets.book(self.on_tick)
+        if question.pdf:
+            return document_frame(sheets_pdf(book, paper, self.on_tick))
+        return json.dumps(sheet_values(book, paper, question.dancer) | {"id": question.id, "document": self._revision})
 
     def _music_waveform(self) -> bytes:
         """Return the frame of the music's waveform; PersonError if there is no music."""

@@ -55,6 +55,12 @@ class Question(BaseModel):
     """Of a segment with a formation: the ways of each option."""
     element: _Measure | None = None
     """Instead: what could follow an element of the document, by its number from 1."""
+    sheets: Literal["a4", "letter"] | None = None
+    """Instead: the storyboard on this paper, ..."""
+    dancer: Annotated[int, Field(ge=1, le=100_000)] | None = None
+    """... or the sheets of this dancer, ..."""
+    pdf: bool = False
+    """... or all sheets as a PDF."""
 
 
 def parse_question(values: object) -> Question:

@@ -86,7 +86,7 @@ test("between two samples everybody is between, and turns the shorter way", () =
 
 const DRAWN: Drawn = {
   becomes: "formation", points: circle(30), closed: true, start: 5, measures: 4, group: "*", name: "drawn 1", inside: false, pattern: "", many: "dancers",
-  amount: 12, mirror: "", keep: "", singleFile: false, strength: 1,
+  amount: 12, mirror: "", keep: "", singleFile: false, strength: 1, material: null,
 };
 
 test("a drawn line becomes a formation, a way or an element", () => {

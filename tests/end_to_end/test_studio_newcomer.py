@@ -168,7 +168,7 @@ def test_by_mouse_alone(tmp_path: Path) -> None:
         from_library(mouse, "Formations", "spiral", 58, "Everybody")
         mouse.click(page.get_by_role("button", name="Storyboard"))
         if PICTURES:
-            page.get_by_text(re.compile(r"^\d+ pictures$")).wait_for()
+            page.get_by_text(re.compile(r"^\d+ scenes on \d+ pages?$")).wait_for()
         picture(page, "storyboard")
         page.wait_for_timeout(500)
     print(f"{mouse.actions} actions, {time.monotonic() - begun_at:.0f} s")

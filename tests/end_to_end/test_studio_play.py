@@ -1,4 +1,4 @@
-"""Pads for improvising and the storyboard, in a browser with a real show and a real preview."""
+"""Pads for improvising and the phones, in a browser with a real show and a real preview."""
 
 import re
 import socket
@@ -168,21 +168,6 @@ def test_kept_pads_follow_each_other(show: Studio, port: socket.socket, page: An
     page.get_by_role("button", name="wander ember, runs").wait_for()
     page.get_by_role("button", name="wander ember", exact=True).wait_for()
     assert show.show.launcher.facts() == {"waiting": {}, "running": {}, "launched": 2}
-
-
-def test_the_storyboard_has_a_picture_for_each_arrival(show: Studio, page: Any) -> None:
-    page.get_by_role("button", name="Storyboard").click()
-    page.get_by_text("3 pictures").wait_for()
-    names = [one.get_attribute("aria-label") for one in page.locator(".shot").all()]
-    assert names == ["beginning: All begin here", "measures 2 to 3: line", "measures 8 to 9: circle"]
-    assert page.locator(".shot circle:not(.mine)").count() == 3 * 6
-    page.get_by_label("For").select_option("2")
-    page.get_by_role("heading", name="edited: dancer 2, ember").wait_for()
-    assert page.locator(".mine").count() == 3
-    page.get_by_label("For").select_option("0")
-    assert page.locator("article").count() == 6
-    page.get_by_role("button", name="measures 2 to 3: line").first.click()
-    page.get_by_role("region", name="Timeline").wait_for()
 
 
 def test_show_has_the_invitation_for_phones_and_asks_for_a_new_one(

@@ -18,6 +18,7 @@ from live.document.sheets.page import (
     WHITE,
     Ink,
     Page,
+    SceneArea,
     grey,
     shortened,
     wrapped,
@@ -74,11 +75,12 @@ def dancer_pages(book: SheetBook, dancer: int, paper: str) -> list[Page]:
 
     factor = fit_pages(heights, bottom + GAP - y, bottom + GAP - top)
     width = widest * factor
-    for row, height in zip(rows, heights(factor), strict=True):
+    for number, (row, height) in enumerate(zip(rows, heights(factor), strict=True), 1):
         if y + height - GAP > bottom and y > MARGIN + HEAD:
             page = new_page(paper, book, heading, book.facts)
             pages.append(page)
             y = top
+        page.areas.append(SceneArea(number, (MARGIN, y), page.inner_width, height - GAP))
         _draw_part(page, book, dancer, row.part, (MARGIN, y), width)
         lines = _wrapped(row, page.inner_width - width - GAP)
         _draw_words(page, row.title, lines, (MARGIN + width + GAP, y))

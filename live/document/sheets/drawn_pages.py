@@ -1,4 +1,5 @@
-"""Drawing of pages: into a PDF with embedded fonts, and as pictures. Both draw the same page model."""
+"""Drawing of pages: into a PDF with embedded fonts, as pictures, and as values that a browser draws. All draw the same
+page model."""
 
 import io
 import itertools
@@ -9,7 +10,19 @@ from typing import Any, Final
 
 from PIL import Image, ImageDraw, ImageFont, PngImagePlugin
 
-from live.document.sheets.page import Disc, Item, Page, Point, Shape, Stroke, Words, font_face, font_file
+from live.document.sheets.page import (
+    Disc,
+    Ink,
+    Item,
+    Page,
+    Point,
+    Shape,
+    Stroke,
+    Words,
+    font_face,
+    font_file,
+    text_width,
+)
 
 CREATOR: Final = "ChoreoGraphics Live"
 DPI: Final = 150
@@ -156,3 +169,40 @@ def _rgb(ink: tuple[float, ...]) -> tuple[int, int, int]:
 @cache
 def _picture_font(bold: bool, size: float) -> ImageFont.FreeTypeFont:
     return ImageFont.truetype(str(font_file(bold)), size, layout_engine=ImageFont.Layout.BASIC)
+
+
+def page_values(page: Page) -> dict[str, Any]:
+    """Return a page as values for JSON: its size, items in order, and areas of scenes [pt]; inks are `#rrggbb`.
+
+    A browser has other fonts, so words come with their widths.
+    """
+    areas = [[one.scene, *_rounded(*one.corner, one.width, one.height)] for one in page.areas]
+    items = [_item_values(item) for item in page.items]
+    return {"width": round(page.width, 2), "height": round(page.height, 2), "items": items, "areas": areas}
+
+
+def _item_values(item: Item) -> list[Any]:
+    match item:
+        case Stroke():
+            return ["stroke", _flat(item.points), round(item.width, 2), _web_ink(item.ink), round(item.dash, 2)]
+        case Shape():
+            return ["shape", _flat(item.points), _web_ink(item.fill), _web_ink(item.ink), round(item.width, 2)]
+        case Disc():
+            size = _rounded(*item.centre, item.radius)
+            return ["disc", *size, _web_ink(item.fill), _web_ink(item.ink), round(item.width, 2)]
+        case Words():
+            width = text_width(item.words, item.size, item.bold)
+            place = _rounded(*item.at, item.size, width)
+            return ["words", *place, item.words, int(item.bold), _web_ink(item.ink), item.anchor]
+
+
+def _flat(points: tuple[Point, ...]) -> list[float]:
+    return _rounded(*itertools.chain.from_iterable(points))
+
+
+def _rounded(*values: float) -> list[float]:
+    return [round(float(value), 2) for value in values]
+
+
+def _web_ink(ink: Ink | None) -> str | None:
+    return None if ink is None else "#" + bytes(_rgb(ink)).hex()

@@ -87,6 +87,18 @@ class Words:
 Item = Stroke | Shape | Disc | Words
 
 
+@dataclass(frozen=True, slots=True)
+class SceneArea:
+    """Where a page shows a scene; it is not drawn."""
+
+    scene: int
+    """Its number, from 1."""
+    corner: Point
+    """Upper left corner."""
+    width: float
+    height: float
+
+
 @dataclass(slots=True)
 class Page:
     """One page."""
@@ -94,6 +106,7 @@ class Page:
     width: float
     height: float
     items: list[Item] = field(default_factory=list)
+    areas: list[SceneArea] = field(default_factory=list)
 
     @staticmethod
     def of(paper: str) -> "Page":

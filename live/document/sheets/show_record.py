@@ -4,7 +4,7 @@ The show is simulated as it runs live, with its seed and without input. Where it
 in the last measure of the waiting section's first pass.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -114,10 +114,18 @@ class ShowRecord:
 
 def record_show(show: Show, course: ScoreCourse, progress: Callable[[int], None] = lambda measure: None) -> ShowRecord:
     """Run a fresh show, which is used up, over its course. `progress` is told each measure (from 0) that begins."""
-    return _Recorder(show, course).run(progress)
+    recorder = ShowRecorder(show, course)
+    told = -1
+    for measure in recorder.run():
+        if told < measure < len(course.measures):
+            told = measure
+            progress(measure)
+    return recorder.record()
 
 
-class _Recorder:
+class ShowRecorder:
+    """Runs a fresh show, which is used up, over its course, tick by tick."""
+
     def __init__(self, show: Show, course: ScoreCourse) -> None:
         self._show, self._course, self._count = show, course, len(course.measures)
         self._beats = show.desk.beats
@@ -131,7 +139,13 @@ class _Recorder:
         self._free: list[FreeMotion] = []
         self._marks: list[Mark] = []
 
-    def run(self, progress: Callable[[int], None]) -> ShowRecord:
+    @property
+    def measures(self) -> int:
+        """Number of measures that have begun."""
+        return len(self._lines)
+
+    def run(self) -> Iterator[int]:
+        """Run the show to the end of its course; yield the measure (from 0, -1 before the first) after each tick."""
         show, tick, measure, line_tick = self._show, 0, -1, 0
         while True:
             tick += 1
@@ -140,8 +154,7 @@ class _Recorder:
                 measure, line_tick = show.span.number, tick
                 self._sample(tick, line=True)
                 if measure >= self._count:
-                    break
-                progress(measure)
+                    return
                 self._begin(measure, tick * TICK)
             elif tick % TICKS_PER_SAMPLE == 0 and measure >= 0:
                 self._sample(tick)
@@ -149,7 +162,7 @@ class _Recorder:
                 self._read_segments()
             if len(self._steps) <= measure and self._fraction() >= 0.5:
                 self._read_steps()
-        return self._record()
+            yield measure
 
     def _fraction(self) -> float:
         return self._show.danced_beats / self._beats - self._show.span.number
@@ -205,7 +218,8 @@ class _Recorder:
         self._groups.append(show.group.copy())
         self._partners.append(partner)
 
-    def _record(self) -> ShowRecord:
+    def record(self) -> ShowRecord:
+        """Return the record of a run that is over."""
         danced, ticks, place, heading, present = zip(*self._samples, strict=True)
         return ShowRecord(
             self._course, self._beats, np.array(danced, np.float64), np.array(ticks, np.int32),

@@ -7,7 +7,7 @@ import numpy as np
 
 from live.base.arrays import Float64, Int32
 from live.document.sheets.dancer_part import WAY_TOLERANCE, simplified
-from live.document.sheets.page import FAINT, LEADING, MARGIN, SMALL, TEXT, Page, shortened, wrapped
+from live.document.sheets.page import FAINT, LEADING, MARGIN, SMALL, TEXT, Page, SceneArea, shortened, wrapped
 from live.document.sheets.scenes import Scene, count_label, measures_words, scene_lines, scene_title
 from live.document.sheets.sheet_book import FOOT, HEAD, SheetBook, add_feet, add_legend, add_notes, fit_pages, new_page
 from live.document.sheets.stage_picture import NUMBER_RADIUS, StagePicture, mark_radius
@@ -103,6 +103,7 @@ def _cell(book: SheetBook, scene: Scene, number: int, width: float) -> _Cell:
 
 def _draw(page: Page, book: SheetBook, cell: _Cell, corner: tuple[float, float], width: float, head: float) -> None:
     x, y = corner
+    page.areas.append(SceneArea(cell.number, corner, width, head + book.plan.height_for(width)))
     page.words((x, y + TITLE), cell.title, TITLE, bold=True)
     line_y = y + TITLE * LEADING
     for line in cell.lines:

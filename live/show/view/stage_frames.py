@@ -3,7 +3,8 @@
 A frame is u8 kind, u8 flags, u16 count, u32 tick, then int16, all little-endian. Kind 1: x, z [mm], heading
 [1/10,000 turn] and state of each dancer (0: not on the stage, else the number of their group, from 1). Kind 2: the
 joints of each dancer, x, y, z [mm]. What is too far away for an int16 stands at its border. Kind 3, the waveform of the
-music: count is the number of peaks a second, tick their number, and each peak a u8.
+music: count is the number of peaks a second, tick their number, and each peak a u8. Kind 5, a PDF: tick is its length,
+and its bytes follow. (Kind 4 is the projected picture.)
 """
 
 import struct
@@ -14,7 +15,7 @@ import numpy.typing as npt
 
 from live.base.arrays import Float32, Float64, Int32
 
-POSITIONS, JOINTS, WAVEFORM = 1, 2, 3
+POSITIONS, JOINTS, WAVEFORM, DOCUMENT = 1, 2, 3, 5
 """Kinds of frames."""
 CHOSEN: Final = 1
 """Flag of a frame with joints of chosen dancers only, in the order in which they were asked for."""
@@ -53,3 +54,8 @@ def joints_frame(tick: int, joints: Float32, dancers: list[int] | None = None) -
 def waveform_frame(rate: int, peaks: npt.NDArray[np.uint8]) -> bytes:
     """Return the frame of a waveform (n,) with `rate` peaks a second."""
     return _HEAD.pack(WAVEFORM, 0, rate, len(peaks)) + peaks.tobytes()
+
+
+def document_frame(pdf: bytes) -> bytes:
+    """Return the frame of a PDF."""
+    return _HEAD.pack(DOCUMENT, 0, 0, len(pdf)) + pdf

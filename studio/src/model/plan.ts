@@ -136,7 +136,7 @@ export function controlWords(address: string): string {
 export function boxLabel(list: string, entry: Entry): string {
   switch (list) {
     case "segment":
-      return text(entry, "formation") || (entry["path"] ? "travel" : "pause");
+      return text(entry, "formation") || text(entry, "evolution") || (entry["path"] ? "travel" : "pause");
     case "sequence":
       return Array.isArray(entry["steps"]) ? (entry["steps"] as string[]).join(", ") : "";
     case "improvise":

@@ -40,7 +40,7 @@ export interface Change {
   groups?: Group[];
 }
 
-export const LISTS = ["segment", "sequence", "improvise", "element", "signal", "curve", "at", "regroup", "section", "formation", "scene", "cue", "pad", "group", "view", "gate", "obstacle", "item", "react"] as const;
+export const LISTS = ["segment", "sequence", "improvise", "element", "signal", "curve", "at", "regroup", "section", "formation", "evolution", "scene", "cue", "pad", "group", "view", "gate", "obstacle", "item", "react"] as const;
 export type ListName = (typeof LISTS)[number];
 
 export function entries(score: Score, list: string): Entry[] {

@@ -2,10 +2,11 @@
 import type { SingleEdit } from "./document";
 import { roundPlace, simplified, type Place } from "./geometry";
 import { placeInScore } from "./danced";
+import { bendEdits, drawnGround, type Material } from "./material";
 import { entries, text, type Entry, type Score } from "./score";
 import type { Value } from "../net/values";
 
-export type Becomes = "formation" | "way" | "flow" | "path" | "attract";
+export type Becomes = "formation" | "way" | "flow" | "path" | "attract" | "bend";
 
 export interface Drawn {
   becomes: Becomes;
@@ -25,6 +26,8 @@ export interface Drawn {
   keep: "" | "left" | "right" | "front" | "back";
   singleFile: boolean;
   strength: number;
+  /** What is bent into it, or along it. */
+  material: Material | null;
 }
 
 const MOST_CHARACTERS = 240;
@@ -62,6 +65,8 @@ export function drawnEdits(score: Score, drawn: Drawn): SingleEdit[] {
         { do: "insert", at: ["formation"], value: drawnFormation(drawn) },
         { do: "insert", at: ["segment"], value: { ...place, ...group, formation: drawn.name } },
       ];
+    case "bend":
+      return drawn.material ? bendEdits(score, drawn.material, drawnGround(drawn.points, drawn.closed), drawn) : [];
     case "way":
       return [{ do: "insert", at: ["segment"], value: { ...place, ...group, path: points, ...(drawn.singleFile ? { single_file: true } : {}) } }];
     default: {

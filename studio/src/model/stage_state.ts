@@ -3,10 +3,13 @@ import { computed, effect, signal } from "@preact/signals";
 import type { Positions } from "../net/frames";
 import type { PreviewAnswer, Question } from "../net/preview";
 import type { Value } from "../net/values";
-import type { SingleEdit, Ways } from "./document";
+import { Bending } from "./bending";
+import type { Fault, SingleEdit, Ways } from "./document";
 import { asLed, reached, writtenStart, type Reached } from "./danced";
-import type { Place } from "./geometry";
+import { distance, type Place } from "./geometry";
+import { dancersIn } from "./material";
 import { bodiesAt, endsOfWays, positionsAt, waysOf } from "./playback";
+import type { Becomes } from "./stage_edits";
 import type { Studio } from "./studio";
 
 export type Tool = "select" | "lasso" | "line" | "curve" | "shape" | "attract" | "repel" | "spread" | "cross";
@@ -69,6 +72,10 @@ export class StageState {
   readonly strength = signal(1);
   readonly measures = signal(4);
   readonly stroke = signal<Stroke | null>(null);
+  /** What a line becomes: shown while it is drawn. */
+  readonly becomes = signal<Becomes>("formation");
+  /** Of those that can be bent along it or into it: which one, as "list name". */
+  readonly bent = signal("");
   readonly placing = signal<Placing | null>(null);
   /** Where a place is that is dragged: its distances are shown. */
   readonly held = signal<Place | null>(null);
@@ -88,6 +95,9 @@ export class StageState {
   readonly playedMeasure = signal(0);
   /** Places of a formation that is only thought of. */
   readonly thought = signal<Place[]>([]);
+  /** Why there are none. */
+  readonly refusal = signal<Pick<Fault, "what" | "remedy">[]>([]);
+  readonly bending = new Bending(this);
   readonly momentAnswer = signal<PreviewAnswer | null>(null);
   /** Of the same measure: what would go wrong in it. */
   readonly momentNotes = signal<PreviewAnswer | null>(null);
@@ -135,6 +145,7 @@ export class StageState {
     return chosen?.positions.at(-1) ?? null;
   });
   readonly faults = computed(() => {
+    if (this.refusal.value.length) return { meetings: [], tooFar: [], notes: [], refused: this.refusal.value };
     const answer = this.played.value?.answer ?? this.studio.dragAnswer.value ?? this.segmentAnswer.value ?? (this.looked.value === null ? null : this.momentNotes.value);
     const notes = answer?.texts["notes"];
     return {
@@ -147,6 +158,26 @@ export class StageState {
   readonly alarmed = computed(() => {
     const { meetings, tooFar } = this.faults.value;
     return new Set([...meetings.flatMap((one) => one.dancers), ...tooFar.map((one) => one.dancer)]);
+  });
+  /** Dancers (from 1) whose ways are drawn or dragged just now; those of the others are planned together with them. Empty: nobody's, or everybody's. */
+  readonly own = computed((): ReadonlySet<number> => {
+    if (!this.studio.dragAnswer.value) return new Set();
+    const groups = this.studio.doc.structure.value?.groups ?? [];
+    const chosen = this.studio.selected.value;
+    const entry = chosen.length === 1 && chosen[0]?.list === "segment" && !this.drawn.value ? this.studio.entry(chosen[0]) : undefined;
+    const found = dancersIn(groups, this.drawn.value || String(entry?.["group"] ?? "*")) ?? [];
+    return new Set(found.length < groups.reduce((sum, group) => sum + group.dancers, 0) ? found : []);
+  });
+  /** For whom a line is drawn; "": none is. */
+  readonly drawn = signal("");
+  /** Groups with ways that are planned together with those that are drawn. */
+  readonly together = computed((): string[] => {
+    const own = this.own.value;
+    const ways = own.size ? this.ways.value : null;
+    const groups = this.studio.doc.structure.value?.groups ?? [];
+    const first = groups.map((_, index) => groups.slice(0, index).reduce((sum, group) => sum + group.dancers, 1));
+    const moves = new Set(ways?.dancers.filter((dancer, row) => !own.has(dancer) && isMoving(ways.ways[row] ?? [])));
+    return groups.filter((group, index) => Array.from({ length: group.dancers }, (_, at) => (first[index] as number) + at).some((dancer) => moves.has(dancer))).map((group) => group.name);
   });
   private playing = 0;
   private ahead = 0;
@@ -334,6 +365,11 @@ export class StageState {
 function waysIn(answer: PreviewAnswer | null): Ways | null {
   const found = answer?.texts["ways"] as unknown as Ways | undefined;
   return found?.ways ? found : null;
+}
+
+function isMoving(way: Place[]): boolean {
+  const [first, last] = [way[0], way.at(-1)];
+  return first !== undefined && last !== undefined && distance(first, last) > 0.3;
 }
 
 function refusedEdits(notes: Record<string, unknown> | undefined): { what: string; remedy?: string }[] {

@@ -4,6 +4,7 @@ export const POSITIONS = 1;
 export const JOINTS = 2;
 export const WAVEFORM = 3;
 export const PICTURE = 4;
+export const DOCUMENT = 5;
 export const JOINT_COUNT = 22;
 const HEAD = 8;
 const METRES = 1e-3;
@@ -75,4 +76,10 @@ export interface ProjectedPicture {
 export function readPicture(data: DataView): ProjectedPicture {
   const jpeg = new Blob([new Uint8Array(data.buffer, data.byteOffset + HEAD, data.byteLength - HEAD).slice()], { type: "image/jpeg" });
   return { width: data.getUint16(2, true), height: data.getUint16(4, true), jpeg };
+}
+
+/** A PDF. */
+export function readDocument(data: DataView): Blob {
+  const length = Math.min(data.getUint32(4, true), data.byteLength - HEAD);
+  return new Blob([new Uint8Array(data.buffer, data.byteOffset + HEAD, length).slice()], { type: "application/pdf" });
 }

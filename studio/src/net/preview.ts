@@ -1,7 +1,7 @@
 // Questions to the second engine: any measures, as written or with edits that are only tried (`live docs preview`).
 import { signal } from "@preact/signals";
 import { Link } from "./link";
-import { frameKind, JOINTS, POSITIONS, readJoints, readPositions, readWaveform, WAVEFORM, type Joints, type Positions, type Waveform } from "./frames";
+import { DOCUMENT, frameKind, JOINTS, POSITIONS, readDocument, readJoints, readPositions, readWaveform, WAVEFORM, type Joints, type Positions, type Waveform } from "./frames";
 import type { Edit, Fault } from "../model/document";
 
 export interface Moment {
@@ -16,6 +16,8 @@ export interface PreviewAnswer {
   positions: Positions[];
   joints: Joints | null;
   waveform: Waveform | null;
+  /** A PDF. */
+  document: Blob | null;
   /** All frames of joints, in order. */
   motions: Joints[];
   /** All other text frames, by kind. */
@@ -124,10 +126,11 @@ export class Preview {
     const kind = frameKind(data);
     if (kind === POSITIONS) this.present.answer.positions.push(readPositions(data));
     else if (kind === JOINTS) this.present.answer.motions.push((this.present.answer.joints = readJoints(data)));
+    else if (kind === DOCUMENT) this.present.answer.document = readDocument(data);
     else if (kind === WAVEFORM) this.present.answer.waveform = readWaveform(data);
   }
 }
 
 function emptyAnswer(): PreviewAnswer {
-  return { moments: [], positions: [], joints: null, waveform: null, motions: [], texts: {}, refused: null, replaced: false };
+  return { moments: [], positions: [], joints: null, waveform: null, document: null, motions: [], texts: {}, refused: null, replaced: false };
 }

@@ -40,6 +40,7 @@ export const KEY_PAGES: [string, Words[]][] = [
     { keys: "Backspace", words: "with a tool: take the last point back" },
   ]],
   ["Library", [{ keys: "Enter", words: "put it at the cursor, for the chosen row or the selected dancers" }, { keys: "Space", words: "look at it" }]],
+  ["Handle of a group's motion", [{ keys: "Arrows", words: "choose the region or line to which it bends" }, { keys: "Enter", words: "keep it" }, { keys: "Escape", words: "let it be" }]],
   ["Diamond of a canon, handles, points", [{ keys: "Arrows", words: "move it" }, { keys: "Delete", words: "remove a point of a curve" }]],
 ];
 

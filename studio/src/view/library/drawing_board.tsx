@@ -47,7 +47,7 @@ export function DrawingBoard({ studio, table, places, onChange }: { studio: Stud
   return (
     <div class="board">
       <div class="tools" role="group" aria-label="Tool">
-        {TOOLS.map(([name, words, more]) => <button key={name} aria-pressed={tool.value === name} title={more} onClick={() => { tool.value = name; }}>{words}</button>)}
+        {TOOLS.filter(([name]) => name === "move" || table["like"] === undefined).map(([name, words, more]) => <button key={name} aria-pressed={tool.value === name} title={more} onClick={() => { tool.value = name; }}>{words}</button>)}
         {drawn && <button onClick={() => setLines([...lines, ...(table["shape"] === "places" ? [[[0, 0] as Point]] : [[[-1, 0], [1, 0]] as Point[]])])}>{table["shape"] === "places" ? "Add a place" : "Add a line"}</button>}
         {lines.length > 1 && table["shape"] !== "places" && <button onClick={() => setLines(lines.slice(0, -1))}>Take the last line away</button>}
       </div>

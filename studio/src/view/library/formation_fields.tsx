@@ -9,6 +9,7 @@ type Change = (table: Entry) => void;
 export function FormationFields({ table, onChange }: { table: Entry; onChange: Change }) {
   const shape = text(table, "shape", "grid");
   const set = (key: string, value: unknown): void => onChange({ ...table, [key]: value });
+  if (table["like"] !== undefined) return <LikeFields table={table} onChange={onChange} />;
   return (
     <div class="formationfields">
       <Row label="Name"><input aria-label="Name" value={text(table, "name")} maxLength={64} required onInput={(event) => set("name", event.currentTarget.value)} /></Row>
@@ -25,6 +26,29 @@ export function FormationFields({ table, onChange }: { table: Entry; onChange: C
       <SizeFields table={table} onChange={onChange} />
       {shape !== "grid" && shape !== "places" && <SymmetryFields table={table} onChange={onChange} />}
       <OtherFields table={table} shape={shape} onChange={onChange} />
+    </div>
+  );
+}
+
+/** The keys of a formation that is like another one. */
+function LikeFields({ table, onChange }: { table: Entry; onChange: Change }) {
+  const set = (key: string, value: unknown): void => onChange({ ...table, [key]: value });
+  const proportions: [string, string][] = [["", "as neighbours allow"], ["stretch", "fill it"], ["keep", "keep them"]];
+  return (
+    <div class="formationfields">
+      <Row label="Name"><input aria-label="Name" value={text(table, "name")} maxLength={64} required onInput={(event) => set("name", event.currentTarget.value)} /></Row>
+      <Row label="Like"><input aria-label="Like" value={text(table, "like")} maxLength={250} required onChange={(event) => set("like", event.currentTarget.value)} /></Row>
+      {(["into", "along"] as const).filter((key) => table[key] !== undefined).map((key) => (
+        <Row key={key} label={key === "into" ? "Into" : "Along"}>
+          {typeof table[key] === "string" ? <input aria-label={key} value={text(table, key)} maxLength={250} onChange={(event) => set(key, event.currentTarget.value || undefined)} /> : <span>{key === "into" ? "a drawn region" : "a drawn line"}</span>}
+          <button onClick={() => set(key, undefined)}>Not any more</button>
+        </Row>
+      ))}
+      {(table["into"] !== undefined || table["along"] !== undefined) && <Row label="Proportions"><Choice value={text(table, "proportions")} options={proportions} onChange={(value) => set("proportions", value || undefined)} /></Row>}
+      <Row label="Times as large">{Array.isArray(table["scale"]) ? <Pair table={table} name="scale" usual={[1, 1]} min={0.1} onChange={onChange} /> : <Amount table={table} name="scale" usual={1} min={0.1} max={10} step={0.1} onChange={onChange} />}</Row>
+      <Row label="Bent °"><Amount table={table} name="bend_deg" usual={0} min={-360} max={360} step={5} onChange={onChange} /></Row>
+      <Row label="Turned °"><Amount table={table} name="rotation_deg" usual={0} min={-360} max={360} step={5} onChange={onChange} /></Row>
+      <Row label="Moved x, z m"><Pair table={table} name="centre" usual={[0, 0]} min={-100} onChange={onChange} /></Row>
     </div>
   );
 }

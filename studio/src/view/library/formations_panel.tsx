@@ -14,6 +14,7 @@ export function FormationsPanel({ studio, wanted }: { studio: Studio; wanted: st
   const folded = wanted.toLowerCase();
   const own = entries(studio.score.value, "formation").map((table, index) => ({ table, number: index + 1, name: text(table, "name") }));
   const found = own.filter((one) => one.name.toLowerCase().includes(folded));
+  const evolutions = entries(studio.score.value, "evolution").map((table) => text(table, "name")).filter((name) => name.toLowerCase().includes(folded));
   const names = own.map((one) => one.name.toLowerCase());
   const words = WORDS.filter((name) => name.includes(folded) && !names.includes(name));
   return (
@@ -34,11 +35,15 @@ export function FormationsPanel({ studio, wanted }: { studio: Studio; wanted: st
             <OwnFormation key={one.number} studio={studio} name={one.name} number={one.number} dancers={dancers} onEdit={() => { editing.value = { number: one.number, table: one.table }; }} />
           ))}
         </ul>
+        {evolutions.length > 0 && <h2>Ways of this show</h2>}
+        <ul class="evolutions" aria-label="Ways of this show">
+          {evolutions.map((name) => <Evolution key={name} studio={studio} name={name} />)}
+        </ul>
         {words.length > 0 && <h2>Shapes</h2>}
         <ul class="pictures" aria-label="Shapes">
           {words.map((name) => <Shape key={name} studio={studio} name={name} dancers={dancers} />)}
         </ul>
-        {!found.length && !words.length && <p class="hint none">No formation is called so.</p>}
+        {!found.length && !words.length && !evolutions.length && <p class="hint none">No formation is called so.</p>}
       </div>
       {editing.value && (
         <FormationEditor studio={studio} number={editing.value.number} table={editing.value.table} dancers={dancers} onClose={() => { editing.value = null; }} />
@@ -60,7 +65,7 @@ function OwnFormation({ studio, name, number, dancers, onEdit }: { studio: Studi
       <button
         class="picture"
         draggable
-        title={`Drag it onto a row. Click: edit it. Enter: put it at the cursor${places && !places.fits ? `\nIt does not fit the stage: ${places.remedy}` : ""}`}
+        title={`Drag it onto a row, or onto a region of the stage: it bends. Click: edit it. Enter: put it at the cursor${places && !places.fits ? `\nIt does not fit the stage: ${places.remedy}` : ""}`}
         onDragStart={(event) => drag(studio, event, itemOf(name))}
         onKeyDown={onEnter(() => void putAtCursor(studio, itemOf(name)))}
         onClick={onEdit}
@@ -85,6 +90,22 @@ function OwnFormation({ studio, name, number, dancers, onEdit }: { studio: Studi
         <button class="plain" aria-label={`Duplicate ${name}`} title="Duplicate" onClick={() => void studio.doc.edit({ do: "copy", at: ["formation", number], value: freeName(studio.score.value, `${name} 2`) })}><Icon path="M5.5 5.5h7v7h-7zM3.5 10.5v-7h7" /></button>
         <button class="plain" aria-label={`Delete ${name}`} title={count ? "It is used: delete or change its boxes first" : "Delete"} disabled={count > 0} onClick={() => void studio.doc.edit({ do: "delete", at: ["formation", number] })}><Icon path="M4 4l8 8M12 4l-8 8" /></button>
       </div>
+    </li>
+  );
+}
+
+/** Ways that are kept as an evolution. */
+function Evolution({ studio, name }: { studio: Studio; name: string }) {
+  const item = { list: "segment", value: { evolution: name, measures: 4 } };
+  return (
+    <li>
+      <button
+        class="plainrow" draggable title="Drag it onto a row, or onto a region of the stage. Enter or a click: it is put at the cursor"
+        onDragStart={(event) => drag(studio, event, item)} onKeyDown={onEnter(() => void putAtCursor(studio, item))} onClick={() => void putAtCursor(studio, item)}
+      >
+        <b>{name}</b>
+        <small>ways</small>
+      </button>
     </li>
   );
 }

@@ -1,6 +1,7 @@
 // What the pointer does on the floor: selecting dancers, drawing lines, putting elements.
 import { signal } from "@preact/signals";
 import { distance, isClosed, isWithin, simplified, type Place } from "../../model/geometry";
+import { drawnFrom, hideDrawn, showDrawn } from "../../model/drawn";
 import { elementEntry, liveCall } from "../../model/stage_edits";
 import { reached } from "../../model/danced";
 import type { Studio } from "../../model/studio";
@@ -15,6 +16,10 @@ const ELEMENT_TOOLS: Tool[] = ["attract", "repel", "spread", "cross"];
 
 export function isElementTool(tool: Tool): boolean {
   return ELEMENT_TOOLS.includes(tool);
+}
+
+export function isDrawingTool(tool: Tool): boolean {
+  return ["line", "curve", "shape"].includes(tool);
 }
 
 /** Turns presses on the floor into selections, strokes and elements. */
@@ -57,6 +62,17 @@ export class Drawing {
     } else if (distance(now.points.at(-1) as Place, place) > 0.03) {
       sketch.value = { ...now, points: [...now.points, place] };
     }
+    this.show();
+  }
+
+  /** What the line would become as it is now; an answer on its way is waited for. */
+  private show(): void {
+    const now = this.sketch.value;
+    const tool = this.stage.tool.value;
+    if (!now || now.kind !== "line" || now.points.length < 2 || isElementTool(tool)) return;
+    const closed = tool === "shape" || (tool === "curve" && isClosed(now.points));
+    if (closed && now.points.length < 4) return;
+    showDrawn(this.stage, drawnFrom(this.stage, { points: now.points, closed }));
   }
 
   up(place: Place): void {
@@ -82,6 +98,7 @@ export class Drawing {
   }
 
   cancel(): void {
+    if (this.sketch.value?.kind === "line") hideDrawn(this.stage);
     this.sketch.value = null;
     this.begun = null;
     this.pressed = false;
@@ -96,6 +113,7 @@ export class Drawing {
     const points = former.length && distance(former.at(-1) as Place, place) < 0.02 ? former : [...former, place];
     this.lineBegun = points.length;
     this.sketch.value = { points, closed: this.stage.tool.value === "shape", kind: "line" };
+    this.show();
   }
 
   removePoint(): void {

@@ -2,10 +2,11 @@
 import type { Group, Score } from "../../model/score";
 import type { StageElement, Ways } from "../../model/document";
 import type { Place } from "../../model/geometry";
+import type { Ground } from "../../model/material";
 import type { Labels } from "../../model/stage_state";
 import type { Positions } from "../../net/frames";
 import { toPixels, type Camera2D } from "./camera2d";
-import { paintDistances, paintElements, paintMeetings, paintSet, paintSketch, type Written } from "./paint_marks";
+import { paintDistances, paintElements, paintGrounds, paintMeetings, paintSet, paintSketch, type Written } from "./paint_marks";
 
 export interface Theme {
   floor: string;
@@ -38,6 +39,11 @@ export interface Scene {
   /** The stage's own picture, while a preview is shown; pale. */
   compared: Positions | null;
   ways: Ways | null;
+  /** Whose ways are drawn or dragged just now; those of the others are dashed. Empty: all alike. */
+  own: ReadonlySet<number>;
+  /** Where what is dragged can be dropped, and where it would be now. */
+  grounds: Ground[];
+  target: Ground | null;
   /** Those that act now, and those that are selected in the score. */
   elements: StageElement[];
   written: Written[];
@@ -74,6 +80,7 @@ export function paint(context: CanvasRenderingContext2D, scene: Scene): void {
   paintFloor(context, scene);
   paintSet(context, scene);
   paintElements(context, scene);
+  paintGrounds(context, scene);
   if (scene.compared) paintPale(context, scene, scene.compared);
   if (scene.ways) paintWays(context, scene, scene.ways);
   if (scene.ghost) paintGhost(context, scene, scene.ghost);
@@ -131,9 +138,13 @@ function paintWays(context: CanvasRenderingContext2D, scene: Scene, ways: Ways):
     const last = way.at(-1);
     if (!first || !last || Math.hypot(last[0] - first[0], last[1] - first[1]) < 0.02) return;
     const steps = Math.max(way.length - 1, 1);
+    const isOther = scene.own.size > 0 && !scene.own.has(dancer);
+    context.lineWidth = isOther ? 1.5 : 2;
+    context.setLineDash(isOther ? [5, 4] : []);
     for (let at = 0; at < steps; at += 4) {
       // pale at the start, full at the end
       context.globalAlpha = 0.12 + (0.78 * (at + 4)) / steps;
+      context.lineDashOffset = isOther ? at : 0; // one row of dashes across the pieces
       context.strokeStyle = scene.alarmed.has(dancer) ? scene.theme.alarm : colourOf(group);
       context.beginPath();
       for (let point = at; point <= Math.min(at + 4, steps); point++) {
@@ -145,6 +156,7 @@ function paintWays(context: CanvasRenderingContext2D, scene: Scene, ways: Ways):
       context.stroke();
     }
     const [px, py] = toPixels(camera, last[0], last[1]);
+    context.setLineDash([]);
     if (scene.ghost) return; // it shows where they arrive
     context.globalAlpha = 0.9;
     context.beginPath();

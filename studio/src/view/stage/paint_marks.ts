@@ -120,6 +120,35 @@ export function paintElements(context: Context, { camera, elements, written, the
   context.lineWidth = 1;
 }
 
+/** Regions and lines to which what is dragged can be bent; the one under it is full. */
+export function paintGrounds(context: Context, { camera, grounds, target, theme }: Scene): void {
+  for (const ground of grounds) {
+    const isTarget = ground === target;
+    context.strokeStyle = context.fillStyle = isTarget ? theme.accent : theme.dim;
+    context.lineWidth = isTarget ? 3 : 1.5;
+    context.setLineDash(isTarget ? [] : [6, 4]);
+    context.beginPath();
+    for (const places of ground.lines) {
+      places.forEach(([x, z], index) => {
+        const [px, py] = toPixels(camera, x, z);
+        if (index) context.lineTo(px, py);
+        else context.moveTo(px, py);
+      });
+    }
+    if (ground.kind === "into") {
+      context.globalAlpha = isTarget ? 0.16 : 0.05;
+      context.fill("evenodd");
+    }
+    context.globalAlpha = isTarget ? 1 : 0.7;
+    context.stroke();
+    context.globalAlpha = 1;
+    context.setLineDash([]);
+    const first = ground.lines[0]?.[0];
+    if (first && typeof ground.to === "string") label(context, camera, ground.to, ...toPixels(camera, first[0], first[1]), isTarget ? theme.accent : theme.dim);
+  }
+  context.lineWidth = 1;
+}
+
 /** Marks where two would meet: the places of their ways where they are nearest to each other. */
 export function paintMeetings(context: Context, { camera, meetings, ways, theme }: Scene): void {
   if (!ways) return;

@@ -4,6 +4,7 @@ import { StageState } from "../../model/stage_state";
 import type { Studio } from "../../model/studio";
 import { stageSize } from "../../model/plan";
 import { fit, toMetres, type Camera2D } from "./camera2d";
+import { BendHandle, bendDrop } from "./bend_handle";
 import { DancerList } from "./dancer_list";
 import { Drawing } from "./drawing";
 import { Faults } from "./faults";
@@ -80,7 +81,7 @@ export function StageView({ studio }: { studio: Studio }) {
       <ToolOptions stage={stage} />
       <LineOptions stage={stage} drawing={drawing} />
       <PlacingBar studio={studio} stage={stage} />
-      <div class={`floor tool-${stage.tool.value}${stage.stroke.value ? " with-form" : ""}`}>
+      <div class={`floor tool-${stage.tool.value}${stage.stroke.value ? " with-form" : ""}`} {...(solid ? {} : bendDrop(stage, placeAt))}>
         <DancerList studio={studio} stage={stage} drawing={drawing}>
           <canvas
             ref={canvas}
@@ -101,6 +102,7 @@ export function StageView({ studio }: { studio: Studio }) {
           />
         </DancerList>
         {!solid && <Handles studio={studio} stage={stage} camera={camera} />}
+        {!solid && <BendHandle studio={studio} stage={stage} camera={camera} />}
         {!solid && <PlaceHandles studio={studio} stage={stage} camera={camera} />}
         {solid && <SolidStage studio={studio} stage={stage} />}
         {stage.stroke.value && <StrokeForm studio={studio} stage={stage} stroke={stage.stroke.value} />}
@@ -133,6 +135,9 @@ function sceneOf(studio: Studio, stage: StageState, drawing: Drawing, camera: Ca
     groups: studio.doc.structure.value?.groups ?? [],
     groupOf: groupOf(studio, Math.max(positions?.count ?? 0, studio.doc.positions.peek()?.count ?? 0)),
     ways: stage.ways.value,
+    own: stage.own.value,
+    grounds: stage.bending.grounds.value,
+    target: stage.bending.target.value,
     elements: stage.looked.value === null && !stage.played.value ? (studio.doc.clock.value?.elements ?? []) : [],
     written: writtenHere(studio, stage),
     chosen: new Set(studio.dancers.value),

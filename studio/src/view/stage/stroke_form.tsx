@@ -1,12 +1,14 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { reached } from "../../model/danced";
-import type { Place } from "../../model/geometry";
-import { drawnEdits, drawnFormation, freeName, liveCall, type Becomes, type Drawn } from "../../model/stage_edits";
+import { chosenSegment, drawnFrom, hideDrawn, keyOfMaterial, showDrawn } from "../../model/drawn";
+import { materials } from "../../model/material";
+import { drawnEdits, liveCall, type Becomes, type Drawn } from "../../model/stage_edits";
 import type { StageState, Stroke } from "../../model/stage_state";
 import type { Studio } from "../../model/studio";
 
-const CHOICES: [Becomes, string][] = [["formation", "Formation"], ["way", "Way"], ["path", "Lead along it"], ["flow", "Flow"], ["attract", "Gather on it"]];
+/** What a line can become. */
+export const CHOICES: [Becomes, string][] = [["formation", "Formation"], ["way", "Way"], ["bend", "Bend a group to it"], ["path", "Lead along it"], ["flow", "Flow"], ["attract", "Gather on it"]];
 const INSIDE = ["even", "grid", "diagonal", "concentric", "poisson"];
 const KEEPS: Record<string, [Drawn["keep"], string][]> = {
   "left-right": [["left", "left half"], ["right", "right half"]], "front-back": [["back", "back half"], ["front", "front half"]],
@@ -15,27 +17,18 @@ const KEEPS: Record<string, [Drawn["keep"], string][]> = {
 /** Asks what becomes of a drawn line; the stage shows it meanwhile. */
 export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: StageState; stroke: Stroke }) {
   const form = useRef<HTMLFormElement>(null);
-  const drawn = useSignal<Drawn>({
-    becomes: "formation", points: stroke.points, closed: stroke.closed, start: stage.here(), measures: 4, group: studio.whom.value,
-    name: freeName(studio.score.value, "drawn"), inside: false, pattern: "", many: "dancers", amount: 12, mirror: "", keep: "", singleFile: false, strength: 1,
-  });
+  const drawn = useSignal<Drawn>(drawnFrom(stage, stroke));
   const now = drawn.value;
   const set = (more: Partial<Drawn>): void => { drawn.value = { ...drawn.value, ...more }; };
-  const isElement = now.becomes !== "formation" && now.becomes !== "way";
+  const isElement = !["formation", "way", "bend"].includes(now.becomes);
+  const changesSegment = now.becomes === "bend" && Boolean(now.material?.segment);
   const close = (): void => {
     stage.stroke.value = null;
-    stage.thought.value = [];
-    stage.endDrag();
+    hideDrawn(stage);
   };
 
   useEffect(() => form.current?.querySelector("input")?.focus(), []);
-  useEffect(() => {
-    // what it would look like: places of the formation, and ways into it
-    if (now.becomes === "formation") void placesOf(studio, now).then((places) => { if (stage.stroke.peek()) stage.thought.value = places; });
-    else stage.thought.value = [];
-    if (!isElement) stage.drag(drawnEdits(studio.score.value, now), reached(studio.score.value, now.start, now.measures));
-    else stage.endDrag();
-  }, [now]);
+  useEffect(() => showDrawn(stage, now), [now]);
 
   const keep = async (): Promise<void> => {
     const edits = drawnEdits(studio.score.value, now);
@@ -68,21 +61,26 @@ export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: S
       <fieldset class="choice">
         <legend>It becomes</legend>
         {CHOICES.map(([becomes, words]) => (
-          <label key={becomes} class="pick"><input type="radio" name="becomes" checked={now.becomes === becomes} onChange={() => set({ becomes })} /> {words}</label>
+          <label key={becomes} class="pick"><input type="radio" name="becomes" checked={now.becomes === becomes} onChange={() => { stage.becomes.value = becomes; set({ becomes }); }} /> {words}</label>
         ))}
       </fieldset>
       {now.becomes === "formation" && <FormationFields now={now} set={set} />}
+      {now.becomes === "bend" && <BendField stage={stage} now={now} set={set} />}
       {now.becomes === "way" && (
         <label class="pick"><input type="checkbox" checked={now.singleFile} onChange={() => set({ singleFile: !now.singleFile })} /> one behind another</label>
       )}
       {isElement && <Number words="Strength" value={now.strength} least={0.1} step={0.1} set={(strength) => set({ strength })} />}
-      <label class="field">Who <input value={now.group === "*" ? "" : now.group} placeholder="everybody" maxLength={250} onChange={(event) => set({ group: event.currentTarget.value.trim() || "*" })} /></label>
-      <div class="pair">
-        <Number words="From measure" value={now.start + 1} least={1} step={1} set={(value) => set({ start: Math.round(value) - 1 })} />
-        <Number words="for" value={now.measures} least={1} step={1} set={(measures) => set({ measures: Math.round(measures) })} />
-      </div>
+      {!changesSegment && (
+        <>
+          <label class="field">Who <input value={now.group === "*" ? "" : now.group} placeholder="everybody" maxLength={250} onChange={(event) => set({ group: event.currentTarget.value.trim() || "*" })} /></label>
+          <div class="pair">
+            <Number words="From measure" value={now.start + 1} least={1} step={1} set={(value) => set({ start: Math.round(value) - 1 })} />
+            <Number words="for" value={now.measures} least={1} step={1} set={(measures) => set({ measures: Math.round(measures) })} />
+          </div>
+        </>
+      )}
       <div class="buttons">
-        <button class="primary">{stage.trying.value ? "Try it" : `Put it at measure ${now.start + 1}`}</button>
+        <button class="primary">{stage.trying.value ? "Try it" : changesSegment ? "Bend it" : `Put it at measure ${now.start + 1}`}</button>
         {isElement && (
           <button
             type="button"
@@ -97,6 +95,28 @@ export function StrokeForm({ studio, stage, stroke }: { studio: Studio; stage: S
         <button type="button" onClick={close}>Cancel</button>
       </div>
     </form>
+  );
+}
+
+/** Whose motion goes into a region, or along a line. */
+function BendField({ stage, now, set }: { stage: StageState; now: Drawn; set: Setter }) {
+  return <label class="field">{now.closed ? "Into it" : "Along it"} <BendSelect stage={stage} onChange={(material) => set({ material })} /></label>;
+}
+
+/** All that can be bent: the selected segment's motion, evolutions, formations, shapes. */
+export function BendSelect({ stage, onChange }: { stage: StageState; onChange?: (material: Drawn["material"]) => void }) {
+  const all = materials(stage.studio.score.value, chosenSegment(stage));
+  const chosen = all.find((one) => keyOfMaterial(one) === stage.bent.value) ?? all[0];
+  return (
+    <select
+      aria-label="What is bent" value={chosen ? keyOfMaterial(chosen) : ""}
+      onChange={(event) => {
+        stage.bent.value = event.currentTarget.value;
+        onChange?.(all.find((one) => keyOfMaterial(one) === event.currentTarget.value) ?? null);
+      }}
+    >
+      {all.map((one) => <option key={keyOfMaterial(one)} value={keyOfMaterial(one)}>{one.segment ? `${one.name}, selected` : one.list === "evolution" ? `${one.name} (ways)` : one.name}</option>)}
+    </select>
   );
 }
 
@@ -164,11 +184,4 @@ function Number({ words, value, least, step, set }: { words: string; value: numb
       <input type="number" min={least} step={step} value={value} onChange={(event) => set(Math.max(least, event.currentTarget.valueAsNumber || least))} />
     </label>
   );
-}
-
-async function placesOf(studio: Studio, drawn: Drawn): Promise<Place[]> {
-  const count = studio.dancers.value.length || (studio.doc.structure.value?.groups ?? []).reduce((sum, group) => sum + group.dancers, 0);
-  const answer = await studio.preview.ask({ places: [{ formation: drawnFormation(drawn), dancers: Math.min(count, 400) }] }, "places");
-  const rows = answer.texts["places"]?.["places"] as { slots?: [number, number][] }[] | undefined;
-  return (rows?.[0]?.slots ?? []).map((slot) => [slot[0], slot[1]] as Place);
 }

@@ -3,7 +3,9 @@ import type { Labels, StageState, Tool } from "../../model/stage_state";
 import type { Studio } from "../../model/studio";
 import { colourOf } from "./paint";
 import { wordsOfDancers } from "../../model/form";
-import { isElementTool, type Drawing } from "./drawing";
+import type { Becomes } from "../../model/stage_edits";
+import { isDrawingTool, isElementTool, type Drawing } from "./drawing";
+import { BendSelect, CHOICES } from "./stroke_form";
 
 /** Name, title and the path of the icon, in a square of 16. */
 const TOOLS: [Tool, string, string][] = [
@@ -86,7 +88,7 @@ function groupSpans(studio: Studio): { name: string; colour: string; members: nu
 /** What the chosen tool does, and to whom. */
 export function ToolOptions({ stage }: { stage: StageState }) {
   const tool = stage.tool.value;
-  if (!isElementTool(tool)) return null;
+  if (!isElementTool(tool)) return isDrawingTool(tool) && !stage.stroke.value ? <DrawnOptions stage={stage} /> : null;
   return (
     <div class="strip options" role="group" aria-label="The element">
       <span class="hint">{stage.studio.whom.value === "*" ? "everybody" : wordsOfDancers(stage.studio.whom.value)}</span>
@@ -94,6 +96,25 @@ export function ToolOptions({ stage }: { stage: StageState }) {
       <NumberField words="measures" value={stage.measures} least={1} most={64} step={1} />
       <Switch value={stage.live} words="Live" />
       <span class="hint">{stage.live.value ? "acts at once in the show" : `from measure ${stage.here() + 1} of the score`}</span>
+    </div>
+  );
+}
+
+/** What a line becomes that is drawn, and whose ways are planned together with those that it makes. */
+function DrawnOptions({ stage }: { stage: StageState }) {
+  const { becomes } = stage;
+  const together = stage.together.value;
+  const { meetings } = stage.faults.value;
+  return (
+    <div class="strip options" role="group" aria-label="What is drawn">
+      <label class="field">
+        becomes
+        <select value={becomes.value} onChange={(event) => { becomes.value = event.currentTarget.value as Becomes; }}>
+          {CHOICES.map(([value, words]) => <option key={value} value={value}>{words.toLowerCase()}</option>)}
+        </select>
+      </label>
+      {becomes.value === "bend" ? <BendSelect stage={stage} /> : <span class="hint">{stage.studio.whom.value === "*" ? "everybody" : wordsOfDancers(stage.studio.whom.value)}</span>}
+      <span class="hint" role="status">{together.length ? `planned together with ${together.join(", ")}${meetings.length ? `: ${meetings.length} ${meetings.length === 1 ? "pair meets" : "pairs meet"}` : ""}` : `from measure ${stage.here() + 1} of the score`}</span>
     </div>
   );
 }

@@ -1,107 +1,110 @@
 import { useSignal } from "@preact/signals";
-import { useEffect, useMemo } from "preact/hooks";
-import { asLed } from "../../model/danced";
+import { useCallback, useEffect } from "preact/hooks";
+import { sceneBox, sceneStart, sheetsFile, type Paper, type SheetScene, type Sheets } from "../../model/sheets";
 import type { Studio } from "../../model/studio";
-import { isLed, measuresText, neighbours, pictures, placeText, ranges, takenAt, title, type Picture, type Taken } from "../../model/storyboard";
-import { groupOf } from "../stage/stage_view";
-import { BoardPicture } from "./board_picture";
+import { PageOfSheet } from "./sheet_page";
 import "./storyboard.css";
 
-/** The show in pictures, one for each arrival; printed as it is, or as a sheet for each dancer. */
+const PAPERS: [Paper, string][] = [["a4", "A4"], ["letter", "Letter"]];
+
+/** The show on paper, as `live sheets` prints it: the storyboard, or the sheets of a dancer. */
 export function Storyboard({ studio }: { studio: Studio }) {
-  const taken = useSignal<Map<number, Taken>>(new Map());
+  const sheets = useSignal<Sheets | null>(null);
   const problem = useSignal("");
+  const works = useSignal(false);
   const dancer = useSignal<number | null>(null);
-  const structure = studio.doc.structure.value;
-  const all = useMemo(() => (structure ? pictures(structure) : []), [structure]);
-  const led = structure !== null && isLed(structure);
+  const paper = useSignal<Paper>(navigator.language.endsWith("-US") ? "letter" : "a4");
+  const printing = useSignal(false);
+  const revision = studio.doc.revision.value;
+  const isThere = studio.doc.structure.value !== null;
+  const name = String(studio.score.value["name"] ?? "");
 
   useEffect(() => {
+    if (!isThere) return;
     let wanted = true;
-    void (async () => {
-      const found = new Map<number, Taken>();
-      for (const [from, to] of ranges(all)) {
-        const answer = await studio.preview.ask({ from, to, ...asLed(led), positions: "measures", ways: false, notes: false }, "storyboard");
-        if (!wanted) return;
-        if (answer.refused) {
-          problem.value = answer.refused[0]?.what ?? "";
-          return;
-        }
-        for (const [measure, one] of takenAt(answer)) found.set(measure, one);
-        taken.value = new Map(found);
-      }
-      problem.value = "";
-    })();
+    works.value = true;
+    const whose = dancer.value === null ? {} : { dancer: dancer.value };
+    void studio.preview.ask({ sheets: paper.value, ...whose }, "sheets", true).then((answer) => {
+      if (!wanted || answer.replaced) return;
+      works.value = false;
+      problem.value = faultWords(answer.refused);
+      if (answer.texts["sheets"]) sheets.value = answer.texts["sheets"] as unknown as Sheets;
+    });
     return () => { wanted = false; };
-  }, [all]);
+  }, [isThere, revision, dancer.value, paper.value]);
 
-  const count = structure?.groups.reduce((sum, group) => sum + group.dancers, 0) ?? 0;
-  const shown = dancer.value === null ? [null] : dancer.value === 0 ? Array.from({ length: count }, (_, index) => index + 1) : [dancer.value];
+  const look = useCallback((scene: SheetScene): void => {
+    const structure = studio.doc.structure.peek();
+    if (!structure) return;
+    const start = sceneStart(structure, scene);
+    const box = sceneBox(structure, scene);
+    studio.view.value = "make";
+    studio.mode.value = "motion";
+    if (start >= 0) studio.cursor.value = start;
+    studio.select(box);
+  }, [studio]);
+
+  const savePdf = async (): Promise<void> => {
+    printing.value = true;
+    const answer = await studio.preview.ask({ sheets: paper.value, pdf: true }, "sheets as PDF");
+    printing.value = false;
+    if (answer.document) save(answer.document, sheetsFile(name));
+    else if (!answer.replaced) studio.doc.tell("refused", "The sheets cannot be drawn", answer.refused ?? []);
+  };
+
+  const found = sheets.value;
   return (
     <main class="storyboard">
       <header class="strip">
         <h2>Storyboard</h2>
         <label class="field">
-          For
+          Pages
           <select value={String(dancer.value ?? "")} onChange={(event) => { dancer.value = event.currentTarget.value === "" ? null : Number(event.currentTarget.value); }}>
-            <option value="">everybody</option>
-            <option value="0">each dancer, a sheet each</option>
-            {Array.from({ length: count }, (_, index) => <option key={index} value={String(index + 1)}>dancer {index + 1}</option>)}
+            <option value="">storyboard</option>
+            {(found?.dancers ?? []).map((one) => <option key={one} value={String(one)}>dancer {one}</option>)}
           </select>
         </label>
-        <button onClick={() => print()}>Print</button>
-        <span class="hint" role="status">{problem.value || (all.some((one) => !taken.value.has(one.danced)) ? studio.preview.progress.value !== null ? `Simulating: ${studio.preview.progress.value} measures so far` : "The pictures come in a moment …" : countText(all.length, led))}</span>
+        <label class="field">
+          Paper
+          <select value={paper.value} onChange={(event) => { paper.value = event.currentTarget.value as Paper; }}>
+            {PAPERS.map(([value, words]) => <option key={value} value={value}>{words}</option>)}
+          </select>
+        </label>
+        <button disabled={!found} onClick={() => print()}>Print</button>
+        <button disabled={printing.value} title="Storyboard and the sheets of all dancers" onClick={() => void savePdf()}>{printing.value ? "Drawing …" : "PDF of all sheets"}</button>
+        <span class="hint" role="status">{problem.value || statusText(found, works.value || printing.value, studio.preview.progress.value)}</span>
       </header>
-      {shown.map((one) => <Sheet key={one ?? "all"} studio={studio} all={all} taken={taken.value} dancer={one} />)}
+      <div class={`pages paper-${found?.paper ?? paper.value}`}>
+        {found?.pages.map((page, index) => (
+          <PageOfSheet
+            key={index} page={page} scenes={found.scenes} look={look}
+            label={`${found.dancer === null ? "Storyboard" : `Dancer ${found.dancer}`}, page ${index + 1} of ${found.pages.length}`}
+          />
+        ))}
+      </div>
     </main>
   );
 }
 
-function countText(count: number, led: boolean): string {
-  return `${count} ${count === 1 ? "picture" : "pictures"}${led ? ", as somebody leads from section to section" : ""}`;
+function faultWords(faults: { what: string; remedy?: string }[] | null): string {
+  return (faults ?? []).map((one) => `${one.what}${one.remedy ? ` – ${one.remedy}` : ""}`).join("; ");
 }
 
-function Sheet({ studio, all, taken, dancer }: { studio: Studio; all: Picture[]; taken: Map<number, Taken>; dancer: number | null }) {
-  const structure = studio.doc.structure.value;
-  if (!structure) return null;
-  const groups = groupOf(studio, structure.groups.reduce((sum, group) => sum + group.dancers, 0) + 64);
-  const name = String(structure.score["name"] ?? "");
-  const group = dancer === null ? undefined : structure.groups[groups[dancer - 1] ?? 0];
-  return (
-    <article class="sheet">
-      <h3>{dancer === null ? name : `${name}: dancer ${dancer}${group ? `, ${group.name}` : ""}`}</h3>
-      <ol>
-        {all.map((picture, index) => {
-          const here = taken.get(picture.danced);
-          const before = index ? (taken.get((all[index - 1] as Picture).danced) ?? null) : null;
-          return (
-            <li key={picture.last}>
-              <button
-                class="plain shot" aria-label={`${measuresText(picture)}: ${title(picture)}`}
-                onClick={() => { studio.view.value = "make"; studio.cursor.value = Math.max(0, picture.last - 1); if (picture.boxes[0]) studio.select(picture.boxes[0]); }}
-              >
-                {here ? <BoardPicture studio={studio} taken={here} before={before} groupOf={groups} dancer={dancer} /> : <div class="board empty" />}
-              </button>
-              <p><b>{measuresText(picture)}</b>{picture.section ? ` · ${picture.section}` : ""}</p>
-              <p>{title(picture)}</p>
-              {here && dancer !== null && <Own taken={here} dancer={dancer} structure={structure} />}
-            </li>
-          );
-        })}
-      </ol>
-    </article>
-  );
+function statusText(found: Sheets | null, works: boolean, progress: number | null): string {
+  const old = found && works ? "; below as it was" : "";
+  if (works) return progress ? `The show is simulated: ${progress} ${progress === 1 ? "measure" : "measures"} so far${old}` : `The pages come in a moment …${old}`;
+  if (!found) return "";
+  return `${count(found.scenes.length, "scene")} on ${count(found.pages.length, "page")}`;
 }
 
-function Own({ taken, dancer, structure }: { taken: Taken; dancer: number; structure: NonNullable<Studio["doc"]["structure"]["value"]> }) {
-  if (!taken.present[dancer - 1]) return <p>not on the stage</p>;
-  const { left, right } = neighbours(taken, dancer);
-  const beside = [left && `${left} at the left`, right && `${right} at the right`].filter(Boolean).join(", ");
-  return (
-    <>
-      <p>{placeText(taken.rows[3 * (dancer - 1)] ?? 0, taken.rows[3 * (dancer - 1) + 1] ?? 0, structure)}</p>
-      {beside && <p>beside {beside}</p>}
-      <p>{taken.steps[dancer - 1]}</p>
-    </>
-  );
+function count(many: number, word: string): string {
+  return `${many} ${word}${many === 1 ? "" : "s"}`;
+}
+
+function save(file: Blob, name: string): void {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(file);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10_000);
 }
