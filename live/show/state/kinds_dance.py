@@ -202,7 +202,7 @@ KINDS: Final = [
     """),
     Kind("searching", StepSearch, """
         _patch:constant-patch _dancers:dancers _motion:group-motion _targets:aims _choices:choices
-        _search_nodes:i4(node) _arguments:row[any] _following:tuple[i4(dancer)*,i4(dancer)*] seconds:float
+        _search_nodes:i4(node) _arguments:row[any] _following:tuple[i4(dancer)*,i4(dancer)*,i4(node)*] seconds:float
         _choosing:constant-choosing _give:f8 _usual_give:float
     """, {"_behind": list}),
     Kind("taken-along", ResponsePath, """
