@@ -99,5 +99,7 @@ def import_late_modules() -> None:
     Dancers are assigned to places by scipy.optimize when a formation changes; scipy.spatial finds places at the edges.
     """
     with short_switch_interval():
+        import scipy.interpolate
+        import scipy.ndimage
         import scipy.optimize
         import scipy.spatial  # noqa: F401

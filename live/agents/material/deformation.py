@@ -9,8 +9,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy.optimize import minimize
-from scipy.spatial import cKDTree
 
 from live.agents.material.neighbours import neighbours_of, opposite_angles
 from live.agents.material.room import LEAST_GAP, Room
@@ -89,6 +87,8 @@ class Deformation:
 
         Distances of `gap` [m] are aimed at; of places (one moment) `LEAST_GAP` is then certain where there is room.
         """
+        from scipy.optimize import minimize
+
         flat = first.reshape(-1, 2)
         displacement = np.zeros((self._basis.shape[1], self._count, 2))
         deepest = 0.0 if room is None else max(0.0, -float(room.depth(flat)[0].min()))
@@ -113,6 +113,8 @@ class Deformation:
 
     def _near(self, places: Float64, distance: float) -> Int64:
         """Return the pairs of each moment within `distance` [m], (P, 2)."""
+        from scipy.spatial import cKDTree
+
         return self._joined([cKDTree(now).query_pairs(distance, output_type="ndarray") for now in places])
 
     def _cost(
@@ -203,6 +205,8 @@ class _Sums:
 def finish(places: Float64, room: Room | None, gap: float) -> Float64:
     """Return `places` (D, 2) moved as little as needed so that all are inside and `LEAST_GAP` apart [m], or `gap` if
     that is less; if that does not succeed and there is room, on places of the room's lattice."""
+    from scipy.spatial import cKDTree
+
     least = min(gap, LEAST_GAP) + 0.002  # places are rounded
     now = places if room is None else room.nearest(places)
     for _ in range(ROUNDS):

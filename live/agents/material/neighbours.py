@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from scipy.spatial import Delaunay, QhullError, cKDTree
 
 from live.base.arrays import Float64, Int64
 
@@ -61,6 +60,8 @@ def opposite_angles(inner: Int64, side: Float64, places: Float64) -> Float64:
 def neighbours_of(places: Float64, *, mirrored: bool = False) -> Neighbours:
     """Return the neighbours among `places` (D, 2) [m]: the edges of all Delaunay triangles that are not flat, and each
     one's nearest. In a row each has the next one; two are neighbours. `mirrored`: as they are in a mirror."""
+    from scipy.spatial import Delaunay, cKDTree
+
     none = np.zeros((0, 4), np.int64), np.zeros((0, 2))
     order = _row_order(places)
     if order is not None:
@@ -84,6 +85,8 @@ def neighbours_of(places: Float64, *, mirrored: bool = False) -> Neighbours:
 
 def _delaunay_edges(places: Float64) -> Int64:
     """Return all edges of the Delaunay graph of `places` (D, 2), the lower number first, (E, 2)."""
+    from scipy.spatial import Delaunay
+
     order = _row_order(places)
     if order is not None:
         return _chain(order)
@@ -105,6 +108,8 @@ def _smallest_sine(corners: Float64) -> Float64:
 
 def _row_order(places: Float64) -> Int64 | None:
     """Return the order of places along their line if they stand in a row (or are fewer than three), else None."""
+    from scipy.spatial import Delaunay, QhullError
+
     if len(places) < 2:
         return np.arange(len(places))
     offset = places - places.mean(axis=0)

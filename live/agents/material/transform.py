@@ -10,8 +10,6 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
-from scipy.ndimage import gaussian_filter1d
-from scipy.spatial import cKDTree
 
 from live.agents.groups.roster import Line, mirror_places
 from live.agents.material.deformation import EASY_GAP, WANTED_SHARE, Deformation, Deformed, fitted_into
@@ -194,6 +192,8 @@ def _bent(points: Float64, angle: float, extent: Float64) -> tuple[Float64, Floa
 
 def _along(points: Float64, transform: Transform) -> tuple[Float64, Float64]:
     """Return points with their width laid on the line, and the turn of each."""
+    from scipy.ndimage import gaussian_filter1d
+
     low, high = points.min(axis=(0, 1)), points.max(axis=(0, 1))
     line = np.array(transform.along)
     length = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(line, axis=0).T))])
@@ -255,6 +255,8 @@ def _local_turn(source: Float64, found: Deformed) -> Float64:
 
 def _least(places: Float64) -> float:
     """Return the least distance of two dancers at any moment of places (S, D, 2) [m]."""
+    from scipy.spatial import cKDTree
+
     if places.shape[1] < 2:
         return math.inf
     return min(float(cKDTree(now).query(now, k=2)[0][:, 1].min()) for now in places)
@@ -266,6 +268,7 @@ Warp = Callable[[Float64], Float64]
 def warp_between(before: Float64, after: Float64) -> Warp:
     """Return a smooth map of the floor that leads places `before` (D, 2) to `after` (D, 2) [m]."""
     from scipy.interpolate import RBFInterpolator
+    from scipy.spatial import cKDTree
 
     kept = np.sort(np.unique(np.round(before, 6), axis=0, return_index=True)[1])
     offset = before[kept] - before[kept].mean(axis=0)

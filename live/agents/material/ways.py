@@ -9,7 +9,6 @@ from functools import lru_cache
 from typing import Final
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from live.agents.material.transform import Transform, map_points, transform_group
 from live.base.arrays import Float32, Float64
@@ -38,6 +37,8 @@ Way = tuple[tuple[float, float], ...]
 @lru_cache(maxsize=256)
 def way_basis(points: int, moments: int) -> Float64:
     """Return the matrix (moments, points) that makes places at even times of the points of a way."""
+    from scipy.interpolate import CubicSpline
+
     if points == 1:
         return np.ones((moments, 1))
     spline = CubicSpline(np.linspace(0.0, 1.0, points), np.eye(points))
