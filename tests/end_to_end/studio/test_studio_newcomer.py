@@ -17,8 +17,8 @@ from typing import Any, Final
 import pytest
 
 from tests.control.waiting import BUSY
-from tests.end_to_end.begun_studio import Begun, Keys, Mouse, around, begun_studio, pairs_apart
 from tests.end_to_end.browser import needs_browser
+from tests.end_to_end.studio.begun_studio import Begun, Keys, Mouse, around, begun_studio, pairs_apart
 from tests.places import SHARED
 
 SONG: Final = SHARED / "beats" / "open" / "o04_band_125_live.ogg"

@@ -16,7 +16,7 @@ from typing import Any, Final
 
 from tests.control.waiting import BUSY
 from tests.end_to_end.browser import browser
-from tests.end_to_end.test_studio_start import KEY, free_ports
+from tests.end_to_end.studio.test_studio_start import KEY, free_ports
 
 FLOOR_MARGIN_M: Final = 1.1
 """Around the stage in the picture from above."""

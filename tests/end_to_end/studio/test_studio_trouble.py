@@ -14,7 +14,7 @@ from tests.app.services.test_studio_pages import Studio
 from tests.control.waiting import BUSY
 from tests.end_to_end.browser import browser, needs_browser
 from tests.end_to_end.conftest import Running, children
-from tests.end_to_end.test_studio_timeline import MORE, box, drag, middle, opened_page, show_of, until, written
+from tests.end_to_end.studio.test_studio_timeline import MORE, box, drag, middle, opened_page, show_of, until, written
 from tests.show.patch.edited_night import write_patch_folder
 
 pytestmark = [needs_browser, pytest.mark.browser, pytest.mark.long]

@@ -9,8 +9,8 @@ import pytest
 from tests.app.services.test_document_service import PATCH
 from tests.app.services.test_studio_pages import KEY, Studio
 from tests.end_to_end.browser import browser, needs_browser
-from tests.end_to_end.test_studio_stage import DEPTH, WIDTH, at, place_of
-from tests.end_to_end.test_studio_timeline import MORE, TIMEOUT, box, middle, show_of, until, written
+from tests.end_to_end.studio.test_studio_stage import DEPTH, WIDTH, at, place_of
+from tests.end_to_end.studio.test_studio_timeline import MORE, TIMEOUT, box, middle, show_of, until, written
 
 pytestmark = [needs_browser, pytest.mark.browser, pytest.mark.long]
 LONG_PRESS_MS = 600

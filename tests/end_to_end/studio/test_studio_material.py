@@ -11,7 +11,7 @@ from tests.app.services.test_document_service import PATCH
 from tests.app.services.test_studio_pages import KEY, Studio
 from tests.control.waiting import BUSY
 from tests.end_to_end.browser import browser, needs_browser
-from tests.end_to_end.test_studio_stage import DEPTH, WIDTH, at, stroke, until, written
+from tests.end_to_end.studio.test_studio_stage import DEPTH, WIDTH, at, stroke, until, written
 from tests.show.patch.edited_night import write_patch_folder
 
 pytestmark = [needs_browser, pytest.mark.browser, pytest.mark.long]

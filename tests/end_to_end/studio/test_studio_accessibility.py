@@ -10,8 +10,8 @@ import pytest
 from tests.app.services.test_document_service import PATCH
 from tests.app.services.test_studio_pages import KEY, Studio
 from tests.control.waiting import BUSY
-from tests.end_to_end.begun_studio import begun_studio
 from tests.end_to_end.browser import browser, needs_browser
+from tests.end_to_end.studio.begun_studio import begun_studio
 from tests.places import ROOT
 from tests.show.patch.edited_night import write_patch_folder
 
