@@ -12,6 +12,7 @@ from collections import deque
 from collections.abc import Callable, Iterable
 from functools import partial
 
+from live.base.fault_isolation import run_once
 from live.control.message_codec import PacketError
 from live.show.background_work import short_switch_interval
 from live.show.loader import LoadedShow
@@ -26,7 +27,7 @@ Aside = Callable[[Callable[[], None]], None]
 
 def do_in_thread(task: Callable[[], None]) -> None:
     """Do a task in a thread of its own."""
-    threading.Thread(target=task, name="join", daemon=True).start()
+    threading.Thread(target=partial(run_once, "joining a show", task), name="join", daemon=True).start()
 
 
 class ComingShow:

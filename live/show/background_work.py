@@ -96,7 +96,8 @@ def short_switch_interval() -> Iterator[None]:
 def import_late_modules() -> None:
     """Import what frames may need, but not the first ones, so that no later frame has to: call it beside the show.
 
-    Dancers are assigned to places by scipy.optimize when a formation changes; scipy.spatial finds places at the edges.
+    Dancers are assigned to places by scipy.optimize when a formation changes; scipy.spatial finds places at the edges;
+    the others are for formations that are like another one, for other numbers of dancers.
     """
     with short_switch_interval():
         import scipy.interpolate

@@ -21,7 +21,6 @@ from live.agents.evolutions.intention import (
     Segment,
     Trajectory,
 )  # fmt: skip
-from live.agents.evolutions.recorded_ways import paths_to_ways
 from live.agents.evolutions.segment_start import MotionDraft, PlannedMotion, SegmentStart
 from live.agents.evolutions.slot_layout import assign_places
 from live.agents.evolutions.start_delays import Arrival, delays, limit_delays, start_and_arrival
@@ -31,6 +30,8 @@ from live.base.arrays import Float32, Float64
 
 MAX_CHECKED_DANCERS = 300
 """Larger groups are not checked for clearance; steering keeps them apart."""
+APPROACH_MEASURES = 1.0
+"""Dancers who are elsewhere come to their ways within so many measures, at most half of the time."""
 
 
 def plan_segment(
@@ -110,7 +111,7 @@ def _trajectory(
 def _follow_ways(
     segment: Segment, follow: FollowWays, repertoire: Repertoire, departure: SegmentStart, draft: MotionDraft
 ) -> Pieces[PlannedMotion]:
-    ways, slot = yield from paths_to_ways(segment, follow, repertoire.ways_of(follow.ways), departure, draft)
+    ways, slot = yield from _paths_to_ways(segment, follow, repertoire.ways_of(follow.ways), departure, draft)
     segment = replace(segment, ripple=replace(segment.ripple, arrive=Arrival.APART))  # in canon nobody hurries
     facing, after = follow.orientation, departure.heading
     if facing.facing in (Facing.TANGENT, Facing.MEASURES):
@@ -171,3 +172,32 @@ def _repaired(segment: Segment, timing: _Timing, path_mode: PathMode, departure:
     )
     nothing = np.full(locomotion.count, -1, np.int32)
     return PlannedMotion(result.locomotion, nothing, result.retimed, result.bent, result.remaining)
+
+
+def _paths_to_ways(
+    segment: Segment,
+    follow: FollowWays,
+    ways: npt.NDArray[np.floating],
+    departure: SegmentStart,
+    draft: MotionDraft,
+) -> Pieces[tuple[Float32, npt.NDArray[np.int32]]]:
+    """Return the paths [m] of dancers who follow ways that were drawn or recorded (T145, T146), (D, K, 2) at even
+    times, and the way of each, (D,), -1 for none.
+
+    Each begins where she is, and comes to her way early in the segment. Whoever has no way goes to the edge.
+    """
+    lines = np.asarray(ways, np.float64)
+    if follow.backwards:
+        lines = lines[:, ::-1]
+    if segment.mirror is not None:
+        lines = mirror_places(lines, segment.mirror)
+    slot, places = yield from assign_places(follow.matching, lines[:, 0], (), departure, draft)
+    waiting = np.repeat(places[len(lines) :, None], lines.shape[1], axis=1)
+    paths = np.concatenate([lines, waiting])[slot]
+    away: Float64 = departure.position - paths[:, 0]
+    length = max(departure.end - departure.begin, 1e-9)
+    approach = min(APPROACH_MEASURES * departure.measure_beats / length, 0.5)
+    share = np.clip(np.linspace(0.0, 1.0, lines.shape[1]) / approach, 0.0, 1.0)
+    left = 1.0 - share * share * (3.0 - 2.0 * share)
+    paths = paths + left[None, :, None] * away[:, None]
+    return np.ascontiguousarray(paths, np.float32), np.where(slot < len(lines), slot, -1).astype(np.int32)
