@@ -1,0 +1,1 @@
+"""Cameras: people in their pictures, as landmarks. May import what `control` may."""
