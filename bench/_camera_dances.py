@@ -156,7 +156,7 @@ def _middle(clips: Sequence[Clip]) -> Float64:
     """Return the middle of the floor that the hips go over, (3,) [m], its height 0."""
     ways = np.concatenate([clip.root_position for clip in clips]).astype(np.float64)
     middle = 0.5 * (ways.min(axis=0) + ways.max(axis=0))
-    return middle * (1.0, 0.0, 1.0)
+    return np.asarray(middle * (1.0, 0.0, 1.0))
 
 
 def _moved(clip: Clip, by: Float64, turn_deg: float) -> Clip:

@@ -197,7 +197,7 @@ def _truth(case: FilmCase, dance: Dance, folder: Path) -> FilmTruth:
     camera = camera_matrix(case)
     places = np.stack(joints, axis=1)
     pixels = to_pixels(camera, places)
-    inside = ((pixels >= 0.0) & (pixels < np.array(case.size))).all(axis=-1)
+    inside = np.asarray(((pixels >= 0.0) & (pixels < np.array(case.size))).all(axis=-1))
     return FilmTruth(
         film=folder / f"{case.name}.mp4", name=case.name, size=case.size, fps=FPS, time=time, joints=places,
         rotation=np.stack(rotation, axis=1), contact=np.stack(contact, axis=1), heel_ball=np.stack(ends, axis=1),

@@ -259,7 +259,7 @@ def test_rows_of_a_rolling_shutter_see_their_own_time():
     weights, times = row_weights(sensor, 101), moment_times(sensor)
     np.testing.assert_allclose(weights.sum(axis=0), 1.0, atol=1e-6)
     np.testing.assert_allclose(times @ weights, (np.arange(101) / 101 - 50 / 101) * 0.02, atol=1e-6)
-    np.testing.assert_allclose(row_weights(Sensor(shutter_s=0.01, readout_s=0.0), 5), 0.25)
+    np.testing.assert_allclose(row_weights(Sensor(shutter_s=0.01, readout_s=0.0, moments=4), 5), 0.25)
 
 
 def test_noise_comes_from_the_seed_and_grows_in_the_dark():
@@ -284,11 +284,11 @@ def test_noise_comes_from_the_seed_and_grows_in_the_dark():
 def test_a_film_shows_its_dancers_where_the_truth_says(tmp_path):
     import av
 
-    red = Person("woman", "unitard", (0.9, 0.02, 0.02), (0.9, 0.02, 0.02))
+    blue = Person("woman", "unitard", (0.02, 0.05, 0.9), (0.02, 0.05, 0.9))
     green = Person("man", "unitard", (0.02, 0.7, 0.02), (0.02, 0.7, 0.02))
     source = ShowPart(crossing_patch(("groove", "groove"), bpm=112, dancers=2, width=2.4, depth=0.8), (0, 1))
     case = FilmCase(
-        "small", source, 0.3, (red, green), size=(320, 240), sensor=IDEAL, cluttered=False, height=1.9, seed=2
+        "small", source, 0.3, (blue, green), size=(320, 240), sensor=IDEAL, cluttered=False, height=1.9, seed=2
     )
     truth = make_film(case, tmp_path)
     again = load_truth(tmp_path / "small.npz")
@@ -298,7 +298,7 @@ def test_a_film_shows_its_dancers_where_the_truth_says(tmp_path):
     with av.open(str(truth.film)) as film:
         pictures = [frame.to_ndarray(format="rgb24").astype(int) for frame in film.decode(video=0)]
     assert len(pictures) == len(truth.time) == 9
-    for dancer, channel in ((0, 0), (1, 1)):
+    for dancer, channel in ((0, 2), (1, 1)):
         picture, pixels = pictures[4], truth.pixels()[4, dancer]
         others = np.delete(picture, channel, axis=2).max(axis=2)
         rows, columns = np.nonzero(picture[..., channel] > 1.6 * others)
@@ -306,5 +306,6 @@ def test_a_film_shows_its_dancers_where_the_truth_says(tmp_path):
         shoulders = pixels[[SKELETON.index(side + "UpperArm") for side in ("left", "right")]]
         trunk = (rows > shoulders[:, 1].max()) & (rows < pixels[0, 1])
         assert np.median(columns[trunk]) == pytest.approx(0.5 * (pixels[0, 0] + shoulders[:, 0].mean()), abs=3.0)
-        assert rows.min() == pytest.approx(shoulders[:, 1].min(), abs=6.0)  # cloth is a few centimetres over the joint
+        neck = pixels[SKELETON.index("neck"), 1]
+        assert neck - 5.0 < rows.min() < shoulders[:, 1].min() + 3.0  # where the costume's collar is
         assert rows.max() > knees[:, 1].max()
