@@ -24,9 +24,9 @@ RETURN: Final = 0.25
 """How long [s] it takes to blend from a held pose to a person who is seen again."""
 FORGET: Final = 1.5
 """A person who was not seen for this long [s] begins anew, without a blend."""
-_FEW: Final = 0.2
+_FEW: Final = 0.05
 """Visibility under which a landmark tells nothing."""
-_MANY: Final = 0.4
+_MANY: Final = 0.2
 """So much more visibility lets the filter follow in full."""
 _UNSEEN_HOLD: Final = 0.4
 """How long [s] joints that are not seen keep their rotation before they relax."""
@@ -55,6 +55,12 @@ _LEGS: Final = np.array([row + side for row in (KNEE, ANKLE, HEEL, TOE) for side
 _BODY: Final = np.array([*(row + side for row in (HIP, SHOULDER, ELBOW, WRIST) for side in (0, 1)), *_LEGS])
 _ALL: Final = np.arange(len(_OTHER))
 _SWAPPED_LEGS: Final = np.where(np.isin(_ALL, _LEGS), _OTHER, _ALL)
+_FLOOR_NOISE: Final = 0.05
+"""Heights of the lower foot under this [m] are noise: the foot stands."""
+_ROTATION_FILTER: Final = (1.5, 1.2, 4.0)
+"""Cut-off at rest [Hz], gain [Hz per rad/s] and cut-off of the speed [Hz] of the joints' One Euro filter."""
+_PLACE_FILTER, _RISE_FILTER = (1.0, 1.5, 3.0), (3.0, 6.0, 4.0)
+"""The same, with gains in Hz per m/s, of the hips' place and of the height of the lower foot."""
 _LEG_LINE: Final = np.array((0.0, float(SKELETON.offsets[SKELETON.index("leftUpperLeg"), 1]), 0.0))
 """From the hips to the middle of the hip joints in the pelvis's axes [m]."""
 
@@ -89,9 +95,9 @@ class LandmarkBody:
         self._start()
 
     def _start(self) -> None:
-        self._rotation = RotationFilter(1.5, 1.2, 4.0)
-        self._place = PlaceFilter(1.0, 1.5, 3.0)
-        self._rise = PlaceFilter(3.0, 6.0, 4.0)
+        self._rotation = RotationFilter(*_ROTATION_FILTER)
+        self._place = PlaceFilter(*_PLACE_FILTER)
+        self._rise = PlaceFilter(*_RISE_FILTER)
         self._feet = StandingFeet()
         self._joints = JointRotations()
         self._floor = FloorEstimator()
@@ -199,7 +205,7 @@ class LandmarkBody:
         relaxing = self._unseen > _UNSEEN_HOLD
         if relaxing[1:].any():
             relaxing[0] = False
-            rotation[relaxing] = mix(rotation[relaxing], _RELAXED[relaxing], 1.0 - 0.5 ** (dt / _RELAX_HALFLIFE))
+            rotation[relaxing] = _mix(rotation[relaxing], _RELAXED[relaxing], 1.0 - 0.5 ** (dt / _RELAX_HALFLIFE))
             self._rotation.speed[relaxing] = 0.0
 
     def _place_hips(self, points: StagePoints, position: Float64, world: Float64, dt: float) -> None:
@@ -222,7 +228,7 @@ class LandmarkBody:
             share = min(self._caught / RETURN, 1.0)
             if share < 1.0:
                 hips = self._before[0] + share * (hips - self._before[0])
-                rotation = mix(self._before[1], rotation, share)
+                rotation = _mix(self._before[1], rotation, share)
             else:
                 self._before = None
         self._shown = (hips, rotation)
@@ -234,11 +240,7 @@ def _hips(points: Float64) -> Float64:
     return np.asarray(0.5 * (points[HIP] + points[HIP + 1]))
 
 
-def mix(a: Float64, b: Float64, share: float) -> Float64:
+def _mix(a: Float64, b: Float64, share: float) -> Float64:
     """Interpolate unit quaternions (..., 4) along the shorter arc (the chord, normalized)."""
     near = np.where(np.sum(a * b, axis=-1, keepdims=True) < 0.0, -b, b)
     return np.asarray(quaternion.unit(a + share * (near - a)), np.float64)
-
-
-_FLOOR_NOISE: Final = 0.05
-"""Heights of the lower foot under this [m] are noise: the foot stands."""

@@ -59,7 +59,7 @@ def test_rays_up_meet_no_floor_and_points_behind_are_not_seen():
         (MARKS, [3, 2, 1, 0], "clockwise in one list"),
         (MARKS * (np.nan, 1.0), [0, 1, 2, 3], "not a finite number"),
         (MARKS * 1e5, [0, 1, 2, 3], "over 1000 m"),
-        (MARKS + [(0.0, 0.0), (0.0, 0.0), (0.0, 2.0), (0.0, 0.0)], [0, 1, 2, 3], "do not fit together"),
+        (MARKS + np.array((0.0, 2.0)) * [[0], [0], [1], [0]], [0, 1, 2, 3], "do not fit together"),
     ],
 )  # fmt: skip
 def test_bad_marks_are_refused_in_words(marks, order, words):
