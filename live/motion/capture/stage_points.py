@@ -264,4 +264,5 @@ def _precision(away: Float64, weight: Float64) -> Float64:
     ray = away / distance[:, None]
     nearness = (3.0 / np.maximum(distance, 1.0)) ** 2 * np.maximum(weight, 0.02) ** 2
     across, along = nearness / ACROSS**2, nearness / ALONG**2
-    return across[:, None, None] * np.eye(3) + (along - across)[:, None, None] * (ray[:, :, None] * ray[:, None, :])
+    outer = ray[:, :, None] * ray[:, None, :]
+    return np.asarray(across[:, None, None] * np.eye(3) + (along - across)[:, None, None] * outer)
