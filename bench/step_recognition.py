@@ -127,7 +127,7 @@ def _unknown(known: dict[int, Library], folder: Path, tuned: bool) -> list[Row]:
 
 
 def _speed(known: dict[int, Library]) -> list[Row]:
-    beats, clip, _, seen = seen_measures(known, False)[0]
+    beats, _, _, seen = seen_measures(known, False)[0]
     begin, count = time.process_time(), 0
     while time.process_time() - begin < 0.5:
         recognised(known, beats, seen)

@@ -111,9 +111,9 @@ class LearnStep(ControlEvent):
     name: Annotated[str, Argument.label("the new step's name")]
     measures: Annotated[int, Argument.number("its length", 1, 4, "measures")] = 1
     group: Dancers = "*"
-    when: Annotated[str, Argument.label("last: what was danced just now, next: what will be danced from the next line")] = (
-        "last"
-    )
+    when: Annotated[
+        str, Argument.label("last: what was danced just now, next: what will be danced from the next line")
+    ] = "last"
     repeats: Annotated[int, Argument.number("how often the dancers dance it", 0, 64)] = 4
 
 

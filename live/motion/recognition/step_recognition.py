@@ -148,7 +148,7 @@ def _flat(samples: Float32) -> tuple[Complex64, Float32, Float32]:
     root = np.sqrt(_WEIGHT / moments).astype(np.float32)[:, None]
     motion = np.sqrt((np.square(moving * root)).sum(axis=(-3, -2, -1)))
     weighted = (moving + POSTURE_SHARE * mean) * root
-    flat = (*weighted.shape[:-3], -1)
+    flat = (*weighted.shape[:-3], moments * len(_WEIGHT))
     floor = (weighted[..., 0] + 1j * weighted[..., 2]).astype(np.complex64).reshape(flat)
     return floor, np.ascontiguousarray(weighted[..., 1]).reshape(flat), np.asarray(motion, np.float32)
 

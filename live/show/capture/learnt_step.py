@@ -16,8 +16,9 @@ from live.base.arrays import Float, Float64
 from live.base.errors import PersonError
 from live.graph.library_insert import insert_clips
 from live.graph.motion_graph import MotionGraph
-from live.library.add_step import MAX_NAMES, add_step, request_entry
+from live.library.add_step import MAX_NAMES
 from live.library.step_folder import load_folder, varied_steps, with_path_variants
+from live.library.step_writer import append_step
 from live.motion import quaternion
 from live.motion.clip import Clip
 from live.motion.curve import smoothstep
@@ -59,19 +60,19 @@ def learn_step(
     if take.beats_per_measure != graph.library.beats_per_measure:
         raise PersonError(f"it has {take.beats_per_measure} beats a measure, the steps have another metre")
     bpm, clip = take_clip(take)
+    stem = _free_stem(take.name, folder)
+    fields = {
+        "file": f"{stem}.bvh", "name": take.name, "bpm": bpm,
+        "first_beat_s": round(take.beats_per_measure * 60.0 / bpm, 6),
+        "beats_per_measure": take.beats_per_measure, "measures": take.measures, "repair": True,
+    }  # fmt: skip
+    description = append_step("", fields, {"name": f"learnt from {take.performer}"})
+    assert description is not None
+    files = {f"{stem}.bvh": write_bvh(clip, rate=None).encode(), f"{stem}.toml": description.encode()}
     with tempfile.TemporaryDirectory(prefix="learnt-") as place:
-        stem = _free_stem(take.name, folder)
-        source = Path(place) / "taken" / f"{stem}.bvh"
-        source.parent.mkdir()
-        source.write_text(write_bvh(clip, rate=None), encoding="ascii")
-        library = Path(place) / "library"
-        fields = {
-            "name": take.name, "bpm": bpm, "first_beat_s": round(take.beats_per_measure * 60.0 / bpm, 6),
-            "beats_per_measure": take.beats_per_measure, "measures": take.measures, "repair": True,
-        }  # fmt: skip
-        add_step(library, request_entry(source, fields), comments={"name": f"learnt from {take.performer}"})
-        read = load_folder(library)
-        files = {name: (library / name).read_bytes() for name in (f"{stem}.bvh", f"{stem}.toml")}
+        for name, contents in files.items():
+            (Path(place) / name).write_bytes(contents)
+        read = load_folder(Path(place))
     chosen = with_path_variants(read)
     formed = tempo_forms(chosen + varied_steps(chosen, patch.variations, patch.seed), span)
     clips = chosen if formed.refused else formed.clips
@@ -83,7 +84,7 @@ def learn_step(
 
 
 def take_clip(take: Take) -> tuple[float, Clip]:
-    """Return the tempo at which a take was danced [bpm], and its motion: a measure before it, itself, and a little more.
+    """Return the tempo at which a take was danced [bpm], and its motion: a measure before it, itself, a little more.
 
     Samples are even in beats, so that its measures are as long as each other. Where there are no poses, the nearest one
     is held.

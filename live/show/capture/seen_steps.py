@@ -142,20 +142,29 @@ class SeenSteps:
         """Handle an event of `EVENTS`; raises PersonError for what is unknown or impossible."""
         match event:
             case events.MocapFrame():
-                poses = self._poses.get(event.performer)
-                if poses is None:
-                    poses = self._poses[event.performer] = DancedPoses()
-                    measure = math.floor(now.danced_beats / now.measure_beats)
-                    self._readings[event.performer] = _Reading(measure, measure)
-                try:
-                    poses.add(event.pose, now.danced_beats_at(event.time), event.time)
-                except ValueError as error:
-                    raise PersonError(f"{event.performer}: {error}") from None
+                self._add_pose(event, now)
             case events.LearnStep():
                 self._learn(event, now)
             case events.LearningFailed():
                 self.takes = [take for take in self.takes if take.name != event.name]
                 raise PersonError(f"{event.performer}: {event.name!r} is not learnt: {event.reason}")
+            case _:
+                self._set_answers(event)
+
+    def _add_pose(self, event: events.MocapFrame, now: Now) -> None:
+        poses = self._poses.get(event.performer)
+        if poses is None:
+            poses = self._poses[event.performer] = DancedPoses()
+            measure = math.floor(now.danced_beats / now.measure_beats)
+            self._readings[event.performer] = _Reading(measure, measure)
+        try:
+            poses.add(event.pose, now.danced_beats_at(event.time), event.time)
+        except ValueError as error:
+            raise PersonError(f"{event.performer}: {error}") from None
+
+    def _set_answers(self, event: ControlEvent) -> None:
+        """Change settings of answers."""
+        match event:
             case events.SwitchAnswer():
                 for answer in self._find(event.answer):
                     answer.on = event.on
@@ -227,9 +236,7 @@ class SeenSteps:
                 called += self._read(performer, reading, self.templates, now)
         return called
 
-    def _read(
-        self, performer: str, reading: _Reading, templates: StepTemplates, now: Now
-    ) -> list[ControlEvent]:
+    def _read(self, performer: str, reading: _Reading, templates: StepTemplates, now: Now) -> list[ControlEvent]:
         """Read the measures of a performer that are due; return the answers."""
         size, beats, called = now.measure_beats, now.danced_beats, list[ControlEvent]()
         number = math.floor(beats / size)
@@ -370,6 +377,8 @@ def _templates(library: StepLibrary, first: int) -> StepTemplates:
     clips = [
         (library.steps.index(clip.step), clip)
         for clip in library.clips[first:]
-        if not clip.unjoined and not (clip.mirrored and clip.step in upright) and source_name(clip.clip.name) == clip.clip.name
+        if not clip.unjoined
+        and not (clip.mirrored and clip.step in upright)
+        and source_name(clip.clip.name) == clip.clip.name
     ]
     return StepTemplates.of(clips, library.beats_per_measure)

@@ -23,7 +23,7 @@ class AnswerSection(Section):
     how: AnswerHow = "same"
     """`same`: the same step in the next measure, recognised before the measure is over; `next`: the same step a measure
     later, as a canon, recognised in the whole measure; `other`: another step of the group; `map`: the step in `map`."""
-    map: Annotated[dict[Name, Name], Field(max_length=200)] = {}
+    map: dict[Name, Name] = Field(default={}, max_length=200)
     """For `how = "map"` the answers by recognised step: `map = { groove = "kick" }`; others are not answered."""
     sure: Annotated[float, Field(ge=0, le=1)] = 0.3
     """Least confidence with which a step is answered."""

@@ -290,7 +290,9 @@ def check_answers(answers: Sequence[AnswerSection], performers: Sequence[MocapSe
     names = [each.name for each in performers] or ["live"]
     for index, answer in enumerate(answers):
         if answer.performer not in names:
-            words = f"answer {answer.name!r}: no performer is called {answer.performer!r}; there are: {', '.join(names)}"
+            words = (
+                f"answer {answer.name!r}: no performer is called {answer.performer!r}; there are: {', '.join(names)}"
+            )
             yield InvalidEntry(words, "answer", index, "performer")
         if answer.how == "map" and not answer.map:
             words = f'answer {answer.name!r}: how = "map" needs `map = {{ groove = "kick" }}`'

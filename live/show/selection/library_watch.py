@@ -147,9 +147,7 @@ def added_event(clips: Sequence[StepClip], graph: MotionGraph, now: Callable[[],
     text = clips_to_text(clips)
     if len(text) > MAX_EVENT_CHARACTERS:
         raise ValueError(f"{step_list(clips)}: too long for a running show")
-    return StepsChanged(
-        time=now(), source="learn", gone="", was="", now=text, library=steps_hash(graph), at_once=True
-    )
+    return StepsChanged(time=now(), source="learn", gone="", was="", now=text, library=steps_hash(graph), at_once=True)
 
 
 def step_list(clips: Iterable[StepClip]) -> str:

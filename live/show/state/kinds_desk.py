@@ -143,8 +143,8 @@ KINDS: Final = [
     Kind("hot-swap", HotSwap, """
         patch:constant-patch graph:constant-motion-graph answers:constant-answer-bank
         parts:row[audience|casting|dancers|desk|directions|garments|group-controls|group-motion|interrupts|launcher|mocap|prompter|reactions|scheduler|seen|seen-steps|variation]
-        graph_updates:new-steps patch_updates:reloading _seen_steps:seen-steps _dancers:dancers _scheduler:scheduler _motion:group-motion
-        example_updates:new-examples _refusals:refusals _seed:int
+        graph_updates:new-steps patch_updates:reloading _dancers:dancers _scheduler:scheduler _motion:group-motion
+        _seen_steps:seen-steps example_updates:new-examples _refusals:refusals _seed:int
     """, factories={"_assemble": no_value}),
     Kind("garments", Garments, """
         _division:division _parameters:parameters _appearances:appearances _seed:int _bodies:row[str]

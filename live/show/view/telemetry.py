@@ -201,7 +201,8 @@ class CurrentValues:
         said = self._show.seen_steps.settings()
         nobody: tuple[ArgumentValue, ...] = (False, "same", "*")
         return {
-            f"/dance/answer/{key}": tuple((name, (now[place],)) for name, now in said.items()) or (("", (nobody[place],)),)
+            f"/dance/answer/{key}": tuple((name, (now[place],)) for name, now in said.items())
+            or (("", (nobody[place],)),)
             for place, key in enumerate(("on", "how", "group"))
         }
 
