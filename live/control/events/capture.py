@@ -102,7 +102,7 @@ class TrackerMoved(ControlEvent):
     z: float
 
 
-@command("/dance/mocap/learn", "operator")
+@command("/dance/learn", "operator")
 class LearnStep(ControlEvent):
     """Learns a step from a captured performer: what was danced becomes a step, which dancers dance at the next measure
     but one."""
