@@ -120,7 +120,7 @@ def make_notifier(
     if midi is not None:
         others += [midi.problem, midi.prompt, midi.last_change]
     refusals.append(lambda: watch.problem)
-    others.append(lambda: watch.message)
+    others += [lambda: watch.message, lambda: watch.learnt]
     if library is not None:
         refusals.append(lambda: library.problem)
         others.append(lambda: library.last_change)
@@ -347,6 +347,7 @@ class Session:
         self.status.processor_times.add(self.cpu_clock.now() - self._frame_cpu_start)
         self.status.frame_times.add(started - previous)
         self.pressure.frame(self.status.late_frames, started - previous, self.overload)
+        self._calls.call("learning steps", self._watch.frame)
         self._services.frame()
         self._calls.call("publishing values", self._publisher.frame, started)
         self._calls.call("the records", self._records.frame, started)

@@ -44,11 +44,12 @@ FIELDS: Final[dict[str, tuple[tuple[str, str], ...]]] = {
     "group": (
         *((kind, "group") for kind in ("sequence", "segment", "element", "improvise", "regroup", "react")),
         ("improvise", "answers"), ("group", "like"), ("group", "facing"), ("regroup", "dancers"),
-        ("element", "whom"), ("partner", "leader"), ("partner", "follower"),
+        ("element", "whom"), ("partner", "leader"), ("partner", "follower"), ("answer", "group"),
     ),
+    "mocap": (("answer", "performer"),),
     "selections": (
         *((kind, "group") for kind in ("sequence", "segment", "element", "improvise", "react")),
-        ("regroup", "dancers"), ("partner", "leader"), ("partner", "follower"),
+        ("regroup", "dancers"), ("partner", "leader"), ("partner", "follower"), ("answer", "group"),
     ),
 }  # fmt: skip
 """Keys that hold the name of a thing, by the thing's list."""

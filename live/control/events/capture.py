@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from live.control.events.event import ControlEvent
-from live.control.registry.command import X, Z, command
+from live.control.registry.command import Dancers, X, Z, command
 from live.control.registry.control import Argument
 
 PerformerName = Annotated[
@@ -100,3 +100,55 @@ class TrackerMoved(ControlEvent):
     x: float
     y: float
     z: float
+
+
+@command("/dance/learn", "operator")
+class LearnStep(ControlEvent):
+    """Learns a step from a captured performer: what was danced becomes a step, which dancers dance at the next measure
+    but one."""
+
+    performer: PerformerName
+    name: Annotated[str, Argument.label("the new step's name")]
+    measures: Annotated[int, Argument.number("its length", 1, 4, "measures")] = 1
+    group: Dancers = "*"
+    when: Annotated[
+        str, Argument.label("last: what was danced just now, next: what will be danced from the next line")
+    ] = "last"
+    repeats: Annotated[int, Argument.number("how often the dancers dance it", 0, 64)] = 4
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LearningFailed(ControlEvent):
+    """What a performer danced could not become a step."""
+
+    performer: str
+    name: str
+    """The step's name."""
+    reason: str
+
+
+AnswerName = Annotated[str, Argument.label("the answer's name in the patch; a single * is all", "answer")]
+
+
+@command("/dance/answer/on", "musician", value=1)
+class SwitchAnswer(ControlEvent):
+    """Whether dancers answer the steps of a captured performer."""
+
+    on: Annotated[bool, Argument.switch("1: they answer, 0: they do not")] = True
+    answer: AnswerName = "*"
+
+
+@command("/dance/answer/how", "musician", value=1)
+class SetAnswerHow(ControlEvent):
+    """How dancers answer the steps of a captured performer."""
+
+    how: Annotated[str, Argument.label("same, next (a measure later), other, or map", default="same")]
+    answer: AnswerName = "*"
+
+
+@command("/dance/answer/group", "operator", value=1)
+class SetAnswerGroup(ControlEvent):
+    """Who answers the steps of a captured performer."""
+
+    group: Dancers = "*"
+    answer: AnswerName = "*"

@@ -55,6 +55,8 @@ class StepsChanged(ControlEvent):
     """The new clips as text; empty if there are none."""
     library: str
     """Hash of the library with them."""
+    at_once: bool = False
+    """Whether the steps can be chosen already for the next measure, if it is not decided."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

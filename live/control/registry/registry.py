@@ -136,6 +136,7 @@ READINGS: Final = (
     Reading("phones", "int", "Number of phones of the audience that take part."),
     Reading("section", "text", "The current section of the score; empty if none."),
     Reading("cue", "text", "The cue on standby; empty if none."),
+    Reading("seen_step", "text", "Steps of captured performers in the last measure, and how sure each is (0 to 1)."),
     Reading("count_in", "float", "Beats until the cue that is counting in; 0 if none.", "beats"),
     Reading("note_energy", "float", "Velocity of MIDI notes, decaying after each; 0 to 1."),
     Reading("note_density", "float", "MIDI note-ons per beat.", "1/beat"),

@@ -39,7 +39,7 @@ class CurrentMeasures:
         """Switch to a graph in which all nodes of the old one keep their indices."""
         self.graph = graph
         for danced in (self.past, self.present, self.coming):
-            danced.graph = graph
+            danced.set_graph(graph)
 
     @property
     def node(self) -> Int32:

@@ -108,6 +108,10 @@ class MeasureState:
             self._ends = known = _CachedEnds(self)
         return known.hips, known.heading
 
+    def set_graph(self, graph: "MotionGraph") -> None:
+        """Use a graph in which all nodes of the present one keep their indices."""
+        self.graph, self._ends = graph, None
+
     def end_placement(self) -> Float64:
         """Axes (x, z, yaw) at which the next clip joins, corrections and takes included, (A, 3)."""
         return self.ends_and_axes()[2]

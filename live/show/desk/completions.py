@@ -27,6 +27,7 @@ def completion_names(patch: Patch, steps: Sequence[str]) -> dict[str, list[str]]
         "background": [background.name for background in patch.background],
         **{kind: list(names) for kind, names in NAME_CHOICES.items()},
         "performer": [performer.name for performer in patch.mocap],
+        "answer": [answer.name for answer in patch.answer],
     }
     return {address: names[kind] for address, kind in FIRST_NAMES.items() if kind in names}
 

@@ -27,7 +27,7 @@ from live.show.loader import LoadedShow, load_from_patch
 from live.show.patch.patch import Patch
 from live.show.patch.patch_update import rebuilt_graph
 from live.show.patch_checks.patch_check import PATCH_CHECKS
-from live.show.selection.graph_update import clip_key, library_hash, updated_graph
+from live.show.selection.graph_update import clip_key, gone_clips, library_hash, updated_graph
 from live.show.show import Show, apply_safely
 from live.show.state.snapshot import SnapshotError, origin_hashes, restore, snapshot_header
 
@@ -165,7 +165,7 @@ def _apply_change(loaded: LoadedShow, event: ControlEvent) -> LoadedShow:
             clips = [loaded.reserve[key] for key in event.clips.split("\n") if key in loaded.reserve]
             return replace(loaded, graph=insert_clips(loaded.graph, clips))
         case StepsChanged():
-            graph = updated_graph(loaded.graph, event.gone.split("\n"), clips_from_text(event.now))
+            graph = updated_graph(loaded.graph, gone_clips(event), clips_from_text(event.now))
             return replace(loaded, graph=graph)
         case PatchChanged():
             patch = Patch.model_validate_json(decompress_text(event.patch), context=PATCH_CHECKS)

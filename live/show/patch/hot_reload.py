@@ -8,17 +8,20 @@ import gc
 import queue
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
 from live.base.compression import compress_text
 from live.base.errors import PersonError
 from live.base.fault_isolation import FAULTS
-from live.control.events.events import ControlEvent, PatchChanged
+from live.control.events.events import ControlEvent, LearningFailed, PatchChanged
 from live.control.worker_thread import WorkerThread
 from live.graph.library_insert import stranded
 from live.render.custom_pass import try_passes
 from live.show.background_work import short_switch_interval
+from live.show.capture.danced_poses import Take
+from live.show.capture.learnt_step import learn_step, save_step
 from live.show.dancers.character_casting import check_characters
 from live.show.group.stage_check import refusal, stage_faults
 from live.show.loader import LoadedShow, adapt_edited_patch
@@ -28,7 +31,7 @@ from live.show.patch.patch_reader import custom_pass_files, patch_files, read_so
 from live.show.patch.patch_update import PreparedPatch, changed_fields, fresh_show, patch_version, split_deferred
 from live.show.patch.table_batches import free_patches, patch_json
 from live.show.patch.toml_model import TomlSources, key_text
-from live.show.selection.library_watch import LibraryWatch, Stamp
+from live.show.selection.library_watch import LibraryWatch, Stamp, added_event
 from live.show.show import Show
 from live.show.state.constants import walk_ahead
 from live.show.venue.venue_output import with_venue_projector
@@ -80,6 +83,9 @@ class PatchWatch:
         self._last_stamp = self._handled_stamp = file_stamp(loaded.path)
         self._failure_count, self._freed_counts = 0, (0, 0)
         self._turn = 0
+        self._takes: list[Take] = []
+        self.learnt = ""
+        """What became of the last step that was learnt; empty before the first."""
         self._worker = WorkerThread("patch watch", self._work, part="the watch of the patch")
         self._tasks: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self.version = patch_version(patch_json(self._patch))
@@ -106,6 +112,49 @@ class PatchWatch:
     def do(self, task: Callable[[], None]) -> None:
         """Run a task soon in the watching thread, between two polls. Thread: any."""
         self._tasks.put(task)
+
+    def frame(self) -> None:
+        """Begin to learn what performers have danced for that, in the watching thread. Thread: the show's."""
+        takes = self._show.seen_steps.takes
+        if takes or self._takes:
+            self._takes = [take for take in self._takes if take in takes]
+            for take in takes:
+                if take.is_over and take not in self._takes:
+                    self._takes.append(take)
+                    self.do(partial(self.learn, take))
+
+    def learn(self, take: Take) -> None:
+        """Make a step of a take, have the show take it, and keep it in the folder of steps. Thread: the watching one,
+        or before it starts."""
+        folder = self._loaded.steps_folder
+        graph = self._graph if self._library is None else self._library.graph
+        try:
+            with short_switch_interval():
+                step = learn_step(take, graph, self._patch, self._loaded.tempo.span(self._patch), folder)
+                event = added_event(step.clips, step.graph, self._now)
+        except (PersonError, ValueError, OSError) as error:
+            self._fail(take, str(error))
+            return
+        except Exception as error:  # a bug: keep watching, and report it
+            FAULTS.record("the learning of a step", error)
+            self._fail(take, f"{type(error).__name__}: {error}")
+            return
+        self._show.hot_swap.offer_graph(event.library, step.graph)
+        self._post(event)
+        self._graph = step.graph
+        lost = save_step(step, folder)
+        if self._library is not None:
+            self._library.adopt(step.graph, step.clips if not lost and step.fits_tempo else ())
+        self.learnt = f"learnt: {take.name} can be danced"
+        if lost:
+            self.learnt += f", but is not kept: {lost}"
+        elif not step.fits_tempo:
+            self.learnt += "; at the tempo of the patch the next start will leave it out"
+
+    def _fail(self, take: Take, reason: str) -> None:
+        self._post(
+            LearningFailed(time=self._now(), source="learn", performer=take.performer, name=take.name, reason=reason)
+        )
 
     def _work(self) -> None:
         while not self._worker.stopping.is_set():

@@ -15,6 +15,7 @@ from live.show.desk.parameter_table import LOOK, VIEW, WORLD, split_key
 from live.show.group.casting import EVERYONE, Casting
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import InvalidEntry
+from live.show.patch.section_capture import AnswerSection
 from live.show.patch.section_io import MocapSection, PsnSection
 from live.show.patch.section_motion import parse_facing
 from live.show.patch.section_stage import PROJECTOR
@@ -282,3 +283,20 @@ def check_trackers(psn: PsnSection, performers: Sequence[MocapSection]) -> Itera
         if other != each.name:
             words = f"mocap {each.name!r}: tracker {each.tracker!r} is already {other!r}; give each their own"
             yield InvalidEntry(words, *place)
+
+
+def check_answers(answers: Sequence[AnswerSection], performers: Sequence[MocapSection]) -> Iterator[InvalidEntry]:
+    """Yield an error for an answer to a performer that does not exist, and for a map that is missing or not used."""
+    names = [each.name for each in performers] or ["live"]
+    for index, answer in enumerate(answers):
+        if answer.performer not in names:
+            words = (
+                f"answer {answer.name!r}: no performer is called {answer.performer!r}; there are: {', '.join(names)}"
+            )
+            yield InvalidEntry(words, "answer", index, "performer")
+        if answer.how == "map" and not answer.map:
+            words = f'answer {answer.name!r}: how = "map" needs `map = {{ groove = "kick" }}`'
+            yield InvalidEntry(words, "answer", index, "how")
+        if answer.map and answer.how != "map":
+            words = f'answer {answer.name!r}: `map` has no effect unless how = "map"'
+            yield InvalidEntry(words, "answer", index, "map")

@@ -9,7 +9,7 @@ from live.show.patch.patch import Patch
 from live.show.patch.section_base import Checks, InvalidEntry
 from live.show.patch.section_motion import parse_facing
 from live.show.patch_checks.entry_checks import ENTRY_CHECKS
-from live.show.patch_checks.name_checks import check_call_names, check_cues, check_trackers
+from live.show.patch_checks.name_checks import check_answers, check_call_names, check_cues, check_trackers
 from live.show.patch_checks.score_checks import check_score
 
 MAX_DANCERS: Final = 20_000
@@ -21,6 +21,7 @@ def table_faults(patch: Patch) -> Iterator[InvalidEntry]:
     yield from _check_size(patch)
     yield from _check_unique_names(patch)
     yield from check_trackers(patch.psn, patch.mocap)
+    yield from check_answers(patch.answer, patch.mocap)
     yield from _check_projector(patch)
     yield from _check_characters(patch)
     yield from _check_elements(patch)
@@ -59,6 +60,7 @@ def _check_unique_names(patch: Patch) -> Iterator[InvalidEntry]:
     things |= {"scene": [scene.name for scene in patch.scene], "cue": [cue.name for cue in patch.cue]}
     things["pad"] = [pad.name for pad in patch.pad]
     things["mocap"] = [performer.name for performer in patch.mocap]
+    things["answer"] = [answer.name for answer in patch.answer]
     things["scenery"], things["title"] = [each.name for each in patch.scenery], [each.name for each in patch.title]
     things["background"] = [background.name for background in patch.background]
     things |= {"character": [each.name for each in patch.character]}

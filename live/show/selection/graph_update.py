@@ -48,6 +48,11 @@ def updated_graph(graph: MotionGraph, removed: Sequence[str], added: Sequence[St
     return without_clips(insert_clips(graph, added) if added else graph, [names[name] for name in removed])
 
 
+def gone_clips(event: events.StepsChanged) -> list[str]:
+    """Return the keys of the clips that an event takes away."""
+    return event.gone.split("\n") if event.gone else []
+
+
 class GraphUpdates:
     """Holds new motion graphs from the watcher's thread until the measure line at which they are used."""
 
@@ -57,6 +62,12 @@ class GraphUpdates:
         self._refusals = refusals
         self._offered: dict[str, GrownGraph] = {}
         self._next: GrownGraph | None = None
+        self._at_once = False
+
+    @property
+    def at_once(self) -> bool:
+        """Whether a graph waits that is to be used before the measure line, if that is still possible."""
+        return self._at_once and self._next is not None
 
     @property
     def at_rest(self) -> bool:
@@ -77,6 +88,7 @@ class GraphUpdates:
             self._add(event, graph)
         else:
             self._change(event, graph)
+            self._at_once = event.at_once
 
     def _add(self, event: events.StepsAdded, graph: MotionGraph) -> None:
         """Queue the offered graph for the next measure; without one, insert the clips into `graph` here."""
@@ -98,7 +110,7 @@ class GraphUpdates:
         if offered is None:
             try:
                 known = graph if self._next is None else self._next[0]
-                grown = updated_graph(known, event.gone.split("\n"), clips_from_text(event.now))
+                grown = updated_graph(known, gone_clips(event), clips_from_text(event.now))
             except ValueError as error:
                 self._refusals.add(f"{event.source}: {error}")
                 return
@@ -119,7 +131,9 @@ class GraphUpdates:
         in which case it keeps waiting."""
         offered = self._next
         if offered is not None and stranded(offered[0], dancers.node).any():
-            self._refusals.add("library: the new steps would leave dancers without a next step; they wait")
+            if not self._at_once:
+                self._refusals.add("library: the new steps would leave dancers without a next step; they wait")
+            self._at_once = False  # from now on it waits for the measure lines
             return None
         self._next = None
         return offered

@@ -1,6 +1,6 @@
 """Watch of the step folder while a show runs: new, changed and removed clips become a new motion graph."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields
 from pathlib import Path
 from typing import Final
@@ -61,6 +61,11 @@ class LibraryWatch:
         """Try a refused change again, after a change of the patch."""
         if self.problem:
             self._handled_stamp = ()
+
+    def adopt(self, graph: MotionGraph, clips: Iterable[StepClip]) -> None:
+        """Go on from a graph that was offered by other ways; `clips` of it are those that the folder now holds."""
+        self.graph = graph
+        self._known.update(clips_by_key(clips))
 
     def poll(self) -> bool:
         """Poll once. Returns whether clips were added, changed or removed."""
@@ -134,6 +139,15 @@ class LibraryWatch:
             time=self._now(), source="library", gone="\n".join(names), was=was, now=now, library=found
         )  # fmt: skip
         self._post(event)
+
+
+def added_event(clips: Sequence[StepClip], graph: MotionGraph, now: Callable[[], float]) -> StepsChanged:
+    """Return the event that brings clips, as they are, into the show at once; `graph` has them. ValueError if it would
+    be too long. `now()` is its time."""
+    text = clips_to_text(clips)
+    if len(text) > MAX_EVENT_CHARACTERS:
+        raise ValueError(f"{step_list(clips)}: too long for a running show")
+    return StepsChanged(time=now(), source="learn", gone="", was="", now=text, library=steps_hash(graph), at_once=True)
 
 
 def step_list(clips: Iterable[StepClip]) -> str:

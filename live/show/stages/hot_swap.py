@@ -21,6 +21,7 @@ from live.show.stages.now import Now
 
 if TYPE_CHECKING:
     from live.graph.select.selector import StepSelector
+    from live.show.capture.seen_steps import SeenSteps
     from live.show.dancers.dancers import Dancers
     from live.show.group.group_motion import GroupMotion
     from live.show.partner.example_bank import ExampleBank
@@ -58,6 +59,7 @@ class HotSwap:
         dancers: "Dancers",
         scheduler: "Scheduler",
         motion: "GroupMotion",
+        seen_steps: "SeenSteps",
         refusals: Refusals,
         *,
         assemble: Callable[..., "FreshShow"],
@@ -81,6 +83,7 @@ class HotSwap:
         self.example_updates = ExampleUpdates(later_answers, refusals)
         self._refusals = refusals
         self._dancers, self._scheduler, self._motion = dancers, scheduler, motion
+        self._seen_steps = seen_steps
         self._seed = seed
         self._assemble: Callable[..., FreshShow] | None = assemble
 
@@ -137,7 +140,10 @@ class HotSwap:
                 self.example_updates.handle(event)
 
     def tick(self, now: Now) -> None:
-        """Exchange the patch if a new one waits, and the plan of the next measure can still be dropped."""
+        """Exchange the patch, or a graph with a step that was just learnt, if a new one waits and the plan of the next
+        measure can still be dropped."""
+        if self.graph_updates.at_once and self._scheduler.replan(now.span, now.timeline, now.time):
+            self._apply_graph()
         if self.patch_updates.is_due(now.span.number) and self._scheduler.replan(now.span, now.timeline, now.time):
             self._apply_patch(now)
 
@@ -196,6 +202,7 @@ class HotSwap:
         self.graph = graph
         self._dancers.set_graph(graph)
         self._scheduler.set_graph(graph, choosing)
+        self._seen_steps.set_graph(graph)
 
 
 def _swap_patch(part: Any, fresh: Any, old: Patch, new: Patch, visited: set[int]) -> None:

@@ -8,6 +8,7 @@ from live.show.stages.now import Now
 
 if TYPE_CHECKING:
     from live.show.audience.audience import Audience
+    from live.show.capture.seen_steps import SeenSteps
     from live.show.desk.light_desk import LightDesk
     from live.show.selection.interrupts import Interrupts
     from live.show.stages.hot_swap import HotSwap
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class PlanStage:
-    """Stages DESK, AUDIENCE, SCORE, EDITS, SELECTION and INTERRUPTS of one show."""
+    """Stages DESK, AUDIENCE, SCORE, EDITS, SELECTION and INTERRUPTS of one show; what performers ask for is CAPTURE."""
 
     def __init__(
         self,
@@ -27,7 +28,9 @@ class PlanStage:
         hot_swap: "HotSwap",
         selection: "StepSelection",
         interrupts: "Interrupts",
+        seen_steps: "SeenSteps",
     ) -> None:
+        self._seen_steps = seen_steps
         self._breakers, self._calls, self._desk, self._audience = breakers, calls, desk, audience
         self._hot_swap, self._selection, self._interrupts = hot_swap, selection, interrupts
 
@@ -41,6 +44,8 @@ class PlanStage:
         self._calls.fire(now)
         if closed(Stage.EDITS):
             self._hot_swap.tick(now)
+        if closed(Stage.CAPTURE):
+            self._calls.issue(self._seen_steps.tick(now))
         self._selection.tick(now, beat)
         if closed(Stage.INTERRUPTS):
             self._interrupts.tick(now.span, now.timeline, now.time)

@@ -23,6 +23,7 @@ from live.show.desk.parameter_table import ParameterTable
 from live.show.group.group_motion import GroupMotion
 from live.show.partner.example_bank import ExampleBank
 from live.show.patch.patch import Patch
+from live.show.patch.section_capture import AnswerSection
 from live.show.patch.section_cues import CueSection
 from live.show.patch.section_io import MocapSection
 from live.show.patch.section_music import ReactSection
@@ -66,6 +67,7 @@ CONSTANT_KINDS: Final[dict[str, type]] = {
     "constant-improvise-section": ImproviseSection,
     "constant-lore": PartnerExamples,
     "constant-mocap-section": MocapSection,
+    "constant-answer-section": AnswerSection,
     "constant-motion-graph": MotionGraph,
     "constant-own-number": CustomPassNumber,
     "constant-parameter-table": ParameterTable,

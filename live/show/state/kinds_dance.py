@@ -5,9 +5,11 @@ from typing import Final
 from live.motion.pose.mood_pose import MoodPose
 from live.show.background_work import TaskQueue
 from live.show.capture.capture_manager import CaptureManager
+from live.show.capture.danced_poses import DancedPoses, Take
 from live.show.capture.performer import CapturedPerformer
 from live.show.capture.performer_forces import PerformerForces
 from live.show.capture.pose_buffer import DriftCorrection, PoseBuffer
+from live.show.capture.seen_steps import SeenSteps, _Answer, _Reading
 from live.show.capture.stage_presence import CanonBounds, Performers
 from live.show.dancers.character_springs import CharacterSprings
 from live.show.dancers.collision_avoidance import CollisionAvoidance, ContactResolver
@@ -127,6 +129,8 @@ KINDS: Final = [
         captured:dict[str,captured] beats:int partner_response:answering|none _settled:f4 _bare_legs:tuple[f4,f4]
         drawn_hips:f4 push_velocity:f8 _mood:mood-pose
     """),
+    Kind("danced-poses", DancedPoses, "count:int _hips:f4 _rotation:f4 _stamp:f8",
+         is_consistent=lambda value: value.is_whole),
     Kind("division", Division, """
         _group:i4(group) group_count:int part:i4(part) group_of:i4(group)
     """, is_consistent=whole.division),
@@ -194,6 +198,19 @@ KINDS: Final = [
         _correction:carried _path_separation:path-parting max_correction:float _phase:f8
     """),
     Kind("ripple", Ripple, "beats:float side:str point:tuple[float,float]"),
+    Kind("seen-steps", SeenSteps, """
+        _patch:constant-patch _motion:group-motion _dancers:dancers _refusals:refusals _seed:int
+        answers:list[seen-steps.answer] takes:list[seen-steps.take] _poses:dict[str,danced-poses]
+        _readings:dict[str,seen-steps.reading]
+    """, factories={"templates": no_value, "_clips_read": int}, after_read=SeenSteps.read_library),
+    Kind("seen-steps.answer", _Answer, "section:constant-answer-section on:bool how:str group:str"),
+    Kind("seen-steps.reading", _Reading, """
+        early:int whole:int measure:int step:str mirrored:bool confidence:float
+    """),
+    Kind("seen-steps.take", Take, """
+        performer:str name:str group:str repeats:int measures:int beats_per_measure:int first:float hips:f4*
+        rotation:f4* stamp:f8*
+    """, is_consistent=lambda value: value.is_whole),
     Kind("scheduler", Scheduler, """
         _patch:constant-patch _dancers:dancers _motion:group-motion _group:i4(group)
         programmes:list[echo|group-programme] subgroups:subgroups root_correction:carrying targets:aims order:list[int]

@@ -124,7 +124,7 @@ KINDS: Final = [
         score_runner:prompter motion:group-motion variation:variation dancers:dancers garments:garments
         scheduler:scheduler interrupts:interrupts directions:directions mocap:mocap desk:desk audience:audience
         light:light hot_swap:hot-swap view_builder:seen expression:expression launcher:launcher
-        springs:character-springs frame:frame
+        springs:character-springs seen_steps:seen-steps frame:frame
     """),
     Kind("frame", Frame, """
         breakers:breakers router:event-router clock:show-clock measure_lines:measure-lines plan:plan-stage
@@ -133,7 +133,7 @@ KINDS: Final = [
     """),
     Kind("springs-stage", SpringsStage, "_breakers:breakers _springs:character-springs"),
     Kind("event-router", EventRouter, """
-        _parts:row[audience|desk|directions|elements|garments|group-controls|hot-swap|launcher|light|mocap|score-requests|seen|expression|show-clock|tripped-stages]
+        _parts:row[audience|desk|directions|elements|garments|group-controls|hot-swap|launcher|light|mocap|score-requests|seen|seen-steps|expression|show-clock|tripped-stages]
         _clock:show-clock _motion:group-motion _undo_history:edits _refusals:refusals
     """, factories={"_handlers": dict, "observers": list}, after_read=EventRouter.build_table),
     Kind("show-clock", ShowClock, """
@@ -142,9 +142,9 @@ KINDS: Final = [
     """),
     Kind("hot-swap", HotSwap, """
         patch:constant-patch graph:constant-motion-graph answers:constant-answer-bank
-        parts:row[audience|casting|dancers|desk|directions|garments|group-controls|group-motion|interrupts|launcher|mocap|prompter|reactions|scheduler|seen|variation]
+        parts:row[audience|casting|dancers|desk|directions|garments|group-controls|group-motion|interrupts|launcher|mocap|prompter|reactions|scheduler|seen|seen-steps|variation]
         graph_updates:new-steps patch_updates:reloading _dancers:dancers _scheduler:scheduler _motion:group-motion
-        example_updates:new-examples _refusals:refusals _seed:int
+        _seen_steps:seen-steps example_updates:new-examples _refusals:refusals _seed:int
     """, factories={"_assemble": no_value}),
     Kind("garments", Garments, """
         _division:division _parameters:parameters _appearances:appearances _seed:int _bodies:row[str]
@@ -173,7 +173,7 @@ KINDS: Final = [
     """),
     Kind("plan-stage", PlanStage, """
         _breakers:breakers _calls:calls _desk:desk _audience:audience _hot_swap:hot-swap _selection:step-selection
-        _interrupts:interrupts
+        _interrupts:interrupts _seen_steps:seen-steps
     """),
     Kind("step-selection", StepSelection, """
         _breakers:breakers _scheduler:scheduler _dancers:dancers _stage_area:floor
@@ -262,7 +262,7 @@ KINDS: Final = [
     """, factories={"_offered": dict, "_reserve": dict, "_next": no_value}),
     Kind("new-steps", GraphUpdates, """
         _refusals:refusals
-    """, factories={"_offered": dict, "_reserve": dict, "_next": no_value}),
+    """, factories={"_offered": dict, "_reserve": dict, "_next": no_value, "_at_once": bool}),
     Kind("occasions", MusicSignals, "_signals:list[constant-signal-section] _active:list[bool]"),
     Kind("parameters", Parameters, """
         table:constant-parameter-table _variation:variation _motion:group-motion _division:division value:f8 start:f8

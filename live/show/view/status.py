@@ -152,6 +152,7 @@ class Status:
             "why": show.explain_choice(),
             "division": part_facts(show),
             **show.score_runner.facts(),
+            "seen_steps": show.seen_steps.facts(),
             "agenda": show.score_runner.beat_scheduler.counters(),
             "launcher": show.launcher.facts(),
             **show.desk.facts(show.danced_beats),

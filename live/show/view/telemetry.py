@@ -148,7 +148,7 @@ class CurrentValues:
         found = self._parameters()
         for address, values in self._show_values().items():
             found[address] = (("", values),)
-        found |= self._partners() | self._mocap()
+        found |= self._partners() | self._mocap() | self._answers()
         new = {address: rows for address, rows in found.items() if self._rows.get(address) != rows}
         self._rows.update(new)
         return new
@@ -194,6 +194,16 @@ class CurrentValues:
         return {
             f"/dance/partner/{key}": tuple((one.name, (tell(one),)) for one in asked) or (("", (nobody[key],)),)
             for key, tell in keys.items()
+        }
+
+    def _answers(self) -> dict[str, Rows]:
+        """Return the settings of the answers to performers' steps; defaults if there are none."""
+        said = self._show.seen_steps.settings()
+        nobody: tuple[ArgumentValue, ...] = (False, "same", "*")
+        return {
+            f"/dance/answer/{key}": tuple((name, (now[place],)) for name, now in said.items())
+            or (("", (nobody[place],)),)
+            for place, key in enumerate(("on", "how", "group"))
         }
 
     def _mocap(self) -> dict[str, Rows]:
@@ -243,6 +253,7 @@ class CurrentValues:
             STATUS + "phones": show.audience.phones,
             STATUS + "section": playhead.section_name(place),
             STATUS + "cue": standby,
+            STATUS + "seen_step": show.seen_steps.words(),
             STATUS + "count_in": 0.0 if count_in is None else round(min(max(count_in[0], 0.0), 1e6), 1),
             **_notes(prompter.mood.notes),
             STATUS + "fading": desk.parameters.fading,

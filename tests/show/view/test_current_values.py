@@ -26,6 +26,8 @@ def different_value(control: Control, now: tuple) -> tuple:
             values.append(not value)
         elif control.address in ROWS and ROWS[control.address].kind == "names":
             values.append(next(name for name in ROWS[control.address].choices if name != value))
+        elif control.address == "/dance/answer/how":
+            values.append("next" if value != "next" else "other")
         elif argument.type in ("name", "text"):
             values.append("back" if value != "back" else "front")
         else:
@@ -36,7 +38,7 @@ def different_value(control: Control, now: tuple) -> tuple:
 
 @pytest.fixture(scope="module")
 def show():
-    return DeskSession(DESK + '[[mocap]]\nname = "anna"\n').show
+    return DeskSession(DESK + '[[mocap]]\nname = "anna"\n[[answer]]\nname = "echo"\nperformer = "anna"\n').show
 
 
 def current_values(show):
