@@ -74,10 +74,10 @@ def _surface_json(facts: Mapping[str, Any]) -> dict[str, Any]:
     """Return the controls of the page for the name of the show, the names in it, and half its stage [m]."""
     surface = make_surface(REGISTRY, role="operator", names=facts["names"], reach=tuple(facts["half"]))
     readings = {reading.address: reading.name for reading in READINGS}
-    words = {control.address: control.description for control in REGISTRY}
     pages = [asdict(page) for page in surface.pages]
     for widget in (widget for page in pages for widget in page["widgets"]):
-        widget["words"] = words[widget["address"]]
+        control, _ = REGISTRY.resolve(widget["address"])
+        widget["words"] = "" if control is None else control.description
     return {"name": facts["name"], "pages": pages, "readings": readings}
 
 
