@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from live.base.event_queue import PriorityQueue
     from live.clock.midi.midi_clock import MessageClock
     from live.clock.time_source import Clock
+    from live.control.camera.phone_landmarks import PhoneCameras
     from live.control.events.events import ControlEvent
     from live.control.midi.midi_streams import Opener
     from live.show.engine import Engine
@@ -61,6 +62,8 @@ class ServiceContext(Generic[Options]):
     """Host names of this machine besides its addresses."""
     resumes: bool
     """Whether the show is resumed after an engine that may still hold ports."""
+    phones: "PhoneCameras | None" = None
+    """The phones that are cameras of this show; None if there is no page for them."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

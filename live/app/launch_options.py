@@ -181,6 +181,11 @@ class LaunchOptions:
         (), "A name by which this machine is reached next to its addresses, for that page and OSCQuery. May come "
         "several times.", NETWORK, metavar="NAME[:PORT]", flags=("--web-host",), **several(),
     )  # fmt: skip
+    phone_camera: tuple[str, int] | None = option(
+        None, "Let phones and tablets be cameras: their browsers see a dancer and send her joints, no picture. Needs "
+        "--web; 0.0.0.0:8443 lets in the whole network.", NETWORK, metavar="[HOST:]PORT", written=str,
+        parse=parse_endpoint,
+    )  # fmt: skip
     audience: tuple[str, int] | None = option(
         None, "Let the audience's phones play along, here: 127.0.0.1:8020 without a value; 0.0.0.0:8020 lets in the "
         "whole network.", NETWORK, metavar="[[HOST:]PORT]", written=str,

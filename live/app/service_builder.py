@@ -1,8 +1,9 @@
 """Builder of a show's services from command line, venue and patch."""
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
 
@@ -19,8 +20,10 @@ from live.app.services.service import Service
 from live.app.services.service_registry import ServiceRegistry, ValuePublisher
 from live.app.services.stage_stream import StageStream
 from live.app.services.web_service import WebService, preview_files
+from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
 from live.clock.time_source import Clock
+from live.control.camera.phone_landmarks import PhoneCameras
 from live.control.events.events import ControlEvent
 from live.control.registry.control import ROLE_RANKS
 from live.document.document_store import DocumentStore
@@ -30,6 +33,9 @@ from live.show.patch.hot_reload import PatchWatch
 from live.show.venue.venue import Venue
 from live.show.view.next_formations import NextFormations
 from live.show.view.status import Status
+
+if TYPE_CHECKING:
+    from live.app.services.phone_camera import PhoneCameraPort
 
 
 @dataclass
@@ -142,26 +148,51 @@ class ServiceBuilder:
                 osc=self.options.osc,
                 host_names=self._host_names,
                 resumes=self.resumes,
+                phones=self._phones,
             )
             for name, service in bridge.services(context).items():
                 self.add(name, service)
         self.status.extra_figures["bridges"] = installed.status
+
+    @cached_property
+    def _phones(self) -> PhoneCameras | None:
+        """The phones that are cameras, if there is a page for them."""
+        return None if self.options.phone_camera is None else PhoneCameras()
 
     @property
     def _host_names(self) -> tuple[str, ...]:
         """Host names of this machine besides its addresses."""
         return self.options.web_hosts + (() if self.venue is None else self.venue.web.hosts)
 
+    def _phone_camera(self) -> "PhoneCameraPort | None":
+        """Make the port for phones that are cameras; a show that is resumed goes on without one that cannot be."""
+        if self.options.phone_camera is None:
+            return None
+        from live.app.services.phone_camera import PhoneCameraPort
+
+        of_venue = None if self.venue is None else self.venue.audience
+        try:
+            return PhoneCameraPort(self.options, of_venue, self.options.web_key)
+        except PersonError as error:
+            if not self.resumes:
+                raise
+            note = Console(stderr=True, highlight=False)
+            note.print(f"{error}: no phone can be a camera", style="bold red", markup=False)
+            return None
+
     def add_web(self, loaded: LoadedShow, document: DocumentService, what_next: NextFormations) -> None:
         """Add the operator's web page, with a preview of these files and suggestions, and the audience's phones."""
         options, show = self.options, self.engine.show
         audience = make_audience(options, show, self.venue, self.inbox.add_queue(), self.clock)
+        if options.phone_camera is not None and options.web is None:
+            raise PersonError("--phone-camera: there is no camera page without --web", "--web 8010")
         if options.web is not None:
             score = ScoreStream(show, document)
             stage = StageStream(show, lambda: self.engine.view, score, lambda: self.status.late_frames, what_next.facts)
             page = WebService(
                 options.web, options.web_key, options.osc, show, self.clock, hosts=self._host_names, stage=stage,
                 files=preview_files(loaded, options.seed), inbox=self.inbox.add_queue(rank=ROLE_RANKS["operator"]),
+                camera=self._phone_camera(), phones=self._phones,
             )  # fmt: skip
             page.resumes = self.resumes
             if audience is not None:

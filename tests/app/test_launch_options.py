@@ -24,8 +24,8 @@ ALL = LaunchOptions(
     patch="samba", audio="mic", bpm=120.0, midi_file=Path("a.mid"), steps=Path("/tmp/steps"), seed=3, measures=(2, 9),
     tempo_share=0.8, osc=("0.0.0.0", 9010), osc_process=True, osc_musicians=("::", 9011),
     osc_out=(("127.0.0.1", 9000), ("localhost", 9001)), web=("127.0.0.1", 8001), web_key="k",
-    web_hosts=("stage.example",), audience_tls=(Path("cert.pem"), Path("key.pem")), gateways=4,
-    gateways_listen=("0.0.0.0", 9023),
+    web_hosts=("stage.example",), phone_camera=("0.0.0.0", 8443), gateways=4,
+    gateways_listen=("0.0.0.0", 9023), audience_tls=(Path("cert.pem"), Path("key.pem")),
     audience=("0.0.0.0", 80), audience_link="http://x", audience_secret=b"\x00\xff" * 16, journal=Path("night.jsonl"),
     status_json=Path("s.json"), seconds=3.5, record=Path("film.mp4"), share=("shm:x",), operator="2", size=(640, 360),
     fps=30.0, shaders=Path("shaders"), quality=2, monitor="HDMI-1", fullscreen=True, headless=True, alone=True,
@@ -79,10 +79,10 @@ def test_each_option_sets_its_field(tmp_path):
         "--midi-out out --midi-clock-out clock --grid auto --click out --click-channels 1 --seconds 3.5 --measures 2-9 "
         "--tempo-share 0.8 --steps /tmp --seed 3 --osc 0.0.0.0:9010 --osc-process --osc-musicians [::]:9011 "
         "--osc-out 127.0.0.1:9000 --osc-out localhost:9001 --dmx sacn:1 --web 127.0.0.1:8001 --web-key k "
-        "--web-host stage.example --psn 56565 --vmc-out 127.0.0.1:39539 --vmc 0.0.0.0:39540 "
-        "--oscquery 127.0.0.1:8000 --audience 0.0.0.0:80 --audience-link http://x --audience-tls cert.pem,key.pem "
-        "--gateways 4 --gateways-listen 0.0.0.0:9023 --monitor HDMI-1 --fullscreen --operator 2 --headless "
-        "--size 640x360 --fps 30 --shaders shaders --quality 2 "
+        "--web-host stage.example --phone-camera 0.0.0.0:8443 --psn 56565 --vmc-out 127.0.0.1:39539 "
+        "--vmc 0.0.0.0:39540 --oscquery 127.0.0.1:8000 --audience 0.0.0.0:80 --audience-link http://x "
+        "--audience-tls cert.pem,key.pem --gateways 4 --gateways-listen 0.0.0.0:9023 --monitor HDMI-1 "
+        "--fullscreen --operator 2 --headless --size 640x360 --fps 30 --shaders shaders --quality 2 "
         f"--record {tmp_path}/film.mp4 --share shm:x --journal {tmp_path}/night.jsonl --status-json {tmp_path}/s.json "
         "--alone --lead 9020 --standby other --nodes 9022 --service hall"
     ).split()

@@ -69,9 +69,11 @@ class HttpService:
         self._port = int(self._socket.getsockname()[1])
         plan = self._plan()
         http, inherit = hand_over(self._socket)
+        more, also = self._listen_also()
         self._helper = HelperProcess(
-            self._module, self._clock, plan | {"http": http}, self._on_start, *inherit, on_packet=self._on_packet
-        )
+            self._module, self._clock, plan | {"http": http} | more, self._on_start, *inherit, *also,
+            on_packet=self._on_packet,
+        )  # fmt: skip
         self._helper.start()
 
     def _listen(self) -> socket.socket:
@@ -80,6 +82,10 @@ class HttpService:
         except (OSError, OverflowError) as error:
             where = f"{self._bind_address[0]}:{self._bind_address[1]}"
             raise PersonError(f"{self._option} {where}: {error}", "choose another port") from None
+
+    def _listen_also(self) -> tuple[dict[str, Any], tuple[int, ...]]:
+        """Listen at further ports; return what the process has to know of them, and the descriptors it inherits."""
+        return {}, ()
 
     def stop(self) -> None:
         """Stop the process and close the port."""

@@ -5,7 +5,7 @@ import struct
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 import numpy.typing as npt
@@ -15,12 +15,17 @@ from live.app.services.http_services import HttpService, own_address
 from live.app.services.stage_stream import StageStream, byte_parts, text_parts
 from live.base.event_queue import PriorityQueue
 from live.clock.time_source import Clock
+from live.control.camera.phone_landmarks import PhoneCameras
 from live.control.events.document import EditDocument, RedoDocument, RestoreDocument, UndoDocument
 from live.control.events.event import ControlEvent
+from live.show.capture.capture_manager import DEFAULT_PERFORMER
 from live.show.desk.completions import show_completions
 from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
 from live.show.show import Show
+
+if TYPE_CHECKING:
+    from live.app.services.phone_camera import PhoneCameraPort
 
 PREVIEW_MODULE: Final = "live.app.processes.preview_main"
 SOURCE: Final = "studio "
@@ -36,17 +41,24 @@ def preview_files(loaded: LoadedShow, seed: int | None) -> dict[str, Any]:
     return {**files, "tempo": asdict(loaded.tempo)}
 
 
+def performers_of(patch: Patch) -> list[str]:
+    """Return the performers whom a phone can see."""
+    return [section.name for section in patch.mocap] or [DEFAULT_PERFORMER]
+
+
 class WebService(HttpService):
     """Runs the process that serves the operator's web page."""
 
     def __init__(
         self, where: tuple[str, int], key: str, osc: tuple[str, int], show: Show, clock: Clock, *,
         hosts: Sequence[str] = (), stage: StageStream | None = None, files: dict[str, Any] | None = None,
-        inbox: PriorityQueue[ControlEvent] | None = None,
+        inbox: PriorityQueue[ControlEvent] | None = None, camera: "PhoneCameraPort | None" = None,
+        phones: PhoneCameras | None = None,
     ) -> None:  # fmt: skip
         """`key`: the access key; `osc`: the show's OSC address; `hosts`: see `http_protection.accepted_hosts`;
         `stage`: frames for pages that look at the stage; `files`: the show's, for the preview, see `preview_files`;
-        `inbox` gets the edits of pages."""
+        `inbox` gets the edits of pages; `camera`: the port for phones that are cameras, whose landmarks go to
+        `phones`."""
         host = {"0.0.0.0": "127.0.0.1", "::": "::1"}.get(osc[0], osc[0])
 
         def plan() -> dict[str, Any]:
@@ -54,6 +66,7 @@ class WebService(HttpService):
 
         super().__init__(where, "--web", "live.control.web.web_server", plan, clock)
         self._key, self._stage, self._show, self._inbox = key, stage, show, inbox
+        self._camera, self._phones = camera, phones
         self._texts: deque[list[Any]] = deque()  # packets that may not be left out
         self._answers: deque[tuple[int, str]] = deque()  # the edit's number, and the answer
         self._picture: deque[list[Any]] = deque()  # parts of a picture that may be left out
@@ -72,12 +85,28 @@ class WebService(HttpService):
         """Show pages an edited patch; their controls when they are loaded again."""
         if self._helper is not None:
             self._helper.send(["surface", self._surface()])
+            if self._camera is not None:
+                self._helper.send(["performers", performers_of(patch)])
         if self._stage is not None:
             self._stage.update_patch()
 
+    def _listen_also(self) -> tuple[dict[str, Any], tuple[int, ...]]:
+        if self._camera is None:
+            return {}, ()
+        told, inherit = self._camera.listen(resumes=self.resumes)
+        return {"camera": told | {"performers": performers_of(self._show.patch)}}, inherit
+
+    def stop(self) -> None:
+        """Stop the process and close its ports."""
+        super().stop()
+        if self._camera is not None:
+            self._camera.close()
+
     def _on_packet(self, packet: Any) -> None:
-        """Put an edit of a page into the show's inbox."""
+        """Put an edit of a page into the show's inbox; pass a phone's landmarks on."""
         match packet:
+            case ("landmarks", str(phone), str(performer), bytes(data), float(arrival)) if self._phones is not None:
+                self._phones.take(phone, performer, data, arrival)
             case (str(word), int(number), str(text), *rest) if self._inbox is not None:
                 time, source = self._clock.now(), f"{SOURCE}{number}"
                 match word, rest:
@@ -146,6 +175,8 @@ class WebService(HttpService):
         console = Console(stderr=True, highlight=False)
         console.print(f"operator's page: {link}/{key}", soft_wrap=True, markup=False)
         console.print(f"studio: {link}/studio{key}", soft_wrap=True, markup=False)
+        if self._camera is not None:
+            self._camera.print_link()
 
 
 def _link_host(host: str) -> str:

@@ -12,6 +12,7 @@ import ipaddress
 import logging
 import re
 import socket
+import ssl
 from collections.abc import Awaitable, Callable, Iterable
 from dataclasses import dataclass
 from typing import Any, Final
@@ -215,6 +216,8 @@ class _Connection:
     group: str
     transport: asyncio.Transport
     timer: asyncio.TimerHandle
+    within: float
+    """Time limit of the present answer [s]."""
     has_request: bool = False
     """Whether a whole request has arrived and is not answered yet."""
 
@@ -249,7 +252,7 @@ class BoundedServer(web.Server):
         peer: Any = transport.get_extra_info("peername") or ("",)
         group = address_group(str(peer[0]))
         timer = asyncio.get_running_loop().call_later(self._within, self._time_out, handler)
-        self._waiting[handler] = _Connection(group, transport, timer)
+        self._waiting[handler] = _Connection(group, transport, timer, self._within)
         self._of_group.setdefault(group, {})[handler] = None
         if len(self._of_group[group]) > self._most_of_one:
             self._drop_one_of(group)
@@ -264,6 +267,12 @@ class BoundedServer(web.Server):
     def release(self, request: web.BaseRequest) -> None:
         """Stop limiting a connection that became a WebSocket: its pings now show whether the client is there."""
         self._forget(request.protocol)
+
+    def allow(self, request: web.BaseRequest, within: float) -> None:
+        """Give the answer to a request another time limit [s]: a large file over a slow network."""
+        connection = self._waiting.get(request.protocol)
+        if connection is not None:
+            connection.within = within
 
     @property
     def waiting(self) -> int:
@@ -297,7 +306,7 @@ class BoundedServer(web.Server):
     async def _handle_request(self, request: web.BaseRequest) -> web.StreamResponse:
         connection = self._waiting.get(request.protocol)
         if connection is not None:
-            connection.has_request = True
+            connection.has_request, connection.within = True, self._within
         try:
             if request.body_exists:  # no handler reads a body
                 refused = web.Response(status=413, headers=SECURITY_HEADERS)
@@ -310,7 +319,16 @@ class BoundedServer(web.Server):
                 connection.has_request = False
                 connection.timer.cancel()
                 loop = asyncio.get_running_loop()
-                connection.timer = loop.call_later(self._within, self._time_out, request.protocol)
+                connection.timer = loop.call_later(connection.within, self._time_out, request.protocol)
+
+
+async def serve_tls(server: BoundedServer, listening: socket.socket, tls: ssl.SSLContext) -> asyncio.Server:
+    """Start accepting connections over TLS; the caller must close the returned server."""
+    made: Any = server
+    return await asyncio.get_running_loop().create_server(
+        made, sock=listening, ssl=tls, backlog=ACCEPT_BATCH, ssl_handshake_timeout=REQUEST_TIMEOUT,
+        ssl_shutdown_timeout=1.0,
+    )  # fmt: skip
 
 
 async def serve(server: BoundedServer, listening: socket.socket) -> web.ServerRunner:

@@ -12,18 +12,22 @@ import socket
 import sys
 from collections.abc import Mapping
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
 from aiohttp import WSMsgType, web
 
 from live.base.fault_isolation import FAULTS
+from live.base.system.channel import listening_socket_of
 from live.control.audience.rate_limit import TokenBucket
 from live.control.helper_process import HelperChannel
 from live.control.osc.osc_codec import encode
 from live.control.registry.control import ArgumentValue
 from live.control.registry.registry import READABLE, READINGS, REGISTRY, Values
 from live.control.registry.rejections import Rejection
+from live.control.tls import server_context
+from live.control.web.camera_pages import CAMERA_PATH, CameraPages
 from live.control.web.http_protection import (
     HEARTBEAT,
     SECURITY_HEADERS,
@@ -32,6 +36,7 @@ from live.control.web.http_protection import (
     is_same_origin,
     page_headers,
     serve,
+    serve_tls,
 )
 from live.control.web.preview_client import PreviewClient
 from live.control.web.preview_pages import PreviewPages
@@ -66,7 +71,7 @@ class Client:
         self.ws, self.request = ws, request
         self.pending: dict[str, None] = dict.fromkeys(READABLE)
         self.wants_join = False
-        """Whether the page has to be told how phones join."""
+        """Whether the page has to be told how phones join, as audience and as cameras."""
         self.limit = TokenBucket(PER_SECOND, PER_SECOND)
 
 
@@ -74,10 +79,10 @@ def _surface_json(facts: Mapping[str, Any]) -> dict[str, Any]:
     """Return the controls of the page for the name of the show, the names in it, and half its stage [m]."""
     surface = make_surface(REGISTRY, role="operator", names=facts["names"], reach=tuple(facts["half"]))
     readings = {reading.address: reading.name for reading in READINGS}
-    words = {control.address: control.description for control in REGISTRY}
     pages = [asdict(page) for page in surface.pages]
     for widget in (widget for page in pages for widget in page["widgets"]):
-        widget["words"] = words[widget["address"]]
+        control, _ = REGISTRY.resolve(widget["address"])
+        widget["words"] = "" if control is None else control.description
     return {"name": facts["name"], "pages": pages, "readings": readings}
 
 
@@ -107,10 +112,18 @@ class WebServer:
         self._ended = asyncio.Event()
         self._server = BoundedServer(self._answer)
         self._failed = FailedKeys(asyncio.get_running_loop().time)
+        self._cameras = CameraPages(plan, self._key, self._failed, channel.send)
+        self._camera = plan.get("camera")
+        self._camera_hosts = (*self._hosts, *(self._camera["hosts"] if self._camera is not None else ()))
+        self._camera_server = BoundedServer(self._answer_phone)
 
     async def run(self) -> None:
         """Serve until the show ends."""
         runner = await serve(self._server, self._socket)
+        cameras = None
+        if self._camera is not None:
+            identity = server_context(*self._camera["certificate"])
+            cameras = await serve_tls(self._camera_server, listening_socket_of(self._camera["https"]), identity)
         asyncio.get_running_loop().add_reader(self._channel.socket, guarded("the show's packets", self._receive))
         tasks = [
             keep_task("telling pages", self._stream),
@@ -122,6 +135,10 @@ class WebServer:
             task.cancel()
         self._preview.close()
         await asyncio.gather(*(client.ws.close() for client in list(self._clients)), return_exceptions=True)
+        await self._cameras.close()
+        if cameras is not None:
+            cameras.close()
+            await self._camera_server.shutdown(1.0)
         await runner.cleanup()
 
     def _receive(self) -> None:
@@ -134,6 +151,8 @@ class WebServer:
                     self._join = str(changes[1])
                     for client in self._clients:
                         client.wants_join = True
+                elif changes[0] == "performers":
+                    keep_task("telling phones", partial(self._cameras.set_performers, changes[1]))
                 else:
                     self._stage.take(changes)
                 continue
@@ -149,7 +168,8 @@ class WebServer:
         if not is_same_origin(request, self._hosts, host_checked=is_relayed(request, self._key)):
             return self._refuse(403)
         path = request.path
-        if path not in ("/", "/surface.json", "/ws", STAGE_PATH, PREVIEW_PATH) and path not in self._studio:
+        known = ("/", "/surface.json", "/ws", STAGE_PATH, PREVIEW_PATH)
+        if path not in known and path not in self._studio and path not in self._cameras:
             return self._refuse(404)
         if request.path == PREVIEW_PATH and not self._preview.module:
             return self._refuse(404)
@@ -160,6 +180,8 @@ class WebServer:
             return web.Response(text=self._text, content_type="text/html", headers=headers)
         if path in self._studio:
             return self._studio.answer(request)
+        if path in self._cameras:
+            return await self._cameras.answer(request, self._server)
         if not has_key(request, self._key):
             self._refused += 1
             return await self._failed.answer(request)
@@ -168,6 +190,18 @@ class WebServer:
             answer.enable_compression()
             return answer
         return await self._open(request)
+
+    async def _answer_phone(self, request: web.BaseRequest) -> web.StreamResponse:
+        """Answer at the port for phones that are cameras: with the camera page and what belongs to it."""
+        if not is_same_origin(request, self._camera_hosts):
+            return self._refuse(403)
+        if request.path == "/":
+            return web.Response(status=302, headers={**SECURITY_HEADERS, "Location": CAMERA_PATH})
+        if request.path not in self._cameras:
+            return self._refuse(404)
+        if request.method not in ("GET", "HEAD"):
+            return self._refuse(405)
+        return await self._cameras.answer(request, self._camera_server)
 
     def _refuse(self, status: int) -> web.Response:
         self._refused += 1
@@ -191,7 +225,7 @@ class WebServer:
             self._refused += await self._preview_pages.open(ws)
             return ws
         client = Client(ws, request)
-        client.wants_join = bool(self._join)
+        client.wants_join = bool(self._join) or self._camera is not None
         self._clients.add(client)
         try:
             async for message in ws:
@@ -256,6 +290,8 @@ class WebServer:
         news: dict[str, Any] = {"values": told} if told else {}
         if client.wants_join:
             news["join"], client.wants_join = self._join, False
+            if self._camera is not None:
+                news["camera"] = {name: str(self._camera[name]) for name in ("link", "code")}
         if news:
             await client.ws.send_str(json.dumps(news))
 
@@ -271,6 +307,8 @@ class WebServer:
             "answered": self._preview.answered,
             "starts": self._preview.starts,
         }
+        if self._camera is not None:
+            facts["phones"] = self._cameras.facts()
         self._channel.send_facts(facts | {"wrong_keys": self._failed.count, "dropped": self._server.dropped})
 
     async def _report_status(self) -> None:

@@ -12,7 +12,8 @@ from pythonosc.osc_message import OscMessage
 
 from live.app.services.http_services import HttpService
 from live.clock.time_source import SystemClock
-from live.control.web.web_server import PAGE
+from live.control.registry.registry import REGISTRY
+from live.control.web.web_server import PAGE, _surface_json
 from tests.control.waiting import wait_for
 from tests.end_to_end.browser import browser, needs_browser
 
@@ -172,6 +173,14 @@ def test_performer_values_are_sent_per_performer():
         assert told == {"/dance/mocap/anna/mirrored": [True], "/dance/mocap/ben/mirrored": [False]}
 
     run(PageServer(), what)
+
+
+def test_controls_of_named_performers_have_their_words():
+    facts = {"name": "a show", "names": {"/dance/mocap/shown": ["anna"]}, "half": (5.0, 3.0)}
+    widgets = [widget for page in _surface_json(facts)["pages"] for widget in page["widgets"]]
+    words = {widget["address"]: widget["words"] for widget in widgets}
+    assert words["/dance/mocap/anna/shown"] == REGISTRY.find("/dance/mocap/shown").description
+    assert all(words.values())
 
 
 HOSTILE = (
