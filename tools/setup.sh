@@ -325,6 +325,11 @@ if [ "$mode" = test ] && [ -z "$dry_run" ] && command -v npm >/dev/null 2>&1; th
   fi
 fi
 
+# What the tests of cameras need, once, in the user's folder. Everything else works without it.
+if [ "$mode" = test ] && [ -z "$dry_run" ] && ! .venv/bin/live camera models >/dev/null 2>&1; then
+  say "setup: the pose models could not be fetched (live camera models says why); the tests that need them are skipped"
+fi
+
 # Python's compiled files of the project itself, also where PYTHONDONTWRITEBYTECODE keeps Python from writing them: a
 # show must not wait for its compiler at each start.
 if [ ! -e .venv/.compiled ] || [ -n "$(find live -name '*.py' -newer .venv/.compiled)" ]; then

@@ -62,6 +62,8 @@ class ServiceContext(Generic[Options]):
     """Host names of this machine besides its addresses."""
     resumes: bool
     """Whether the show is resumed after an engine that may still hold ports."""
+    notices: "list[Callable[[], str]]"
+    """Lines of the operator's overlay: each returns one, or an empty string."""
     phones: "PhoneCameras | None" = None
     """The phones that are cameras of this show; None if there is no page for them."""
 

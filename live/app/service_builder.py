@@ -149,6 +149,7 @@ class ServiceBuilder:
                 host_names=self._host_names,
                 resumes=self.resumes,
                 phones=self._phones,
+                notices=self.status.notices,
             )
             for name, service in bridge.services(context).items():
                 self.add(name, service)

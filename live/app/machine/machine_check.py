@@ -105,6 +105,7 @@ State = Literal["ok", "limited", "missing"]
 OSC_ADDRESS = ("127.0.0.1", 9010)
 MIN_OPENGL = 410
 EXTRAS: Final = {
+    "camera": "no cameras that see dancers (live play --camera)",
     "cluster": "no films by a Dask cluster (live replay --cluster)",
     "link": "no Ableton Link",
     "nodes": "no render nodes (live node, live play --nodes)",

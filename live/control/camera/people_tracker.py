@@ -7,6 +7,7 @@ by the costume (an assignment problem).
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Final, Protocol
 
@@ -25,8 +26,12 @@ REMEMBERED_S: Final = 20.0
 """For this long [s] a lost person is recognised again by the costume."""
 SEARCH_INTERVAL_S: Final = 0.1
 """Time [s] between searches while people may be missing."""
-CHECK_INTERVAL_S: Final = 1.0
-"""Time [s] between searches while everybody is there."""
+CHECK_INTERVAL_S: Final = 0.4
+"""Time [s] between searches while everybody known is seen."""
+STILL_S: Final = 3.0
+"""A figure that has not moved for this long [s] since it was found is a poster, or a person who waits."""
+STILL_CHECK_S: Final = 2.0
+"""Time [s] between looks at such a figure."""
 MOVED: Final = 0.06
 """A figure whose landmarks moved by this share of its size in the picture is a person and no poster."""
 _SAME_PERSON: Final = 0.12
@@ -40,7 +45,6 @@ _MOST_COST: Final = 1.6
 """Cost beyond which a pose is not a known person's."""
 _NEAR: Final = 0.5
 """People whose regions' middles are closer than this share of a region may be mistaken for each other."""
-_TORSO: Final = (11, 12, 23, 24)
 
 
 class Finder(Protocol):
@@ -77,8 +81,8 @@ class Person:
     """Whether they have ever moved: a poster does not."""
     is_crossing: bool = False
     """Whether somebody else is so near that the costume is not learned now."""
-    first_shape: Float64 | None = None
-    """The landmarks when first seen, over the region's size, (L, 2)."""
+    first_pose: ModelPose | None = None
+    """That in which they were first seen."""
 
     def region_at(self, time: float) -> Region:
         """Return the region in which they are expected at `time` [s]."""
@@ -87,31 +91,55 @@ class Person:
         return replace(last, x=last.x + x, y=last.y + y)
 
 
+@dataclass(slots=True, eq=False)
+class StillFigure:
+    """A figure that has not moved: it is looked at now and then, and takes nobody's place."""
+
+    pose: ModelPose
+    time: float
+    """When it was last looked at [s]."""
+
+
+def _anybody(pose: ModelPose) -> bool:
+    return True
+
+
 class PeopleTracker:
     """Follows the people in one camera's pictures. Thread: one."""
 
-    def __init__(self, finder: Finder, poser: Poser, most: int) -> None:
-        """`most`: how many people are followed at a time."""
-        self._finder, self._poser, self.most = finder, poser, most
+    def __init__(
+        self, finder: Finder, poser: Poser, most: int, accepts: Callable[[ModelPose], bool] = _anybody
+    ) -> None:  # fmt: skip
+        """`most`: how many people are followed at a time. `accepts`: whether a pose may be a performer's."""
+        self._finder, self._poser, self.most, self._accepts = finder, poser, most, accepts
         self.people: list[Person] = []
         """Everybody who is remembered."""
+        self.still: list[StillFigure] = []
+        """Figures that do not move."""
+        self.has_found = False
+        """Whether anybody has ever been found."""
         self._next_number = 1
         self._search_time = -math.inf
         self._square = 0
 
     def update(self, picture: UInt8, time: float) -> list[Person]:
-        """Return the people who are seen in a picture (H, W, 3) taken at `time` [s], in the order of their numbers."""
+        """Return the people who are seen in a picture (H, W, 3) taken at `time` [s], in the order of their numbers.
+
+        People who have not moved yet are not among them: a poster never does.
+        """
         height, width = picture.shape[:2]
         self.people = [each for each in self.people if time - each.time <= REMEMBERED_S]
+        self._set_aside(time)
         followed = [each for each in self.people if time - each.time <= LOST_S]
         poses = [
             pose
             for each in followed
             if _is_inside(region := each.region_at(time), width, height)
             for pose in [self._poser.run(picture, region)]
-            if _is_person(pose)
+            if self._is_person(pose)
         ]
         poses = _distinct(poses)
+        self._look_at_still(picture, time)
         missing = len(poses) < self.most
         alone = len(poses) == len(followed) and bool(poses)
         wait = CHECK_INTERVAL_S if alone else SEARCH_INTERVAL_S
@@ -119,11 +147,32 @@ class PeopleTracker:
             self._search_time = time
             poses = _distinct(poses + self._search(picture, poses))
         seen = self._assign(picture, poses, time)
-        return sorted(seen, key=lambda each: each.number)
+        self.has_found = self.has_found or bool(seen)
+        return sorted((each for each in seen if each.has_moved), key=lambda each: each.number)
 
-    def forget(self, number: int) -> None:
-        """Forget a person who turned out to be none."""
-        self.people = [each for each in self.people if each.number != number]
+    def _set_aside(self, time: float) -> None:
+        """Set figures aside that have not moved since they were found."""
+        for each in [each for each in self.people if not each.has_moved and time - each.first_time > STILL_S]:
+            self.people.remove(each)
+            self.still.append(StillFigure(each.pose, time))
+
+    def _look_at_still(self, picture: UInt8, time: float) -> None:
+        """Look at one of the figures set aside; forget it if it has gone or moved, so that it is found as a person."""
+        due = next((each for each in self.still if time - each.time > STILL_CHECK_S), None)
+        if due is None:
+            return
+        pose = self._poser.run(picture, due.pose.next_region)
+        due.time = time
+        if not self._is_person(pose):
+            self.still.remove(due)
+        elif _way(pose, due.pose) > MOVED:
+            self.still.remove(due)
+            moved = Person(self._next_number, pose, time, time, has_moved=True)
+            self._next_number += 1
+            self.people.append(moved)
+
+    def _is_person(self, pose: ModelPose) -> bool:
+        return _is_sure(pose) and self._accepts(pose)
 
     def _search(self, picture: UInt8, known: list[ModelPose]) -> list[ModelPose]:
         """Return poses of people in the next square of the picture who are not among `known`."""
@@ -134,11 +183,12 @@ class PeopleTracker:
         found: list[ModelPose] = []
         for each in self._finder.detect(part, self.most + 1):
             region = replace(each.region, x=each.region.x + left, y=each.region.y + top)
-            near = any(_region_distance(region, pose.next_region) < _NEAR / 2 for pose in known)
+            there = [*known, *(figure.pose for figure in self.still)]
+            near = any(_region_distance(region, pose.next_region) < _NEAR / 2 for pose in there)
             if near or len(known) + len(found) >= self.most:
                 continue
             pose = self._poser.run(picture, region)
-            if _is_person(pose):
+            if self._is_person(pose):
                 found.append(pose)
         return found
 
@@ -212,17 +262,21 @@ def _see(person: Person, pose: ModelPose, colours: Float64, time: float, *, cros
         person.velocity = np.zeros(2)
     if not crossing:
         person.colours = blend_colours(person.colours, colours, _COLOUR_SHARE)
-    shape = (pose.picture - (0.0, 0.0)) / max(new.size, 1.0)
-    if person.first_shape is None:
-        person.first_shape = shape
-    seen = pose.visibility > 0.6
-    if not person.has_moved and seen.any():
-        way = np.linalg.norm(shape - person.first_shape, axis=1)
-        person.has_moved = bool(np.median(way[seen]) > MOVED or np.quantile(way[seen], 0.85) > 2.0 * MOVED)
+    person.first_pose = person.first_pose or pose
+    person.has_moved = person.has_moved or _way(pose, person.first_pose) > MOVED
     person.pose, person.time, person.is_crossing = pose, time, crossing
 
 
-def _is_person(pose: ModelPose) -> bool:
+def _way(pose: ModelPose, first: ModelPose) -> float:
+    """Return how far the landmarks have moved, over the size of the region; hands and feet count half."""
+    seen = np.minimum(pose.visibility, first.visibility) > 0.6
+    if not seen.any():
+        return 0.0
+    way = np.linalg.norm(pose.picture - first.picture, axis=1)[seen] / max(first.next_region.size, 1.0)
+    return max(float(np.median(way)), 0.5 * float(np.quantile(way, 0.85)))
+
+
+def _is_sure(pose: ModelPose) -> bool:
     """Whether the model is sure enough of a pose."""
     return (
         pose.presence >= LEAST_PRESENCE

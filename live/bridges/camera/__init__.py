@@ -1,0 +1,54 @@
+"""Bridge to cameras that see performers: `--camera`, `[[stage_camera]]` of the venue, `live camera`."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Final
+
+from live.app.bridges import Bridge, Command, ServiceContext
+from live.app.option_values import option, several
+from live.app.services.service import Service
+
+if TYPE_CHECKING:
+    from live.bridges.camera.camera_service import CameraTables
+
+OFF: Final = "off"
+"""The value of `--camera` with which the venue's cameras stay closed."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class CameraOptions:
+    """Launch options of cameras."""
+
+    camera: tuple[str, ...] = option(
+        (), "See a dancer with this camera: its number or name, a film, an rtsp:// address, or any for the first one. "
+        "off: none, whatever the venue has. May come several times; several need marks in the venue.",
+        metavar="NAME|FILE|ADDRESS", **several(),
+    )  # fmt: skip
+    camera_model: str = option(
+        "full", "How carefully cameras look: full, or lite, which takes half the processor time.", metavar="full|lite"
+    )
+
+
+def venue_tables() -> "type[CameraTables]":
+    """`[[stage_camera]]` of a venue."""
+    from live.bridges.camera.camera_service import CameraTables
+
+    return CameraTables
+
+
+def services(context: ServiceContext[CameraOptions]) -> Mapping[str, Service]:
+    """The cameras for `--camera` or of the venue, and the phones that are cameras."""
+    from live.bridges.camera.camera_service import make_camera_service
+
+    found = make_camera_service(context)
+    return {} if found is None else {"camera": found}
+
+
+def commands() -> Mapping[str, Command]:
+    """`live camera list | models | calibrate | look`."""
+    from live.bridges.camera.camera_command import app
+
+    return {"camera": app}
+
+
+BRIDGE = Bridge(name="camera", options=CameraOptions, venue_tables=venue_tables, services=services, commands=commands)
