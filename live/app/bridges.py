@@ -9,7 +9,7 @@ import importlib.metadata
 import importlib.util
 import pkgutil
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from functools import cache
 from typing import TYPE_CHECKING, Any, Final, Generic, TypeAlias, TypeVar
 
@@ -62,7 +62,7 @@ class ServiceContext(Generic[Options]):
     """Host names of this machine besides its addresses."""
     resumes: bool
     """Whether the show is resumed after an engine that may still hold ports."""
-    notices: "list[Callable[[], str]]"
+    notices: "list[Callable[[], str]]" = field(default_factory=list)
     """Lines of the operator's overlay: each returns one, or an empty string."""
     phones: "PhoneCameras | None" = None
     """The phones that are cameras of this show; None if there is no page for them."""

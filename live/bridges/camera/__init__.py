@@ -45,7 +45,7 @@ def services(context: ServiceContext[CameraOptions]) -> Mapping[str, Service]:
 
 
 def commands() -> Mapping[str, Command]:
-    """`live camera list | models | calibrate | look`."""
+    """`live camera list | models | look`."""
     from live.bridges.camera.camera_command import app
 
     return {"camera": app}

@@ -15,7 +15,7 @@ from live.control.camera.camera_process import MODULE, CameraPlan
 from live.control.camera.drawn_figures import DRAWN_JOINTS
 from live.control.camera.frame_source import parse_camera
 from live.control.camera.model_files import model_folder
-from live.control.events.events import ControlEvent
+from live.control.events.events import ControlEvent, ExchangeSeen
 from live.control.helper_process import HelperProcess
 from live.motion.skeleton import SKELETON
 from live.render.camera import world_to_clip
@@ -25,7 +25,6 @@ from live.show.patch.section_base import Name, Section
 
 if TYPE_CHECKING:
     from live.app.bridges import ServiceContext
-    from live.bridges.camera import CameraOptions
     from live.control.camera.phone_landmarks import PhoneCameras
     from live.show.engine import Engine
 
@@ -55,7 +54,7 @@ class StageCamera(Section):
     """How far its pictures have to be turned, counter-clockwise, to be upright."""
     marks: Annotated[tuple[Mark, ...], Field(max_length=32)] = ()
     """Marks on the floor: x and z on the stage [m], and the place in the upright picture (shares of its width from the
-    left, of its height from the top); four or more, around a convex shape. `live camera calibrate` writes them."""
+    left, of its height from the top); four or more, around a convex shape. `live calibrate camera` writes them."""
     screen: Annotated[tuple[Corner, ...], Field(max_length=4)] = ()
     """Where the camera sees the projected picture: its upper left, upper right, lower right, lower left corner, in
     shares of the camera's picture. Drawn dancers there are not taken for people."""
@@ -75,7 +74,7 @@ class CameraTables(Section):
     stage_camera: Annotated[tuple[StageCamera, ...], Field(max_length=MOST_CAMERAS)] = ()
 
 
-def make_camera_service(context: "ServiceContext[CameraOptions]") -> "CameraService | None":
+def make_camera_service(context: "ServiceContext[Any]") -> "CameraService | None":
     """Return the service for the cameras that were asked for; None if there is none, and no phone may be one.
 
     PersonError, with the remedy, if a camera, the models or the extra `camera` are missing.
@@ -110,7 +109,7 @@ def camera_plans(named: tuple[str, ...], tables: tuple[StageCamera, ...]) -> lis
     if len(chosen) > 1 and bare:
         raise PersonError(
             f"several cameras need marks on the floor, and {bare[0]} has none: without them nobody knows who is who",
-            "name them as [[stage_camera]] in the venue, then: live camera calibrate",
+            "name them as [[stage_camera]] in the venue, then: live calibrate camera",
         )
     plans = []
     for each in chosen:
@@ -159,8 +158,14 @@ class CameraService:
         self._frames = 0
         self.received = 0
         """Poses received."""
+        self._refusal, self._refused = "", 0
         if phones is not None:
             phones.handlers.append(self._pass_phone)
+
+    @property
+    def pid(self) -> int | None:
+        """The camera process; None while there is none."""
+        return self._helper.pid
 
     def start(self) -> None:
         """Start the camera process; PersonError if that fails."""
@@ -189,6 +194,21 @@ class CameraService:
         self._names = performer_names(patch)
         self._on_start()
 
+    def handle(self, event: ControlEvent) -> None:
+        """Exchange two performers."""
+        if isinstance(event, ExchangeSeen):
+            unknown = [name for name in (event.performer, event.other) if name not in self._names]
+            if unknown:
+                self._refusal = f"no performer is called {unknown[0][:60]!r}; there are: {', '.join(self._names)}"
+                self._refused += 1
+            else:
+                self._refusal = ""
+                self._helper.send(("exchange", event.performer, event.other))
+
+    def refusal(self) -> str:
+        """Return why the last exchange was refused; empty if it was not."""
+        return self._refusal
+
     def _on_start(self) -> None:
         self._helper.send(("names", self._names))
 
@@ -215,7 +235,7 @@ class CameraService:
 
     def refused(self) -> Counter[str]:
         """Return the number of refused packets by reason."""
-        count = self._helper.status().get("refused", 0)
+        count = self._helper.status().get("refused", 0) + self._refused
         return Counter({"camera": count} if count else {})
 
     def status(self) -> dict[str, Any]:

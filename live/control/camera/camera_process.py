@@ -34,6 +34,8 @@ _SPEEDS: Final = 64
 _PHONES_FROM: Final = 1000
 """Numbers of phones among the cameras."""
 MOST_PHONES: Final = 16
+LATEST_S: Final = 1.5
+"""Joints of a phone's picture that is older than this [s] are dropped: they would show the past."""
 
 register_events()
 
@@ -229,10 +231,13 @@ class CameraProcess:
             self._refused += 1
             return
         camera = self._phones.setdefault(phone, _PHONES_FROM + len(self._phones))
-        if told.landmarks is not None:
+        now = self._clock.now()
+        if now - told.time > LATEST_S:
+            self._refused += 1
+        elif told.landmarks is not None:
             with self._lock:
                 try:
-                    self._send(self.performers.update_named(camera, performer, told.landmarks, self._clock.now()))
+                    self._send(self.performers.update_named(camera, performer, told.landmarks, now))
                 except ValueError:
                     self._refused += 1
 

@@ -91,6 +91,14 @@ class DrawMocap(ControlEvent):
     group: Annotated[str, Argument.label("a group's name; * is all; left out: unchanged", "group")] = ""
 
 
+@command("/dance/stage_camera/exchange", "operator")
+class ExchangeSeen(ControlEvent):
+    """Exchanges two performers whom a camera took for each other."""
+
+    performer: Annotated[str, Argument.label("the name of one in the patch", "performer")]
+    other: Annotated[str, Argument.label("the name of the other one", "performer")]
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class TrackerMoved(ControlEvent):
     """Position of a tracker in the tracking system's own axes [m]."""
