@@ -12,6 +12,7 @@ from live.app.launch_options import LaunchOptions
 from live.app.services.audience_service import make_audience
 from live.app.services.click_service import make_click, make_link
 from live.app.services.document_service import DocumentService, edit_date
+from live.app.services.gesture_service import GestureService
 from live.app.services.grid_service import GridService
 from live.app.services.midi_service import OFF, MidiFileService, MidiService, make_midi
 from live.app.services.osc_services import MusicianOscPort, make_osc_out
@@ -95,6 +96,12 @@ class ServiceBuilder:
                 MidiFileService(self.options.midi_file, self.engine.show, self.engine, resume_tick=resume_tick),
             )
         return midi
+
+    def add_gestures(self, patch: Path) -> None:
+        """Add the writer of learned gestures. `patch`: the patch's file."""
+        gestures = GestureService(self.engine.show, patch)
+        self.add("gestures", gestures)
+        self.status.notices.append(gestures.notice)
 
     def add_grid(self) -> None:
         """Add a grid controller, named on the command line, by the venue or by the patch."""

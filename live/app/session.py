@@ -224,6 +224,7 @@ class Session:
         beside.resumes = resumed is not None
         beside.add_click_and_link()
         self.midi = midi = beside.add_midi(loaded.path, 0 if resumed is None else resumed.tick)
+        beside.add_gestures(loaded.path)
         beside.add_grid()
         beside.add_osc()
         beside.add_bridges()

@@ -14,7 +14,7 @@ from pydantic import TypeAdapter, ValidationError
 from live.base.toml import KeyPath, line_of, toml_line_numbers
 from live.document.toml_blocks import Block, split_blocks
 from live.show.patch.patch import Patch
-from live.show.patch.patch_reader import FOLDERS, add_custom_passes
+from live.show.patch.patch_reader import FOLDERS, add_custom_passes, add_gesture_files
 from live.show.patch.patch_search_path import learned_path
 from live.show.patch.section_base import InvalidEntry, Section
 from live.show.patch.table_batches import section_of
@@ -241,6 +241,7 @@ class Document:
             return patch
         sources = TomlSources(self.files)
         add_custom_passes(sources.data, self.path)
+        add_gesture_files(sources, self.path)
         checks = _REMAINING_PATCH_CHECKS if all_valid else PATCH_CHECKS
         made = validate_sources(sources, Patch, "patch", checks, self._tables)
         self._unchecked.clear()

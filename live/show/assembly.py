@@ -13,6 +13,7 @@ from live.show.audience.audience import Audience
 from live.show.audience.voting import VoteNames
 from live.show.audience.words import Words
 from live.show.capture.capture_manager import CaptureManager
+from live.show.capture.gestures import Gestures
 from live.show.capture.seen_steps import SeenSteps
 from live.show.circuit_breakers import CircuitBreakers
 from live.show.dancers.character_casting import bodies_of
@@ -112,6 +113,7 @@ def assemble(
     expression = Expression(dancers, motion, seed=seed)
     mocap = CaptureManager(patch, motion, dancers, scheduler)
     seen_steps = SeenSteps(patch, motion, dancers, refusals, seed=seed)
+    gestures = Gestures(patch, mocap, reactions, score_runner, motion)
     launcher = Launcher(
         patch, Pads(patch, dancers, motion.evolutions), refusals, seed=seed, casting=casting,
         playhead=score_runner.playhead, dancers=dancers, scheduler=scheduler,
@@ -139,14 +141,14 @@ def assemble(
     )  # fmt: skip
     hot_swap.parts = (
         casting, reactions, score_runner, motion, variation, dancers, scheduler, interrupts, commands, mocap, desk,
-        audience, directions, view_builder, launcher, garments, seen_steps,
+        audience, directions, view_builder, launcher, garments, seen_steps, gestures,
     )  # fmt: skip
     tripped = TrippedStages(breakers, refusals, scheduler, motion.evolutions, hot_swap)
     score = ScoreRequests(score_runner, reactions, motion, scheduler)
     router = EventRouter(
         (
             clock, motion.elements, commands, desk, view_builder, mocap, seen_steps, directions, score, audience, light,
-            hot_swap, tripped, launcher, expression, garments,
+            hot_swap, tripped, launcher, expression, garments, gestures,
         ),
         clock, motion, desk.undo_history, refusals,
     )  # fmt: skip
@@ -166,7 +168,7 @@ def assemble(
         ),
         plan=PlanStage(
             breakers, calls, desk=desk, audience=audience, hot_swap=hot_swap, selection=selection,
-            interrupts=interrupts, seen_steps=seen_steps,
+            interrupts=interrupts, seen_steps=seen_steps, gestures=gestures,
         ),
         group=GroupStage(breakers, motion, scheduler),
         crowd=CrowdStage(breakers, motion, scheduler, dancers),
@@ -188,7 +190,7 @@ def assemble(
         score_runner=score_runner, motion=motion, variation=variation, dancers=dancers, garments=garments,
         scheduler=scheduler, interrupts=interrupts, directions=directions, mocap=mocap, desk=desk, audience=audience,
         light=light, hot_swap=hot_swap, view_builder=view_builder, expression=expression, launcher=launcher,
-        springs=character_springs, seen_steps=seen_steps, frame=frame,
+        springs=character_springs, seen_steps=seen_steps, gestures=gestures, frame=frame,
     )  # fmt: skip
 
 

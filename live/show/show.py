@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from live.graph.motion_graph import MotionGraph
     from live.show.audience.audience import Audience
     from live.show.capture.capture_manager import CaptureManager
+    from live.show.capture.gestures import Gestures
     from live.show.capture.seen_steps import SeenSteps
     from live.show.dancers.character_springs import CharacterSprings
     from live.show.dancers.dancers import Dancers
@@ -83,6 +84,7 @@ class Show:
     launcher: "Launcher"
     springs: "CharacterSprings"
     seen_steps: "SeenSteps"
+    gestures: "Gestures"
     frame: "Frame"
     """The stages, in their order."""
 

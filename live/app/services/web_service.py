@@ -18,10 +18,10 @@ from live.clock.time_source import Clock
 from live.control.camera.phone_landmarks import PhoneCameras
 from live.control.events.document import EditDocument, RedoDocument, RestoreDocument, UndoDocument
 from live.control.events.event import ControlEvent
-from live.show.capture.capture_manager import DEFAULT_PERFORMER
 from live.show.desk.completions import show_completions
 from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
+from live.show.patch.section_io import DEFAULT_PERFORMER
 from live.show.show import Show
 
 if TYPE_CHECKING:

@@ -19,9 +19,9 @@ from live.control.events.events import ControlEvent, ExchangeSeen
 from live.control.helper_process import HelperProcess
 from live.motion.skeleton import SKELETON
 from live.render.camera import world_to_clip
-from live.show.capture.capture_manager import DEFAULT_PERFORMER
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import Name, Section
+from live.show.patch.section_io import DEFAULT_PERFORMER
 
 if TYPE_CHECKING:
     from live.app.bridges import ServiceContext

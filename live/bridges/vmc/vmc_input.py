@@ -20,7 +20,7 @@ from live.control.registry.rejections import Reason, Tally
 from live.control.udp_input import CaptureInput
 from live.motion.capture.captured_body import CapturedBody
 from live.motion.skeleton import JOINT_COUNT
-from live.show.capture.capture_manager import DEFAULT_PERFORMER
+from live.show.patch.section_io import DEFAULT_PERFORMER
 
 SEAT_TIMEOUT: Final = 2.0
 """A sender that is silent for this long [s] loses its seat to another one."""

@@ -97,6 +97,14 @@ class ExchangeSeen(ControlEvent):
 
     performer: Annotated[str, Argument.label("the name of one in the patch", "performer")]
     other: Annotated[str, Argument.label("the name of the other one", "performer")]
+@command("/dance/gesture/learn", "operator")
+class LearnGesture(ControlEvent):
+    """The last beats of a captured performer become an example of this gesture, usable at once and saved with the
+    patch."""
+
+    name: Annotated[str, Argument.label("the gesture's name, that of its signal", "gesture")]
+    beats: Annotated[float, Argument.number("how many beats it took", 1, 16, "beats")] = 4.0
+    performer: Annotated[str, Argument.label("the performer; left out: the one seen last", "performer")] = ""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

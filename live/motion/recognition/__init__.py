@@ -1,1 +1,1 @@
-"""Recognition of what a seen body does: its steps. It may import what `motion` may."""
+"""Recognition of what a seen body does: its steps and gestures. It may import what `motion` may."""

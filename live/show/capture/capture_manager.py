@@ -23,7 +23,7 @@ from live.show.capture.performer import CapturedPerformer
 from live.show.capture.performer_forces import PerformerForces
 from live.show.capture.stage_presence import MAX_SPEED
 from live.show.patch.patch import Patch
-from live.show.patch.section_io import MocapSection
+from live.show.patch.section_io import DEFAULT_PERFORMER, MocapSection
 from live.show.stages.now import Now
 
 if TYPE_CHECKING:
@@ -47,8 +47,6 @@ SETTINGS: Final[dict[str, tuple[Callable[..., ControlEvent], tuple[str, ...]]]] 
     "attract": (events.DrawMocap, ("strength", "group")),
 }
 """Settings of a performer, as in `/dance/mocap/NAME/...`: the event and its fields."""
-DEFAULT_PERFORMER: Final = "live"
-"""The performer's name where the patch has none."""
 NOBODY: Final = "none"
 SPEED_SMOOTHING: Final = 0.15
 """Smoothing of agent speed: share of a new value taken per tick, because capture is noisy."""

@@ -56,6 +56,11 @@ class PoseBuffer:
         return float(self.stamp[self._newest, TIME]) if self.count else -math.inf
 
     @property
+    def newest(self) -> tuple[Float32, Float32]:
+        """Hips (3,) [m] and local rotations (J, 4) of the newest pose; there must be one."""
+        return self._root[self._newest], self._rotation[self._newest]
+
+    @property
     def beats(self) -> tuple[float, float]:
         """Danced beats of the oldest and the newest kept pose; there must be one."""
         oldest = max(self.count - len(self.stamp), 0) % len(self.stamp)

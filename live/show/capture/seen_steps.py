@@ -23,11 +23,11 @@ from live.motion.recognition.step_recognition import (
     is_seen,
     motion_of,
 )
-from live.show.capture.capture_manager import DEFAULT_PERFORMER
 from live.show.capture.danced_poses import LEAD_OUT_BEATS, DancedPoses, Take, empty_take
 from live.show.desk.refusals import Refusals
 from live.show.patch.patch import Patch
 from live.show.patch.section_capture import AnswerSection
+from live.show.patch.section_io import DEFAULT_PERFORMER
 from live.show.patch.section_motion import parse_entry
 from live.show.score.step_names import UnknownStep, find_step, step_measures
 from live.show.stages.now import Now

@@ -10,7 +10,7 @@ from pydantic import Field, ValidationInfo, model_validator
 
 from live.base.picture_parameters import MAX_GROUPS
 from live.show.patch.section_base import Name, Section, WholeFile, run_check
-from live.show.patch.section_capture import AnswerSection
+from live.show.patch.section_capture import MAX_GESTURES, AnswerSection, GestureSection
 from live.show.patch.section_cues import CueSection, PadSection, SceneSection
 from live.show.patch.section_elements import ElementSection
 from live.show.patch.section_io import (
@@ -110,6 +110,7 @@ class Patch(WholeFile):
     psn: PsnSection = PsnSection()
     mocap: Annotated[tuple[MocapSection, ...], Field(max_length=16)] = ()
     answer: Annotated[tuple[AnswerSection, ...], Field(max_length=16)] = ()
+    gesture: Annotated[tuple[GestureSection, ...], Field(max_length=MAX_GESTURES)] = ()
     formation: Annotated[tuple[FormationTable, ...], Field(max_length=1000)] = ()
     """Formations by name: see formations.md."""
     evolution: Annotated[tuple[EvolutionSection, ...], Field(max_length=200)] = ()

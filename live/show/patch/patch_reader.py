@@ -10,10 +10,11 @@ from typing import Any, Final
 from live.base.custom_pass import NAME, PASSES
 from live.base.errors import PersonError
 from live.show.patch.patch import Patch
-from live.show.patch.patch_search_path import MAIN_FILE, PatchError, is_file, learned_path
+from live.show.patch.patch_search_path import MAIN_FILE, PatchError, gestures_path, is_file, learned_path
 from live.show.patch.toml_model import (
     BridgeTables,
     TomlSources,
+    key_text,
     parse_model,
     parse_text,
     read_text,
@@ -39,9 +40,23 @@ def read_sources(path: Path, tables: BridgeTables = ()) -> tuple[Patch, TomlSour
     try:
         sources = TomlSources([parse_text(read_text(file, "patch"), str(file), "patch") for file in patch_files(path)])
         add_custom_passes(sources.data, path)
+        add_gesture_files(sources, path)
         return validate_sources(sources, Patch, "patch", PATCH_CHECKS, tables), sources
     except PersonError as error:
         raise PatchError(error.message, error.remedy, error.key_path, error.faults) from None
+
+
+def add_gesture_files(sources: TomlSources, path: Path) -> None:
+    """Insert the poses of the files of gestures that a patch names; PatchError with file, line and field."""
+    if not isinstance(sources.data.get("gesture"), list):
+        return
+    from live.show.patch.gesture_files import add_gesture_poses  # few patches need it
+
+    try:
+        add_gesture_poses(sources.data, path)
+    except PersonError as error:
+        where = f"{sources.location_text(error.key_path)}: {key_text(error.key_path)}"
+        raise PatchError(f"{where}: {error.message}", error.remedy, error.key_path) from None
 
 
 def custom_pass_files(path: Path) -> list[Path]:
@@ -70,11 +85,12 @@ def add_custom_passes(data: dict[str, Any], path: Path) -> None:
 
 
 def patch_files(path: Path) -> list[Path]:
-    """Return the files of a patch: the main one, learned MIDI, then for show.toml those of FOLDERS, sorted by name.
+    """Return the files of a patch: the main one, learned MIDI and gestures, then for show.toml those of FOLDERS,
+    sorted by name.
 
     PatchError, before anything is read, if they are too many or too large.
     """
-    files = [path, learned_path(path)] if is_file(learned_path(path)) else [path]
+    files = [path, *(file for file in (learned_path(path), gestures_path(path)) if is_file(file))]
     if path.name != MAIN_FILE:
         return files
     for folder in FOLDERS:

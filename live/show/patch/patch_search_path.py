@@ -21,6 +21,8 @@ PATCHES: Final = next(
 MAIN_FILE: Final = "show.toml"
 LEARNED_SUFFIX: Final = ".midi"
 """Suffix of the file of learned MIDI mappings: NAME.midi.toml next to NAME.toml."""
+GESTURES_SUFFIX: Final = ".gestures"
+"""Suffix of the file of learned gestures: NAME.gestures.toml next to NAME.toml."""
 
 DEFAULT_PATCH: Final = PATCHES / "first_show.toml"
 
@@ -53,7 +55,7 @@ def find_patch(name: str | None) -> Path:
     if os.path.isdir(name):
         raise PatchError(f"the folder {name!r} holds no show.toml", "put one there, or name a TOML file")
     folders = (path.parent.name for path in PATCHES.glob("*/show.toml"))
-    files = (path.stem for path in PATCHES.glob("*.toml") if not path.stem.endswith(LEARNED_SUFFIX))
+    files = (path.stem for path in PATCHES.glob("*.toml") if not path.stem.endswith((LEARNED_SUFFIX, GESTURES_SUFFIX)))
     known = sorted([*files, *folders])
     near = difflib.get_close_matches(name, known, n=1)
     hint = f"{near[0]}, or " if near else ""
@@ -74,6 +76,11 @@ def is_file(path: Path) -> bool:
 def learned_path(path: Path) -> Path:
     """Return the file of learned MIDI mappings next to the patch in `path`."""
     return path.with_name(f"{path.stem}{LEARNED_SUFFIX}.toml")
+
+
+def gestures_path(path: Path) -> Path:
+    """Return the file of learned gestures next to the patch in `path`."""
+    return path.with_name(f"{path.stem}{GESTURES_SUFFIX}.toml")
 
 
 def find_resource(name: str, patch_path: Path) -> Path | None:

@@ -1,6 +1,6 @@
 """Patch sections for input and output: OSC, MIDI, Ableton Link, trackers, audience, mocap."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Final, Literal
 
 from pydantic import Field, ValidationInfo, model_validator
 
@@ -151,6 +151,10 @@ class AudienceSection(Section):
 
 
 Selection = Annotated[str, Field(min_length=1, max_length=250)]
+
+
+DEFAULT_PERFORMER: Final = "live"
+"""The performer's name where the patch has none."""
 
 
 class MocapSection(Section):

@@ -154,6 +154,9 @@ UNIT_PREFIX: Final = "unit:"
 Feature = Literal["loudness", "density", "brightness", "low", "build", "note_energy", "note_density", "chord", "pitch"]
 CURVE_PREFIX: Final = "curve:"
 """Prefix in `[[react]] to` for the names of curves."""
+PERFORMER_PREFIX: Final = "mocap:"
+"""Prefix in `[[react]] to` for the movement of captured performers: `mocap:anna/energy`, `mocap:energy`."""
+PerformerFeature = Annotated[str, Field(min_length=10, max_length=80, pattern=f"^{PERFORMER_PREFIX}")]
 CurveName = Annotated[str, Field(min_length=7, max_length=70, pattern=f"^{CURVE_PREFIX}")]
 PictureAddress = Annotated[str, Field(min_length=1, max_length=64, pattern="^/dance/")]
 
@@ -162,10 +165,12 @@ class ReactSection(Section):
     """`[[react]]`: a value that follows a feature of the music (`to`, `sets`), or a control that is called on an event
     (`on`, `call`)."""
 
-    to: Feature | CurveName | None = None
+    to: Feature | CurveName | PerformerFeature | None = None
     """The feature, 0 to 1 in the range heard so far: loudness, onset density, brightness, bass, progress of a build-up;
     of MIDI notes their velocity, density, number sounding, and pitch.
-    Or `curve:NAME`: a `[[curve]]` of the score, which is followed at once unless `beats` is given."""
+    Or `mocap:NAME/energy`, `size`, `speed`, `hands` (their height) or `tempo` (60 to 180 bpm) of a captured performer;
+    without `NAME/` the highest of all performers'. Or `curve:NAME`: a `[[curve]]` of the score, which is followed at
+    once unless `beats` is given."""
     sets: ReactTarget | PictureAddress | None = None
     """What it sets: a parameter of `[motion]`, the strength of elements that begin from then on, or a number of the
     picture by its address, as in `/dance/light/rim`."""

@@ -10,14 +10,16 @@ from live.base.parameter import WORLD_NAMES
 from live.control.events import events
 from live.control.registry.command import controls_of
 from live.control.registry.registry import FIRST_NAMES, REGISTRY
+from live.motion.recognition.recognition_names import MOVEMENT_NAMES
 from live.show.dancers.timing_offsets import parse_ripple
 from live.show.desk.parameter_table import LOOK, VIEW, WORLD, split_key
 from live.show.group.casting import EVERYONE, Casting
 from live.show.patch.patch import Patch
 from live.show.patch.section_base import InvalidEntry
 from live.show.patch.section_capture import AnswerSection
-from live.show.patch.section_io import MocapSection, PsnSection
+from live.show.patch.section_io import DEFAULT_PERFORMER, MocapSection, PsnSection
 from live.show.patch.section_motion import parse_facing
+from live.show.patch.section_music import PERFORMER_PREFIX
 from live.show.patch.section_stage import PROJECTOR
 from live.show.patch_checks.cue_cycle_check import cue_loops
 from live.show.patch_checks.score_checks import calls_of, signals_of
@@ -300,3 +302,24 @@ def check_answers(answers: Sequence[AnswerSection], performers: Sequence[MocapSe
         if answer.map and answer.how != "map":
             words = f'answer {answer.name!r}: `map` has no effect unless how = "map"'
             yield InvalidEntry(words, "answer", index, "map")
+
+
+def check_performers(patch: Patch) -> Iterator[InvalidEntry]:
+    """Yield an error for an unknown performer of a gesture or a reaction, and for an unknown number of hers."""
+    names = [each.name for each in patch.mocap] or [DEFAULT_PERFORMER]
+    known, folded = ", ".join(names), {name.casefold() for name in names}
+    for index, gesture in enumerate(patch.gesture):
+        if gesture.performer is not None and gesture.performer.casefold() not in folded:
+            words = f"gesture {gesture.name!r}: no performer is called {gesture.performer!r}; there are: {known}"
+            yield InvalidEntry(words, "gesture", index, "performer")
+    for index, reaction in enumerate(patch.react):
+        if reaction.to is None or not reaction.to.startswith(PERFORMER_PREFIX):
+            continue
+        name, _, number = reaction.to.removeprefix(PERFORMER_PREFIX).rpartition("/")
+        if number not in MOVEMENT_NAMES:
+            words = f"{reaction.to!r}: {number!r} is unknown; there are: {', '.join(MOVEMENT_NAMES)}"
+            yield InvalidEntry(words, "react", index, "to")
+        elif name and name.casefold() not in folded:
+            yield InvalidEntry(
+                f"{reaction.to!r}: no performer is called {name!r}; there are: {known}", "react", index, "to"
+            )

@@ -9,7 +9,13 @@ from live.show.patch.patch import Patch
 from live.show.patch.section_base import Checks, InvalidEntry
 from live.show.patch.section_motion import parse_facing
 from live.show.patch_checks.entry_checks import ENTRY_CHECKS
-from live.show.patch_checks.name_checks import check_answers, check_call_names, check_cues, check_trackers
+from live.show.patch_checks.name_checks import (
+    check_answers,
+    check_call_names,
+    check_cues,
+    check_performers,
+    check_trackers,
+)
 from live.show.patch_checks.score_checks import check_score
 
 MAX_DANCERS: Final = 20_000
@@ -22,6 +28,7 @@ def table_faults(patch: Patch) -> Iterator[InvalidEntry]:
     yield from _check_unique_names(patch)
     yield from check_trackers(patch.psn, patch.mocap)
     yield from check_answers(patch.answer, patch.mocap)
+    yield from check_performers(patch)
     yield from _check_projector(patch)
     yield from _check_characters(patch)
     yield from _check_elements(patch)

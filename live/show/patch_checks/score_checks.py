@@ -131,7 +131,8 @@ def _check_signals(patch: Patch) -> Iterator[InvalidEntry]:
             continue
         if name not in known:
             words = (
-                f"no signal is called {reaction.on!r}: name it in a [[signal]]; there are: {', '.join(sorted(known))}"
+                f"no signal is called {reaction.on!r}: name it in a [[signal]] or [[gesture]]; "
+                f"there are: {', '.join(sorted(known))}"
             )
             yield InvalidEntry(words, "react", index, "on")
             continue
@@ -158,6 +159,7 @@ def _check_curves(patch: Patch) -> Iterator[InvalidEntry]:
 def signals_of(patch: Patch) -> set[str]:
     """Return all signals that can occur, by their folded names."""
     known = {"drop", "build", *(one.name.casefold() for one in patch.signal)}
+    known |= {one.name.casefold() for one in patch.gesture}
     return known | {one.signal.casefold() for one in patch.at if one.signal is not None}
 
 

@@ -12,7 +12,7 @@ from live.base.motion_parameters import MOTION_KEYS
 from live.control.events.events import ControlEvent, CurveMoved, MusicHeard, NotesHeard, SetParameter
 from live.control.registry.registry import REGISTRY
 from live.show.patch.patch import Patch
-from live.show.patch.section_music import CURVE_PREFIX, UNIT_PREFIX, ReactSection
+from live.show.patch.section_music import CURVE_PREFIX, PERFORMER_PREFIX, UNIT_PREFIX, ReactSection
 from live.show.patch.section_score import SignalSection
 
 FULL_DENSITY: Final = 6.0
@@ -160,8 +160,24 @@ class Reactions:
         levels = {CURVE_PREFIX + event.name.casefold().strip(): event.value}
         return self._follow(event.time, levels, CURVE_BEATS, fade=CURVE_FADE_MEASURES)
 
+    @property
+    def follows_performers(self) -> bool:
+        """Whether any value follows the movement of a captured performer."""
+        return any((section.to or "").startswith(PERFORMER_PREFIX) for section in self._value_sections)
+
+    def handle_movement(self, time: float, levels: Mapping[str, float], beats: float) -> list[ControlEvent]:
+        """Return the changes that follow captured performers, whose movement is `levels` by the words of `to`, `beats`
+        after the previous ones."""
+        return self._follow(time, levels, beats, fade=CURVE_FADE_MEASURES, source="mocap")
+
     def _follow(
-        self, time: float, levels: Mapping[str, float], beats: float, *, fade: float = FADE_MEASURES
+        self,
+        time: float,
+        levels: Mapping[str, float],
+        beats: float,
+        *,
+        fade: float = FADE_MEASURES,
+        source: str = "music",
     ) -> list[ControlEvent]:
         """Return the changes that follow these levels, `beats` after the previous levels; numbers of the picture fade
         in `fade` measures."""
@@ -177,7 +193,7 @@ class Reactions:
                 row = MOTION_KEYS.get(section.sets)
                 number = value if row is None else min(max(value, row.low), row.high)
                 changes.append(SetParameter(
-                    time=time, source="music", value=(number,), group=section.group,
+                    time=time, source=source, value=(number,), group=section.group,
                     address=section.sets if row is None else row.address,
                     measures=fade if row is None else 0.0,
                 ))  # fmt: skip

@@ -56,6 +56,7 @@ class ScoreRunner:
         self._music_signals = MusicSignals(patch.signal)
         self._motion = ImprovisedMotion(patch.improvise, self.score, seed)
         self._known_signals = {"drop", "build", *(one.name.casefold() for one in patch.signal)}
+        self._known_signals |= {one.name.casefold() for one in patch.gesture}
         self._known_signals |= {one.signal.casefold() for one in patch.at if one.signal is not None}
         self._known_signals |= {one.on.casefold() for one in patch.react if one.on is not None}
         self.late_jumps = 0
@@ -66,6 +67,10 @@ class ScoreRunner:
         """Measure of the show, from 1, of that message."""
         self._beats = patch.clock.beats_per_measure
         self._names = {stretch.name.casefold(): i for i, stretch in enumerate(self.playhead.sections)}
+
+    def add_signal(self, name: str) -> None:
+        """Let a signal of this name be given from now on, because its gesture was learned."""
+        self._known_signals.add(name.casefold().strip())
 
     def apply_patch(self, fresh: "ScoreRunner") -> None:
         """Adopt the sections and signals of an edited score; waiting events still fire."""

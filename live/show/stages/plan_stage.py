@@ -1,4 +1,4 @@
-"""Plan of a tick: what desk, audience and score ask for, edits, and the choice of the next steps."""
+"""Plan of a tick: what desk, audience, performers and score ask for, edits, and the choice of the next steps."""
 
 from typing import TYPE_CHECKING
 
@@ -8,6 +8,7 @@ from live.show.stages.now import Now
 
 if TYPE_CHECKING:
     from live.show.audience.audience import Audience
+    from live.show.capture.gestures import Gestures
     from live.show.capture.seen_steps import SeenSteps
     from live.show.desk.light_desk import LightDesk
     from live.show.selection.interrupts import Interrupts
@@ -26,12 +27,14 @@ class PlanStage:
         desk: "LightDesk",
         audience: "Audience",
         hot_swap: "HotSwap",
+        gestures: "Gestures",
         selection: "StepSelection",
         interrupts: "Interrupts",
         seen_steps: "SeenSteps",
     ) -> None:
         self._seen_steps = seen_steps
         self._breakers, self._calls, self._desk, self._audience = breakers, calls, desk, audience
+        self._gestures = gestures
         self._hot_swap, self._selection, self._interrupts = hot_swap, selection, interrupts
 
     def tick(self, now: Now, beat: float) -> None:
@@ -41,6 +44,8 @@ class PlanStage:
             self._desk.tick(now)
         if closed(Stage.AUDIENCE):
             self._audience.tick()
+        if closed(Stage.CAPTURE):
+            self._calls.issue(self._gestures.tick(now))
         self._calls.fire(now)
         if closed(Stage.EDITS):
             self._hot_swap.tick(now)

@@ -22,7 +22,14 @@ from live.agents.evolutions.trajectory import Locomotion
 from live.base.element_kinds import FLOW_NAMES, KIND_COUNT, MAX_POINTS, MAX_VERTICES, OUTLINE_VERTICES
 from live.motion.partner_live.hand_holds import LiveHandHolds
 from live.motion.partner_live.stage_partner import LeaderReader
+from live.motion.recognition.body_stream import BodyStream
+from live.motion.recognition.example_follower import ExampleFollower
+from live.motion.recognition.gesture_examples import ExampleBank, ExampleMatcher
+from live.motion.recognition.gesture_kernels import FEATURES, MEASURES
+from live.motion.recognition.movement import Movement
+from live.motion.recognition.recognition_names import GESTURE_NAMES, LEVELS, MAX_MOMENTS
 from live.motion.skeleton import JOINT_COUNT
+from live.show.capture.gestures import Gestures, PerformerMovement
 from live.show.capture.performer import CapturedPerformer
 from live.show.capture.pose_buffer import CANON_CAPACITY, POSE_CAPACITY, PoseBuffer
 from live.show.group.division import FREE, Division
@@ -135,6 +142,77 @@ def captured(value: CapturedPerformer) -> bool:
     ones = (value.rows, value.delay, value.fade, value.turn_angle)
     place = attribute_at(value, "bounds.last_position")
     return all(array.shape == (count,) for array in ones) and value.offset.shape == place.shape == (count, 2)
+
+
+def gesture_bank(value: ExampleBank) -> bool:
+    """Whether each example has its moments, weights and threshold."""
+    count, first = len(value.threshold), value.first
+    return (
+        value.moment.ndim == 2
+        and value.moment.shape[1] == FEATURES
+        and value.weight.shape == (count, FEATURES)
+        and value.threshold.shape == (count,)
+        and first.shape == (count + 1,)
+        and first[0] == 0
+        and first[-1] == len(value.moment)
+        and bool((np.diff(first) > 0).all())
+    )
+
+
+def gesture_matcher(value: ExampleMatcher) -> bool:
+    """Whether the sums have a value for each moment of each example."""
+    count, moments = len(attribute_at(value, "_bank.threshold")), len(attribute_at(value, "_bank.moment"))
+    memory, begun = attribute_at(value, "_memory"), attribute_at(value, "_begun")
+    return (
+        value.mean.shape == value.begun.shape == (count,)
+        and memory.shape == (3, moments)
+        and begun.shape == (2, moments)
+    )
+
+
+def gesture_examples(value: ExampleFollower) -> bool:
+    """Whether each example has a gesture."""
+    gesture, best = attribute_at(value, "_gesture"), attribute_at(value, "_best")
+    return (
+        gesture.shape == (len(attribute_at(value, "_bank.threshold")),)
+        and attribute_at(value, "_matcher._bank") is attribute_at(value, "_bank")
+        and best.ndim == 1
+        and gesture.min(initial=0) >= 0
+        and gesture.max(initial=-1) < len(best)
+        and attribute_at(value, "_times").shape == (3, len(best))
+        and attribute_at(value, "_ended").shape == (len(best),)
+    )
+
+
+def movement(value: Movement) -> bool:
+    """Whether moments are counted from zero, and all arrays are a fresh one's."""
+    names = ("level", "_signal", "_smooth", "_drift", "_rating")
+    fresh = Movement()
+    shapes = all(attribute_at(value, name).shape == attribute_at(fresh, name).shape for name in names)
+    return shapes and attribute_at(value, "_count") >= 0
+
+
+def body_stream(value: BodyStream) -> bool:
+    """Whether all arrays are those of one body."""
+    joints = attribute_at(value, "_joint").shape == attribute_at(value, "_smooth").shape == (JOINT_COUNT, 3)
+    return joints and value.measure.shape == (MEASURES,) and value.feature.shape == (FEATURES,) and value.count >= 0
+
+
+def performer_movement(value: PerformerMovement) -> bool:
+    """Whether the kept poses have their places, and each number its range."""
+    hips, rotation = attribute_at(value, "_hips"), attribute_at(value, "_rotation")
+    shapes = hips.shape == (MAX_MOMENTS, 3) and rotation.shape == (MAX_MOMENTS, JOINT_COUNT, 4)
+    built_in = attribute_at(value, "built_in._inside"), attribute_at(value, "built_in._since")
+    known = all(each.shape == (len(GESTURE_NAMES),) for each in built_in)
+    return shapes and known and attribute_at(value, "_kept") >= 0 and len(value.ranges) == len(LEVELS)
+
+
+def gestures(value: Gestures) -> bool:
+    """Whether all numbers of gestures are those of names."""
+    names, whose, of = (attribute_at(value, name) for name in ("_names", "_performers", "_gesture"))
+    followers = attribute_at(value, "_followers").values()
+    numbers = [*of, *(number for each in followers for number in attribute_at(each, "examples._gesture").tolist())]
+    return len(names) == len(whose) and all(0 <= number < len(names) for number in numbers)
 
 
 def holding(value: LiveHandHolds) -> bool:

@@ -2,10 +2,17 @@
 
 from typing import Final
 
+from live.clock.energy.energy_frames import AdaptiveRange
 from live.motion.pose.mood_pose import MoodPose
+from live.motion.recognition.body_stream import BodyStream
+from live.motion.recognition.built_in_gestures import BuiltInGestures
+from live.motion.recognition.example_follower import ExampleFollower
+from live.motion.recognition.gesture_examples import ExampleBank, ExampleMatcher
+from live.motion.recognition.movement import Movement
 from live.show.background_work import TaskQueue
 from live.show.capture.capture_manager import CaptureManager
 from live.show.capture.danced_poses import DancedPoses, Take
+from live.show.capture.gestures import Gestures, LearnedGesture, PerformerMovement
 from live.show.capture.performer import CapturedPerformer
 from live.show.capture.performer_forces import PerformerForces
 from live.show.capture.pose_buffer import DriftCorrection, PoseBuffer
@@ -167,6 +174,35 @@ KINDS: Final = [
          is_consistent=whole.group_values),
     Kind("heard-poses", PoseBuffer, "count:int _blend_start:float _blend_s:float _root:f4* _rotation:f4* stamp:f8*~",
          is_consistent=whole.heard_poses),
+    Kind("gesture-bank", ExampleBank, "moment:f4* weight:f4* first:i8* threshold:f8*",
+         is_consistent=whole.gesture_bank),
+    Kind("gesture-built-in", BuiltInGestures, """
+        _inside:f8 _since:f8 _floor:float _hips:float _flight:int _lift:float _rise:float _turned:float _pause:float
+        _apart:float _closing:float _open:bool
+    """),
+    Kind("gesture-examples", ExampleFollower, """
+        _bank:gesture-bank _gesture:i8* _matcher:gesture-matcher _best:f8* _times:i8* _ended:i8*
+    """, is_consistent=whole.gesture_examples),
+    Kind("gesture-learned", LearnedGesture, "name:str poses:row[str] background:row[str]"),
+    Kind("gesture-matcher", ExampleMatcher, "_bank:gesture-bank mean:f8* begun:i8* _memory:f8* _begun:i8* now:int",
+         is_consistent=whole.gesture_matcher),
+    Kind("gesture-movement", Movement, "level:f8 tempo:float _signal:f8 _smooth:f8 _drift:f8 _rating:f8 _count:int",
+         is_consistent=whole.movement),
+    Kind("gesture-performer", PerformerMovement, """
+        stream:gesture-stream built_in:gesture-built-in movement:gesture-movement examples:gesture-examples
+        ranges:list[gesture-range] _hips:f4* _rotation:f4* _kept:int
+    """, is_consistent=whole.performer_movement),
+    Kind("gesture-range", AdaptiveRange,
+         "_narrowest:float _widest:float _first:float low:float high:float _known:bool"),
+    Kind("gesture-stream", BodyStream, """
+        count:int measure:f8* feature:f8* _joint:f8* _smooth:f8* _heading:float _time:float
+    """, is_consistent=whole.body_stream),
+    Kind("gestures", Gestures, """
+        _mocap:mocap _reactions:reactions _score_runner:prompter _motion:group-motion _patch:constant-patch
+        learned:list[gesture-learned] learned_count:int _followers:dict[str,gesture-performer] _ticks:int
+        last:deque[tuple[str,str,float]] _names:list[str] _performers:list[str]
+        _known:dict[str,list[tuple[str,str]]] _gesture:list[int] _bank:gesture-bank
+    """, is_consistent=whole.gestures),
     Kind("interrupts", Interrupts, """
         _dancers:dancers _motion:group-motion _scheduler:scheduler clip_cutter:cutting _cues:list[interrupts.cue]
         _half:tuple[int,int]|none _decided:bool _step:i4(step) _unplanned:b1 _collision_avoidance:avoiding cue_count:int

@@ -124,7 +124,7 @@ KINDS: Final = [
         score_runner:prompter motion:group-motion variation:variation dancers:dancers garments:garments
         scheduler:scheduler interrupts:interrupts directions:directions mocap:mocap desk:desk audience:audience
         light:light hot_swap:hot-swap view_builder:seen expression:expression launcher:launcher
-        springs:character-springs seen_steps:seen-steps frame:frame
+        springs:character-springs seen_steps:seen-steps gestures:gestures frame:frame
     """),
     Kind("frame", Frame, """
         breakers:breakers router:event-router clock:show-clock measure_lines:measure-lines plan:plan-stage
@@ -133,7 +133,7 @@ KINDS: Final = [
     """),
     Kind("springs-stage", SpringsStage, "_breakers:breakers _springs:character-springs"),
     Kind("event-router", EventRouter, """
-        _parts:row[audience|desk|directions|elements|garments|group-controls|hot-swap|launcher|light|mocap|score-requests|seen|seen-steps|expression|show-clock|tripped-stages]
+        _parts:row[audience|desk|directions|elements|garments|gestures|group-controls|hot-swap|launcher|light|mocap|score-requests|seen|seen-steps|expression|show-clock|tripped-stages]
         _clock:show-clock _motion:group-motion _undo_history:edits _refusals:refusals
     """, factories={"_handlers": dict, "observers": list}, after_read=EventRouter.build_table),
     Kind("show-clock", ShowClock, """
@@ -142,7 +142,7 @@ KINDS: Final = [
     """),
     Kind("hot-swap", HotSwap, """
         patch:constant-patch graph:constant-motion-graph answers:constant-answer-bank
-        parts:row[audience|casting|dancers|desk|directions|garments|group-controls|group-motion|interrupts|launcher|mocap|prompter|reactions|scheduler|seen|seen-steps|variation]
+        parts:row[audience|casting|dancers|desk|directions|garments|gestures|group-controls|group-motion|interrupts|launcher|mocap|prompter|reactions|scheduler|seen|seen-steps|variation]
         graph_updates:new-steps patch_updates:reloading _dancers:dancers _scheduler:scheduler _motion:group-motion
         _seen_steps:seen-steps example_updates:new-examples _refusals:refusals _seed:int
     """, factories={"_assemble": no_value}),
@@ -173,7 +173,7 @@ KINDS: Final = [
     """),
     Kind("plan-stage", PlanStage, """
         _breakers:breakers _calls:calls _desk:desk _audience:audience _hot_swap:hot-swap _selection:step-selection
-        _interrupts:interrupts _seen_steps:seen-steps
+        _interrupts:interrupts _seen_steps:seen-steps _gestures:gestures
     """),
     Kind("step-selection", StepSelection, """
         _breakers:breakers _scheduler:scheduler _dancers:dancers _stage_area:floor

@@ -155,6 +155,7 @@ class Status:
             "seen_steps": show.seen_steps.facts(),
             "agenda": show.score_runner.beat_scheduler.counters(),
             "launcher": show.launcher.facts(),
+            "gestures": show.gestures.facts(),
             **show.desk.facts(show.danced_beats),
             **{key: self._calls.call(f"the figures of {key}", tell) for key, tell in self.extra_figures.items()},
         }

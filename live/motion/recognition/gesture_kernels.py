@@ -1,0 +1,245 @@
+"""Kernels for gestures: what a body does at one moment, a match of example gestures as they go on, and tempo.
+
+A moment of a body is `MEASURES` numbers, relative to the body: its heading, its arms' and legs' lengths. The arrays
+hold one body; the loops cover 22 joints, so there are no blocks.
+"""
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from live.base.jit import inline_kernel, kernel
+from live.motion.capture.capture_kernels import rotate_vector, rotation_row
+from live.motion.pose.hand_hold_kernels import multiply
+
+Float32 = npt.NDArray[np.float32]
+Float64 = npt.NDArray[np.float64]
+Int32 = npt.NDArray[np.int32]
+Int64 = npt.NDArray[np.int64]
+
+HIPS, SPINE, CHEST, UPPER_CHEST, NECK, HEAD = range(6)
+LEFT_ARM, RIGHT_ARM = 7, 11
+"""The left and the right upper arm; lower arm and hand follow."""
+LEFT_LEG, RIGHT_LEG = 14, 18
+"""The left and the right upper leg; lower leg, foot and toes follow."""
+ARM_LENGTH = 0.51
+"""From the shoulder to the wrist [m]."""
+ANKLE_HEIGHT, TOES_HEIGHT = 0.085, 0.02
+"""Heights of a standing foot's joints [m]."""
+HIPS_HEIGHT, KNEE_HEIGHT = 0.935, 0.475
+"""Heights of hips and knees of a standing body [m]."""
+BODY_HEIGHT = 1.7
+"""Height of the body [m]."""
+
+(
+    UP_LEFT, UP_RIGHT, LEVEL_LEFT, LEVEL_RIGHT, OUT_LEFT, OUT_RIGHT, REACH_LEFT, REACH_RIGHT, HANDS_APART, HIPS_UP,
+    HIPS_OVER_ALL, KNEE_LEFT, KNEE_RIGHT, TRUNK_UP, LOWEST, TURNED, ENERGY, SPEED, SIZE, HANDS_HEIGHT, FEET_SPEED,
+    BOUNCE, HANDS_SPEED, MEASURES,
+) = range(24)  # fmt: skip
+"""Numbers of a moment. Of both arms, in arm lengths: the wrist over the head's joint, over the shoulder, to its own
+side of the shoulder, and its distance from the shoulder; between both wrists. In heights of a standing body: the hips
+over the lower foot and over the lowest joint; the knees over the lower foot. Cosine between the trunk and the vertical;
+height of the lower sole [m]; the turn since the last moment [rad]. Root of the mean squared joint speed and horizontal
+speed of the hips [m/s]; mean distance of head, hands and feet from the hips, and height of the hands over the hips, in
+body heights; sum of the feet's speeds, vertical speed of the hips, sum of the hands' speeds [m/s]."""
+
+KEY_JOINTS = 9
+"""Joints of a gesture's features: head, elbows, wrists, knees and ankles, see `body_stream`."""
+FEATURES = 3 * KEY_JOINTS + 2
+"""Features of a moment for examples: key joints relative to the hips, in the heading's axes [m]; height of the hips
+over the lower foot [m]; the present turning, as metres at arm's length in `TURN_SECONDS`."""
+TURN_SECONDS = 0.3
+TURN_SHARE = 0.2
+"""Smoothing of the turning: share of a new value taken per moment."""
+
+
+@kernel("void(f8[:,::1], f4[::1], f4[:,::1], f4[:,::1], i4[::1])")
+def joint_positions(joint: Float64, hips: Float32, rotation: Float32, offsets: Float32, parents: Int32) -> None:
+    """Write the world positions `joint` (J, 3) [m] of a pose: `hips` (3,) [m] and local `rotation` (J, 4)."""
+    count = parents.shape[0]
+    world = np.empty((count, 4))
+    for j in range(count):
+        local = rotation_row(rotation, j)
+        q = (local[0] + 0.0, local[1] + 0.0, local[2] + 0.0, local[3] + 0.0)
+        p = parents[j]
+        if p < 0:
+            for c in range(3):
+                joint[j, c] = hips[c]
+        else:
+            above = (world[p, 0], world[p, 1], world[p, 2], world[p, 3])
+            x, y, z = rotate_vector(above, offsets[j, 0], offsets[j, 1], offsets[j, 2])
+            joint[j, 0], joint[j, 1], joint[j, 2] = joint[p, 0] + x, joint[p, 1] + y, joint[p, 2] + z
+            q = multiply(above, q)
+        world[j, 0], world[j, 1], world[j, 2], world[j, 3] = q
+
+
+@inline_kernel
+def _distance(joint: Float64, a: int, b: int) -> float:
+    x, y, z = joint[a, 0] - joint[b, 0], joint[a, 1] - joint[b, 1], joint[a, 2] - joint[b, 2]
+    return math.sqrt(x * x + y * y + z * z)
+
+
+@inline_kernel
+def _speed(joint: Float64, before: Float64, j: int, rate: float) -> float:
+    x, y, z = joint[j, 0] - before[j, 0], joint[j, 1] - before[j, 1], joint[j, 2] - before[j, 2]
+    return rate * math.sqrt(x * x + y * y + z * z)
+
+
+@kernel("f8(f8[::1], f8[::1], f8[:,::1], f8[:,::1], i8[::1], f8, f8)")
+def measure_body(
+    measure: Float64, feature: Float64, joint: Float64, before: Float64, key: Int64, heading: float, rate: float
+) -> float:
+    """Write `measure` (MEASURES,) and `feature` (FEATURES,) of the joints `joint` (J, 3) [m]; return the new heading
+    [rad].
+
+    The turning in `feature` is smoothed from its last value there. `before` (J, 3): the joints a
+    moment earlier, at `rate` moments a second; `key` (KEY_JOINTS,): the key joints;
+    `heading` [rad]: the last one, kept while hips and shoulders point nowhere, as of a lying body.
+    """
+    across_x = joint[LEFT_LEG, 0] - joint[RIGHT_LEG, 0] + joint[LEFT_ARM, 0] - joint[RIGHT_ARM, 0]
+    across_z = joint[LEFT_LEG, 2] - joint[RIGHT_LEG, 2] + joint[LEFT_ARM, 2] - joint[RIGHT_ARM, 2]
+    new = heading
+    if across_x * across_x + across_z * across_z > 0.01:
+        new = math.atan2(-across_z, across_x)
+    turned = new - heading
+    turned -= 2.0 * math.pi * math.floor((turned + math.pi) / (2.0 * math.pi))
+    cosine, sine = math.cos(new), math.sin(new)  # left is (cos, -sin), forward is (sin, cos) in (x, z)
+
+    lowest, lowest_joint = 1e9, 1e9
+    for j in range(joint.shape[0]):
+        lowest_joint = min(lowest_joint, joint[j, 1])
+    for leg in (LEFT_LEG, RIGHT_LEG):
+        lowest = min(lowest, joint[leg + 2, 1] - ANKLE_HEIGHT, joint[leg + 3, 1] - TOES_HEIGHT)
+    for side in range(2):
+        arm = RIGHT_ARM if side else LEFT_ARM
+        leg = RIGHT_LEG if side else LEFT_LEG
+        x, y, z = (
+            joint[arm + 2, 0] - joint[arm, 0], joint[arm + 2, 1] - joint[arm, 1], joint[arm + 2, 2] - joint[arm, 2]
+        )  # fmt: skip
+        out = cosine * x - sine * z
+        measure[UP_LEFT + side] = (joint[arm + 2, 1] - joint[HEAD, 1]) / ARM_LENGTH
+        measure[LEVEL_LEFT + side] = y / ARM_LENGTH
+        measure[OUT_LEFT + side] = (-out if side else out) / ARM_LENGTH
+        measure[REACH_LEFT + side] = math.sqrt(x * x + y * y + z * z) / ARM_LENGTH
+        measure[KNEE_LEFT + side] = (joint[leg + 1, 1] - lowest) / KNEE_HEIGHT
+    measure[HANDS_APART] = _distance(joint, LEFT_ARM + 2, RIGHT_ARM + 2) / ARM_LENGTH
+    measure[HIPS_UP] = (joint[HIPS, 1] - lowest) / HIPS_HEIGHT
+    measure[HIPS_OVER_ALL] = (joint[HIPS, 1] - lowest_joint) / HIPS_HEIGHT
+    measure[TRUNK_UP] = (joint[NECK, 1] - joint[HIPS, 1]) / max(_distance(joint, NECK, HIPS), 1e-6)
+    measure[LOWEST] = lowest
+    measure[TURNED] = turned
+
+    squares = 0.0
+    for j in range(joint.shape[0]):
+        speed = _speed(joint, before, j, rate)
+        squares += speed * speed
+    measure[ENERGY] = math.sqrt(squares / joint.shape[0])
+    measure[SPEED] = rate * math.sqrt((joint[0, 0] - before[0, 0]) ** 2 + (joint[0, 2] - before[0, 2]) ** 2)
+    measure[SIZE] = (
+        _distance(joint, HEAD, HIPS) + _distance(joint, LEFT_ARM + 2, HIPS) + _distance(joint, RIGHT_ARM + 2, HIPS)
+        + _distance(joint, LEFT_LEG + 2, HIPS) + _distance(joint, RIGHT_LEG + 2, HIPS)
+    ) / (5.0 * BODY_HEIGHT)  # fmt: skip
+    hands = 0.5 * (joint[LEFT_ARM + 2, 1] + joint[RIGHT_ARM + 2, 1])
+    measure[HANDS_HEIGHT] = (hands - joint[HIPS, 1]) / BODY_HEIGHT
+    measure[FEET_SPEED] = _speed(joint, before, LEFT_LEG + 2, rate) + _speed(joint, before, RIGHT_LEG + 2, rate)
+    measure[BOUNCE] = rate * (joint[HIPS, 1] - before[HIPS, 1])
+    measure[HANDS_SPEED] = _speed(joint, before, LEFT_ARM + 2, rate) + _speed(joint, before, RIGHT_ARM + 2, rate)
+
+    for k in range(KEY_JOINTS):
+        j = key[k]
+        x, y, z = joint[j, 0] - joint[0, 0], joint[j, 1] - joint[0, 1], joint[j, 2] - joint[0, 2]
+        feature[3 * k], feature[3 * k + 1], feature[3 * k + 2] = cosine * x - sine * z, y, sine * x + cosine * z
+    feature[3 * KEY_JOINTS] = joint[HIPS, 1] - lowest
+    turning = TURN_SECONDS * rate * ARM_LENGTH * turned
+    feature[3 * KEY_JOINTS + 1] += TURN_SHARE * (turning - feature[3 * KEY_JOINTS + 1])
+    return new
+
+
+COST, TWO, ONE = range(3)
+"""Planes of a matcher's memory: costs at the last moment; best sums at the last moment but one, and at the last one.
+Each has a value for every moment of every example."""
+
+
+@kernel("void(f8[::1], i8[::1], f8[:,::1], i8[:,::1], f8[::1], f4[:,::1], f4[:,::1], i8[::1], i8)")
+def follow_examples(
+    end_sum: Float64, end_start: Int64, memory: Float64, begun: Int64, feature: Float64,
+    moment: Float32, weight: Float32, first: Int64, now: int,
+) -> None:  # fmt: skip
+    """Match all examples with the motion up to the moment number `now`, whose features are `feature` (F,).
+
+    Subsequence matching as in SPRING (Sakurai et al. 2007): a match may begin at any moment, and each cell keeps the
+    moment at which its own began. The step pattern is that of Sakoe and Chiba (1978, slope constraint 1): the motion
+    runs at half to twice the example's speed, and each moment of the example counts once, so that a sum divided by the
+    example's length is a mean cost. `memory` (3, N) and `begun` (2, N): sums and starts of the two moments before, see
+    `COST`. Examples are rows `first[e]` to `first[e + 1]` of `moment` (N, F); `weight` (E, F). Written: `end_sum` (E,)
+    the mean cost of the best match that ends now, and `end_start` (E,) when it began.
+    """
+    features = feature.shape[0]
+    for e in range(end_sum.shape[0]):
+        start, end = first[e], first[e + 1]
+        # sums of the two moments before, of the example's moments before; the example's moment before the first is free
+        cost_before = 0.0
+        one_a, one_b, two_a = 0.0, 0.0, 0.0  # one: a moment ago, of the example's last moment and the last but one
+        begun_one_a, begun_one_b, begun_two_a = now, now, now - 1
+        for row in range(start, end):
+            cost = 0.0
+            for f in range(features):
+                way = feature[f] - moment[row, f]
+                cost += weight[e, f] * way * way
+            best, began = one_a + cost, begun_one_a
+            if row > start:
+                other = one_b + cost_before + cost
+                if other < best:
+                    best, began = other, begun_one_b
+            other = two_a + 0.5 * (memory[COST, row] + cost)
+            if other < best:
+                best, began = other, begun_two_a
+            one_b, begun_one_b = one_a, begun_one_a
+            one_a, begun_one_a = memory[ONE, row], begun[1, row]
+            two_a, begun_two_a = memory[TWO, row], begun[0, row]
+            cost_before = cost
+            memory[COST, row] = cost
+            memory[TWO, row], begun[0, row] = memory[ONE, row], begun[1, row]
+            memory[ONE, row], begun[1, row] = best, began
+        end_sum[e] = memory[ONE, end - 1] / (end - start)
+        end_start[e] = begun[1, end - 1]
+
+
+@kernel("void(f8[::1], f8[:,::1], i8, f8[::1], f8[::1])")
+def rate_periods(score: Float64, signal: Float64, newest: int, period: Float64, weight: Float64) -> None:
+    """Rate each beat period `period` (P,) [moments] by how well the motion repeats after one to eight of it: `score`
+    (P,).
+
+    `signal` (K, M): rings of the last M moments, the newest at `newest`, each without its mean; `weight` (4,): of
+    repeats after 1, 2, 4 and 8 beats.
+    """
+    kinds, size = signal.shape
+    lags = size // 2 + 1
+    repeat = np.zeros(lags + 1)
+    for k in range(kinds):
+        mean = 0.0
+        for n in range(size):
+            mean += signal[k, n]
+        mean /= size
+        line = np.empty(size)
+        for n in range(size):
+            line[n] = signal[k, (newest + 1 + n) % size] - mean
+        power = 1e-9
+        for n in range(size):
+            power += line[n] * line[n]
+        for lag in range(lags + 1):
+            total = 0.0
+            for n in range(size - lag):
+                total += line[n] * line[n + lag]
+            repeat[lag] += total / power * size / (size - lag)
+    for p in range(period.shape[0]):
+        total, sums = 0.0, 0.0
+        for r in range(4):
+            lag = period[p] * (1 << r)
+            whole = int(lag)
+            if whole + 1 <= lags:
+                part = lag - whole
+                total += weight[r] * (repeat[whole] + part * (repeat[whole + 1] - repeat[whole]))
+                sums += weight[r]
+        score[p] = total / max(sums, 1e-9)
