@@ -35,7 +35,7 @@ def make_service(options, show=None, venue=None, phones=None, inbox=None):
     show = show or made_show(PERFORMERS)
     context = ServiceContext(
         options=options, engine=SimpleNamespace(show=show, view=show.view()), venue=venue, clock=SystemClock(),
-        add_queue=(inbox or EventQueue()).add_queue, osc=("127.0.0.1", 9010), host_names=(), resumes=False,
+        add_queue=(EventQueue() if inbox is None else inbox).add_queue, osc=("127.0.0.1", 9010), host_names=(), resumes=False,
         phones=phones,
     )  # fmt: skip
     return services(context).get("camera"), context

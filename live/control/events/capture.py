@@ -97,6 +97,8 @@ class ExchangeSeen(ControlEvent):
 
     performer: Annotated[str, Argument.label("the name of one in the patch", "performer")]
     other: Annotated[str, Argument.label("the name of the other one", "performer")]
+
+
 @command("/dance/gesture/learn", "operator")
 class LearnGesture(ControlEvent):
     """The last beats of a captured performer become an example of this gesture, usable at once and saved with the
