@@ -32,7 +32,7 @@ from bench._camera_scores import (
 )
 from live.cli.bench import Row
 from live.clock.time_source import SystemClock
-from live.control.camera.camera_process import MODULE, CameraPlan
+from live.control.camera.camera_plan import MODULE, CameraPlan
 from live.control.camera.model_files import model_folder
 from live.control.helper_process import HelperProcess
 

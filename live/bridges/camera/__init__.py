@@ -2,17 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from live.app.bridges import Bridge, Command, ServiceContext
 from live.app.option_values import option, several
 from live.app.services.service import Service
 
 if TYPE_CHECKING:
-    from live.bridges.camera.camera_service import CameraTables
-
-OFF: Final = "off"
-"""The value of `--camera` with which the venue's cameras stay closed."""
+    from live.bridges.camera.stage_camera import CameraTables
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -31,16 +28,22 @@ class CameraOptions:
 
 def venue_tables() -> "type[CameraTables]":
     """`[[stage_camera]]` of a venue."""
-    from live.bridges.camera.camera_service import CameraTables
+    from live.bridges.camera.stage_camera import CameraTables
 
     return CameraTables
 
 
 def services(context: ServiceContext[CameraOptions]) -> Mapping[str, Service]:
     """The cameras for `--camera` or of the venue, and the phones that are cameras."""
+    from live.bridges.camera.stage_camera import CameraTables
+
+    options = context.options
+    tables = () if context.venue is None else context.venue.read_tables(CameraTables).stage_camera
+    if not options.camera and not tables and context.phones is None and options.camera_model == "full":
+        return {}  # most shows have no camera, and need not wait for its modules
     from live.bridges.camera.camera_service import make_camera_service
 
-    found = make_camera_service(context)
+    found = make_camera_service(context, tables)
     return {} if found is None else {"camera": found}
 
 

@@ -16,7 +16,7 @@ def list_cameras(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
 ) -> None:
     """List the cameras of this machine (Linux), and say whether the pose models are installed."""
-    from live.control.camera.frame_source import video_devices
+    from live.control.camera.camera_plan import video_devices
     from live.control.camera.model_files import models_report
 
     found = video_devices()
@@ -59,7 +59,8 @@ def look(
     """Look through a camera without a show: how many people it sees, how fast, and in what light."""
     from live.bridges.camera.camera_service import check_installed
     from live.control.camera.camera_eye import CameraEye
-    from live.control.camera.frame_source import FrameSource, parse_camera
+    from live.control.camera.camera_plan import parse_camera
+    from live.control.camera.frame_source import FrameSource
     from live.control.camera.model_files import DETECTOR, FULL, checked_model
     from live.control.camera.pose_models import LandmarkModel, PersonDetector
 

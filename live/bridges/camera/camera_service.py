@@ -2,25 +2,23 @@
 
 import importlib.util
 from collections import Counter
-from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from pydantic import Field, model_validator
 
 from live.base.errors import PersonError
 from live.base.event_queue import PriorityQueue
 from live.base.picture_parameters import camera_from_row
+from live.bridges.camera.stage_camera import ANY, MOST_CAMERAS, OFF, StageCamera
 from live.clock.time_source import Clock
-from live.control.camera.camera_process import MODULE, CameraPlan
-from live.control.camera.drawn_figures import DRAWN_JOINTS
-from live.control.camera.frame_source import parse_camera
+from live.control.camera.camera_plan import DRAWN_JOINTS, MODULE, CameraPlan, parse_camera
 from live.control.camera.model_files import model_folder
+from live.control.events.event_json import register_events
 from live.control.events.events import ControlEvent, ExchangeSeen
 from live.control.helper_process import HelperProcess
 from live.motion.skeleton import SKELETON
 from live.render.camera import world_to_clip
 from live.show.patch.patch import Patch
-from live.show.patch.section_base import Name, Section
 from live.show.patch.section_io import DEFAULT_PERFORMER
 
 if TYPE_CHECKING:
@@ -28,59 +26,22 @@ if TYPE_CHECKING:
     from live.control.camera.phone_landmarks import PhoneCameras
     from live.show.engine import Engine
 
-MOST_CAMERAS: Final = 4
 OPTION: Final = "--camera"
-ANY, OFF = "any", "off"
 _DRAWN_EVERY: Final = 4
 """Frames between reports of where dancers were drawn."""
 _MOST_DRAWN: Final = 100
 _MARGIN: Final = 1.5
 """How far from the stage [m] performers may be seen by a calibrated camera."""
 
-Coordinate = Annotated[float, Field(ge=-100, le=100, allow_inf_nan=False)]
-Share = Annotated[float, Field(ge=-1, le=2, allow_inf_nan=False)]
-Mark = tuple[Coordinate, Coordinate, Share, Share]
-Corner = tuple[Share, Share]
+register_events()  # both ends of the channel encode events
 
 
-class StageCamera(Section):
-    """`[[stage_camera]]`: a camera that looks at the stage and sees performers; see `live docs stage-camera`."""
-
-    name: Name
-    """Its name in the status."""
-    source: Annotated[str, Field(min_length=1, max_length=500)] = ANY
-    """The camera: its number or name, a film, an `rtsp://` address, or `any` for the first one."""
-    turn_deg: Literal[0, 90, 180, 270] = 0
-    """How far its pictures have to be turned, counter-clockwise, to be upright."""
-    marks: Annotated[tuple[Mark, ...], Field(max_length=32)] = ()
-    """Marks on the floor: x and z on the stage [m], and the place in the upright picture (shares of its width from the
-    left, of its height from the top); four or more, around a convex shape. `live calibrate camera` writes them."""
-    screen: Annotated[tuple[Corner, ...], Field(max_length=4)] = ()
-    """Where the camera sees the projected picture: its upper left, upper right, lower right, lower left corner, in
-    shares of the camera's picture. Drawn dancers there are not taken for people."""
-
-    @model_validator(mode="after")
-    def _counts_fit(self) -> "StageCamera":
-        if 0 < len(self.marks) < 4:
-            raise ValueError(f"stage camera {self.name!r}: {len(self.marks)} marks: four or more are needed")
-        if len(self.screen) not in (0, 4):
-            raise ValueError(f"stage camera {self.name!r}: {len(self.screen)} corners of the screen: four are needed")
-        return self
-
-
-class CameraTables(Section):
-    """The table of a venue that this bridge reads."""
-
-    stage_camera: Annotated[tuple[StageCamera, ...], Field(max_length=MOST_CAMERAS)] = ()
-
-
-def make_camera_service(context: "ServiceContext[Any]") -> "CameraService | None":
+def make_camera_service(context: "ServiceContext[Any]", tables: tuple[StageCamera, ...]) -> "CameraService | None":
     """Return the service for the cameras that were asked for; None if there is none, and no phone may be one.
 
     PersonError, with the remedy, if a camera, the models or the extra `camera` are missing.
     """
-    options, venue = context.options, context.venue
-    tables = () if venue is None else venue.read_tables(CameraTables).stage_camera
+    options = context.options
     plans = camera_plans(options.camera, tables)
     if options.camera_model not in ("full", "lite"):
         raise PersonError(f"--camera-model {options.camera_model!r}: full or lite expected", "--camera-model lite")

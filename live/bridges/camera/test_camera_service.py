@@ -13,7 +13,8 @@ from live.app.bridges import ServiceContext
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
 from live.bridges.camera import CameraOptions, services
-from live.bridges.camera.camera_service import CameraTables, StageCamera, camera_plans, drawn_joints
+from live.bridges.camera.camera_service import camera_plans, drawn_joints
+from live.bridges.camera.stage_camera import CameraTables, StageCamera
 from live.clock.time_source import SystemClock
 from live.control.camera import model_files
 from live.control.camera.model_files import model_folder
@@ -35,14 +36,14 @@ def make_service(options, show=None, venue=None, phones=None, inbox=None):
     show = show or made_show(PERFORMERS)
     context = ServiceContext(
         options=options, engine=SimpleNamespace(show=show, view=show.view()), venue=venue, clock=SystemClock(),
-        add_queue=(EventQueue() if inbox is None else inbox).add_queue, osc=("127.0.0.1", 9010), host_names=(), resumes=False,
-        phones=phones,
+        add_queue=(EventQueue() if inbox is None else inbox).add_queue, osc=("127.0.0.1", 9010), host_names=(),
+        resumes=False, phones=phones,
     )  # fmt: skip
     return services(context).get("camera"), context
 
 
-def made_film(path: Path, frames: int = 60) -> Path:
-    """A film in which one of the project's own dancers is carried from left to right."""
+def made_film(path: Path, frames: int = 120) -> Path:
+    """A film in which one of the project's own dancers is carried to the right and back, again and again."""
     dancer = np.asarray(Image.open(DANCER).convert("RGB"))
     with av.open(str(path), "w") as container:
         stream = container.add_stream("libx264", rate=30)
@@ -50,7 +51,7 @@ def made_film(path: Path, frames: int = 60) -> Path:
         stream.options = {"preset": "ultrafast"}
         for number in range(frames):
             picture = np.full((360, 480, 3), 224, np.uint8)
-            left = 20 + round(4.5 * number)
+            left = 20 + 4 * min(number, frames - number)
             picture[40:340, left : left + 150] = dancer
             container.mux(stream.encode(av.VideoFrame.from_ndarray(picture, "rgb24")))
         container.mux(stream.encode())

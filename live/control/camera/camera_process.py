@@ -9,14 +9,14 @@ import sys
 import threading
 import time
 from collections import deque
-from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 import numpy as np
 
 from live.clock.time_source import SystemClock
 from live.control.camera.camera_eye import CameraEye
-from live.control.camera.frame_source import CameraAddress, Frame, FrameSource
+from live.control.camera.camera_plan import CameraAddress, CameraPlan
+from live.control.camera.frame_source import Frame, FrameSource
 from live.control.camera.model_files import DETECTOR, FULL, LITE, checked_model
 from live.control.camera.performers import PerformerPose, Performers
 from live.control.camera.phone_landmarks import decode_landmarks
@@ -27,7 +27,6 @@ from live.control.helper_process import HelperChannel
 from live.control.worker_thread import WorkerThread
 from live.motion.capture.camera_view import CameraView, calibrate
 
-MODULE: Final = "live.control.camera.camera_process"
 FACTS_INTERVAL_S: Final = 0.5
 _WAIT_S: Final = 0.25
 _SPEEDS: Final = 64
@@ -38,25 +37,6 @@ LATEST_S: Final = 1.5
 """Joints of a phone's picture that is older than this [s] are dropped: they would show the past."""
 
 register_events()
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class CameraPlan:
-    """One camera, as the show tells the process."""
-
-    name: str
-    kind: str
-    place: str
-    """The address: see `CameraAddress`."""
-    turn_deg: int = 0
-    marks: tuple[tuple[float, float, float, float], ...] = ()
-    """Floor marks: x, z on the stage [m], and the place in the picture (fractions)."""
-    screen: tuple[tuple[float, float], ...] = ()
-    """Corners of the projected picture in the camera's picture, none or four."""
-
-    def as_packet(self) -> dict[str, Any]:
-        """Return it as values for the channel."""
-        return asdict(self)
 
 
 class CameraWorker:

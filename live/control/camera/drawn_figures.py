@@ -17,12 +17,7 @@ KEPT_S: Final = 0.5
 _SAME: Final = 0.1
 """Mean distance of joints, over the figure's height, below which a figure is the drawn one."""
 COMPARED: Final = (11, 12, 13, 14, 15, 16, 23, 24, 25, 26, 27, 28)
-"""Landmarks of shoulders, elbows, wrists, hips, knees, ankles: those of `DRAWN_JOINTS`."""
-DRAWN_JOINTS: Final = (
-    "leftUpperArm", "rightUpperArm", "leftLowerArm", "rightLowerArm", "leftHand", "rightHand",
-    "leftUpperLeg", "rightUpperLeg", "leftLowerLeg", "rightLowerLeg", "leftFoot", "rightFoot",
-)  # fmt: skip
-"""Joints whose places in the projected picture the show tells, as the picture's viewer sees left and right."""
+"""Landmarks of shoulders, elbows, wrists, hips, knees, ankles: those of `camera_plan.DRAWN_JOINTS`."""
 
 
 class DrawnFigures:

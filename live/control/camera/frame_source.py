@@ -5,20 +5,18 @@ A camera that is pulled out, a stream that breaks off and a film that ends are o
 
 import contextlib
 import math
-import sys
 import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Final
 
 import av
 import numpy as np
 
 from live.base.arrays import UInt8
-from live.base.errors import PersonError
 from live.base.system.features import capture_device
+from live.control.camera.camera_plan import CameraAddress
 from live.control.worker_thread import WorkerThread
 
 MOST_EDGE: Final = 960
@@ -31,64 +29,6 @@ SILENT_S: Final = 2.0
 """A camera without a picture for this long [s] counts as gone."""
 _STAMP_TRUST_S: Final = 0.5
 """A driver's time stamp that lies at most this [s] before the arrival is taken as the capture time."""
-_SCHEMES: Final = ("rtsp://", "rtsps://", "http://", "https://", "udp://", "tcp://")
-_VIDEO_CLASS: Final = Path("/sys/class/video4linux")
-
-
-@dataclass(frozen=True, slots=True)
-class CameraAddress:
-    """Where a camera's pictures come from."""
-
-    kind: str
-    """`device`, `film` or `stream`."""
-    place: str
-    """The device's name or path, the film's path, the stream's address."""
-
-    @property
-    def label(self) -> str:
-        """A short name without a password that an address may hold."""
-        if self.kind != "stream":
-            return Path(self.place).name or self.place
-        scheme, _, rest = self.place.partition("://")
-        return f"{scheme}://{rest.rpartition('@')[2]}"
-
-
-def parse_camera(text: str, option: str = "--camera") -> CameraAddress:
-    """Return the camera that a person named: nothing or a number for a device, its name, a film's path or an address.
-
-    PersonError, with the names of the cameras that are there, if there is none like that.
-    """
-    if text.lower().startswith(_SCHEMES):
-        return CameraAddress("stream", text)
-    path = Path(text).expanduser()
-    if text and path.is_file():
-        return CameraAddress("film", str(path))
-    if sys.platform != "linux":
-        return CameraAddress("device", text or "0")
-    found = video_devices()
-    if not text and found:
-        return CameraAddress("device", found[0][0])
-    for device, name in found:
-        if text in (device, device.removeprefix("/dev/video"), name) or text.casefold() in name.casefold():
-            return CameraAddress("device", device)
-    if path.is_char_device():
-        return CameraAddress("device", str(path))
-    named = ", ".join(f"{name} ({device})" for device, name in found) or "no camera at all"
-    raise PersonError(
-        f"{option}: no camera is called {text!r}" if text else f"{option}: there is no camera",
-        f"there is: {named}; or name a film or an rtsp:// address",
-    )
-
-
-def video_devices() -> list[tuple[str, str]]:
-    """Return path and name of each camera of this machine (Linux), in order."""
-    found = []
-    with contextlib.suppress(OSError):
-        for each in sorted(_VIDEO_CLASS.iterdir(), key=lambda path: (len(path.name), path.name)):
-            with contextlib.suppress(OSError):
-                if (each / "index").read_text().strip() == "0":  # further ones of a camera carry no pictures
-                    found.append((f"/dev/{each.name}", (each / "name").read_text().strip()))
-    return found
 
 
 @dataclass(frozen=True, slots=True, eq=False)
