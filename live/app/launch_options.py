@@ -27,6 +27,7 @@ from live.app.option_values import (
     within,
     writable,
 )
+from live.base.errors import PersonError
 from live.base.field_types import build_dataclass
 from live.control.message_codec import decode_packet, encode_packet
 
@@ -149,6 +150,10 @@ class LaunchOptions:
         metavar="shm:NAME|URL", written=list[str], parse=lambda texts, name: parse_shares(texts),
     )  # fmt: skip
     journal: Path | None = option(None, "Write the journal here, for `live replay`.", RECORDING, parse=writable)
+    no_record: bool = option(
+        False, "Keep nothing of people who are seen or captured: --journal and --record are refused, and what the show "
+        "learns from them stays in memory.", RECORDING,
+    )  # fmt: skip
     status_json: Path | None = option(None, "Write one JSON line of figures a second.", RECORDING, parse=writable)
 
     osc: tuple[str, int] = option(
@@ -233,6 +238,12 @@ class LaunchOptions:
     """The render node that these options are of; empty: none."""
     bridges: Mapping[str, Any] = field(default_factory=dict)
     """Options of bridges that differ from their defaults: by the bridge's name, a value of its `options`."""
+
+    def check_privacy(self) -> None:
+        """Raise PersonError if something is to be recorded in spite of `no_record`."""
+        for name, path in (("--journal", self.journal), ("--record", self.record)):
+            if self.no_record and path is not None:
+                raise PersonError(f"{name} {path}: --no-record keeps nothing of the show", "leave one of them out")
 
     @property
     def is_practice(self) -> bool:

@@ -224,7 +224,8 @@ class Session:
         beside.resumes = resumed is not None
         beside.add_click_and_link()
         self.midi = midi = beside.add_midi(loaded.path, 0 if resumed is None else resumed.tick)
-        beside.add_gestures(loaded.path)
+        if not options.no_record:
+            beside.add_gestures(loaded.path)
         beside.add_grid()
         beside.add_osc()
         beside.add_bridges()
@@ -233,6 +234,7 @@ class Session:
             self.engine.holding = lambda: self._kernels.compiles
             self.status.notices.append(lambda: self._kernels.notice)
         self._watch, library, examples = make_file_watches(loaded, show, post=self.inbox.put, now=self.clock.now)
+        self._watch.keeps_learnt = not options.no_record
         self.status.extra_figures["patch"] = self._watch.status
         if examples is not None:
             self.status.extra_figures["examples"] = examples.facts

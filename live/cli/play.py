@@ -125,6 +125,7 @@ def play(*, new_web_key: NewWebKey = False, **written: Any) -> None:
     )  # fmt: skip
     values |= {"web_key": page.key, "audience_secret": b"" if values["audience"] is None else secrets.token_bytes(32)}
     options = LaunchOptions(**values)
+    options.check_privacy()
     if is_supervised(options):
         try:
             supervise(options if options.osc_process is not None else replace(options, osc_process=True))

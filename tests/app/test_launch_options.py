@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from live.app.launch_options import LaunchOptions
 from live.app.option_values import OPTION
 from live.base.errors import PersonError
+from live.bridges.camera import CameraOptions
 from live.bridges.lamps import LampOptions
 from live.bridges.oscquery import OscQueryOptions
 from live.bridges.posistagenet import PsnOptions
@@ -27,11 +28,12 @@ ALL = LaunchOptions(
     web_hosts=("stage.example",), phone_camera=("0.0.0.0", 8443), gateways=4,
     gateways_listen=("0.0.0.0", 9023), audience_tls=(Path("cert.pem"), Path("key.pem")),
     audience=("0.0.0.0", 80), audience_link="http://x", audience_secret=b"\x00\xff" * 16, journal=Path("night.jsonl"),
-    status_json=Path("s.json"), seconds=3.5, record=Path("film.mp4"), share=("shm:x",), operator="2", size=(640, 360),
+    no_record=True, status_json=Path("s.json"), seconds=3.5, record=Path("film.mp4"), share=("shm:x",), operator="2", size=(640, 360),
     fps=30.0, shaders=Path("shaders"), quality=2, monitor="HDMI-1", fullscreen=True, headless=True, alone=True,
     lead="9020", standby="other", nodes="9022", node="left", service="hall",
     audio_channel="3", venue="hall", link="lead", click="out",
     click_channels="1", midi="in", midi_out="out", midi_clock_out="clock", grid="auto", bridges={
+        "camera": CameraOptions(camera=("any",), camera_model="lite"),
         "lamps": LampOptions(dmx=("sacn:1",)),
         "oscquery": OscQueryOptions(oscquery=("127.0.0.1", 8000)),
         "posistagenet": PsnOptions(psn="56565"),
@@ -84,7 +86,7 @@ def test_each_option_sets_its_field(tmp_path):
         "--audience-tls cert.pem,key.pem --gateways 4 --gateways-listen 0.0.0.0:9023 --monitor HDMI-1 "
         "--fullscreen --operator 2 --headless --size 640x360 --fps 30 --shaders shaders --quality 2 "
         f"--record {tmp_path}/film.mp4 --share shm:x --journal {tmp_path}/night.jsonl --status-json {tmp_path}/s.json "
-        "--alone --lead 9020 --standby other --nodes 9022 --service hall"
+        "--alone --lead 9020 --standby other --nodes 9022 --service hall --no-record --camera any --camera-model lite"
     ).split()
     values = parsed(parse_command_line(*words))
     here = {"steps": Path("/tmp"), "journal": tmp_path / "night.jsonl", "status_json": tmp_path / "s.json"}
@@ -151,3 +153,12 @@ def test_keys_of_the_machine_that_led_replace_the_own_ones():
                  {**there.keys, "web_key": "k" * 129}):  # fmt: skip
         with pytest.raises(ValueError, match=r"keys of a show|hexadecimal"):
             here.with_keys(keys)
+
+
+def test_no_record_refuses_what_would_record(tmp_path: Path) -> None:
+    LaunchOptions(no_record=True).check_privacy()
+    LaunchOptions(journal=tmp_path / "a.jsonl").check_privacy()
+    with pytest.raises(PersonError, match=r"--journal .* --no-record keeps nothing"):
+        LaunchOptions(no_record=True, journal=tmp_path / "a.jsonl").check_privacy()
+    with pytest.raises(PersonError, match="--record"):
+        LaunchOptions(no_record=True, record=tmp_path / "a.mp4").check_privacy()

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from live.app.bridges import Bridge, Command, ServiceContext
 from live.app.option_values import option, several
 from live.app.services.service import Service
+from live.base.errors import PersonError
 
 if TYPE_CHECKING:
     from live.bridges.camera.stage_camera import CameraTables
@@ -43,7 +44,14 @@ def services(context: ServiceContext[CameraOptions]) -> Mapping[str, Service]:
         return {}  # most shows have no camera, and need not wait for its modules
     from live.bridges.camera.camera_service import make_camera_service
 
-    found = make_camera_service(context, tables)
+    try:
+        found = make_camera_service(context, tables)
+    except PersonError as error:
+        if not context.resumes:
+            raise
+        why = f"no camera: {error}"  # a show that is resumed goes on without
+        context.notices.append(lambda: why)
+        return {}
     return {} if found is None else {"camera": found}
 
 

@@ -31,13 +31,13 @@ PERFORMERS = '[[mocap]]\nname = "anna"\n[[mocap]]\nname = "ben"\n'
 DANCER = ROOT / "tests/control/camera/dancer_1.png"
 
 
-def make_service(options, show=None, venue=None, phones=None, inbox=None):
+def make_service(options, show=None, venue=None, phones=None, inbox=None, resumes=False):
     """The service of these launch options, and its context."""
     show = show or made_show(PERFORMERS)
     context = ServiceContext(
         options=options, engine=SimpleNamespace(show=show, view=show.view()), venue=venue, clock=SystemClock(),
         add_queue=(EventQueue() if inbox is None else inbox).add_queue, osc=("127.0.0.1", 9010), host_names=(),
-        resumes=False, phones=phones,
+        resumes=resumes, phones=phones,
     )  # fmt: skip
     return services(context).get("camera"), context
 
@@ -110,6 +110,14 @@ def test_missing_parts_are_told_with_their_remedy(tmp_path, monkeypatch):
         make_service(CameraOptions(camera=(str(tmp_path / "b.mp4"),)))
     with pytest.raises(PersonError, match="full or lite"):
         make_service(CameraOptions(camera=("off",), camera_model="huge"))
+
+
+def test_a_resumed_show_goes_on_without_a_camera(tmp_path, monkeypatch):
+    film = str(made_film(tmp_path / "a.mp4", 3))
+    monkeypatch.setenv(model_files.FOLDER_VARIABLE, str(tmp_path / "none"))
+    service, context = make_service(CameraOptions(camera=(film,)), resumes=True)
+    assert service is None
+    assert "no camera" in context.notices[0]()
 
 
 def test_the_venue_is_read(tmp_path):

@@ -86,6 +86,8 @@ class PatchWatch:
         self._takes: list[Take] = []
         self.learnt = ""
         """What became of the last step that was learnt; empty before the first."""
+        self.keeps_learnt = True
+        """Whether learnt steps are written to the folder of steps."""
         self._worker = WorkerThread("patch watch", self._work, part="the watch of the patch")
         self._tasks: queue.SimpleQueue[Callable[[], None]] = queue.SimpleQueue()
         self.version = patch_version(patch_json(self._patch))
@@ -142,7 +144,7 @@ class PatchWatch:
         self._show.hot_swap.offer_graph(event.library, step.graph)
         self._post(event)
         self._graph = step.graph
-        lost = save_step(step, folder)
+        lost = save_step(step, folder) if self.keeps_learnt else "--no-record"
         if self._library is not None:
             self._library.adopt(step.graph, step.clips if not lost and step.fits_tempo else ())
         self.learnt = f"learnt: {take.name} can be danced"
