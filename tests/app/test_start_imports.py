@@ -42,6 +42,7 @@ def test_listed_modules_are_spelt_as_they_are_imported(name):
         assert importlib.util.find_spec(name) is not None
 
 
+@pytest.mark.long
 def test_film_imports_nothing_late_until_its_first_frame(tmp_path):
     command = ["live", "render", "--seconds", "0.02", "--size", "64x36", "--out", str(tmp_path / "first.mp4")]
     modules = imported(
@@ -96,6 +97,7 @@ def inner_imports(path: Path) -> set[str]:
     return found | {one.name for node in inner if isinstance(node, ast.Import) for one in node.names}
 
 
+@pytest.mark.long
 def test_slow_modules_that_frames_import_are_imported_before_by_a_thread():
     """In the packages that frames run in, an import within a function would stop one frame for its length."""
     offline = {"live/agents/goals/goals.py", "live/agents/formations/svg_import.py"}  # scenarios; reading of files

@@ -13,6 +13,7 @@ from live.base import jit
 from live.base import scalar_kernels as kernels
 from live.base.disk import kernel_store as store
 from live.motion.pose.foot_lock_kernels import farthest_shift
+from tests.fixtures.mostly_long import mostly_long
 
 compiled_only = pytest.mark.skipif(jit.JIT_DISABLED, reason="NUMBA_DISABLE_JIT=1: nothing is compiled")
 
@@ -68,7 +69,7 @@ print(len(values), len(set(values)))
 
 
 @compiled_only
-@pytest.mark.parametrize("compiled", [False, True])
+@mostly_long("compiled", [False, True], quick=[1])
 def test_several_threads_may_call_a_kernel_for_the_first_time(tmp_path: Path, compiled: bool) -> None:
     if compiled:
         run_damper(tmp_path)
@@ -80,6 +81,7 @@ def test_several_threads_may_call_a_kernel_for_the_first_time(tmp_path: Path, co
         assert done.stdout.split() == ["8", "1"], done.stderr
 
 
+@pytest.mark.long
 @compiled_only
 def test_a_kernel_is_compiled_at_its_first_call_and_loaded_afterwards(tmp_path: Path) -> None:
     first = run_damper(tmp_path)
@@ -92,8 +94,10 @@ def test_a_kernel_is_compiled_at_its_first_call_and_loaded_afterwards(tmp_path: 
 
 
 @compiled_only
-@pytest.mark.parametrize(
-    "damage", ["cut", "flipped", *(pytest.param(one, marks=pytest.mark.long) for one in ("empty", "foreign"))]
+@mostly_long(
+    "damage",
+    ["cut", "flipped", *(pytest.param(one, marks=pytest.mark.long) for one in ("empty", "foreign"))],
+    quick=[0],
 )
 def test_a_damaged_kernel_is_compiled_again(tmp_path: Path, damage: str) -> None:
     value = run_damper(tmp_path)[2]
@@ -125,6 +129,7 @@ print(failed, damper.load(), damper(0.25, 1.5, 0.3, 0.1))
 """
 
 
+@pytest.mark.long
 @compiled_only
 def test_loading_that_fails_halfway_does_not_disturb_the_next_one(tmp_path: Path) -> None:
     """LLVM has the module by then, and asks its owner for code when it next compiles."""
@@ -137,6 +142,7 @@ def test_loading_that_fails_halfway_does_not_disturb_the_next_one(tmp_path: Path
     assert done.stderr == ""
 
 
+@pytest.mark.long
 @compiled_only
 def test_code_from_disk_can_be_called_by_kernels_that_are_compiled(tmp_path: Path) -> None:
     """A kernel that calls another is compiled in a process that has the other one from disk."""

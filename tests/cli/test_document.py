@@ -30,6 +30,7 @@ def edits(folder: Path, *values: dict[str, Any]) -> str:
     return str(path)
 
 
+@pytest.mark.long
 def test_edits_are_answered_in_order_and_can_be_undone(show: Path) -> None:
     good = {"id": "a", "by": "ana", "base": None, "do": "set", "at": ["seed"], "value": 7}
     bad = {"id": "b", "do": "change", "at": ["group", "ember", "steps"], "value": ["no step"]}

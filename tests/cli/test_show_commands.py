@@ -14,6 +14,7 @@ import av
 import pytest
 
 from tests.cli.command import run_live
+from tests.fixtures.mostly_long import mostly_long
 
 NO_SCREEN = {"DISPLAY": "", "WAYLAND_DISPLAY": ""}
 
@@ -77,6 +78,7 @@ def test_render_makes_identical_films_with_sound(tmp_path):
     assert run_live("replay", str(tmp_path / "c.jsonl"), "--verify").returncode == 1
 
 
+@pytest.mark.long
 def test_play_without_screen_makes_film_and_prints_path(tmp_path):
     gl_or_skip()
     film = tmp_path / "mine.mp4"
@@ -109,6 +111,7 @@ def test_headless_show_runs_in_real_time_with_replayable_journal(tmp_path):
     assert json.loads(verified.stdout)["measures"] >= 1
 
 
+@pytest.mark.long
 def test_check_prints_ok_or_line_field_and_remedy(tmp_path):
     good = run_live("check")
     assert good.returncode == 0, good.stderr
@@ -124,7 +127,7 @@ def test_check_prints_ok_or_line_field_and_remedy(tmp_path):
     assert f"{bad}, line 4: group.1.dancers" in result.stderr
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("options", "words"),
     [
         (("--audio", "no such device"), "no sound input 'no such device'"),
@@ -138,6 +141,7 @@ def test_check_prints_ok_or_line_field_and_remedy(tmp_path):
         (("--steps", "/proc"), "TOML"),
         (("not_a_patch",), "there is no patch 'not_a_patch'"),
     ],
+    quick=[4, 5, 6, 9],
 )
 def test_invalid_options_are_refused_in_one_line(options, words):
     result = run_live("play", "--seconds", "1", *options, **NO_SCREEN)
@@ -223,7 +227,7 @@ def endless_show_options(journal, status):
     return "play", "--headless", "--bpm", "120", *where
 
 
-@pytest.mark.parametrize("number", [signal.SIGHUP, signal.SIGINT])
+@mostly_long("number", [signal.SIGHUP, signal.SIGINT], quick=[0])
 def test_show_ended_by_signal_completes_its_journal(tmp_path, number):
     """All in this process; the next test is a show of several processes. It has begun when the signal comes: where
     it opens a file at that moment, Python itself warns that the file is not closed.
@@ -236,6 +240,7 @@ def test_show_ended_by_signal_completes_its_journal(tmp_path, number):
     assert journal.read_text().endswith('"end":true}\n')
 
 
+@pytest.mark.long
 def test_process_ended_by_signal_completes_its_journal(tmp_path):
     journal, status = tmp_path / "j", tmp_path / "s"
     process = subprocess.Popen(

@@ -15,6 +15,7 @@ from live.show.patch.patch_search_path import PATCHES
 from live.show.patch.toml_model import TomlSources, parse_text, validate_sources
 from live.show.patch_checks.patch_check import PATCH_CHECKS
 from tests.document.random_edits import random_edit
+from tests.fixtures.mostly_long import mostly_long
 
 SHOWS = sorted({*PATCHES.glob("*.toml"), *PATCHES.glob("*/show.toml")})
 
@@ -54,7 +55,7 @@ def test_places_are_those_of_the_whole_text(path: Path) -> None:
         assert document.location(key) == sources.location(key), key
 
 
-@pytest.mark.parametrize("path", SHOWS, ids=lambda path: path.relative_to(PATCHES).as_posix())
+@mostly_long("path", SHOWS, quick=[15], ids=lambda path: path.relative_to(PATCHES).as_posix())
 def test_fifty_random_edits_undone_in_order_give_the_original_bytes(path: Path) -> None:
     """500 edits over ten patches; a refused one leaves everything as it was."""
     rng = random.Random(path.parent.name)

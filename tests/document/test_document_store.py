@@ -16,6 +16,7 @@ from live.document.edit import Edit, EditRefused, parse_edit
 from live.document.show_check import ShowCheck
 from live.show.patch.patch_reader import read_patch
 from tests.document.random_edits import random_edit
+from tests.fixtures.mostly_long import mostly_long
 
 TEXT = """# A show for tests.
 name = "x"
@@ -254,6 +255,7 @@ def test_an_edit_that_cannot_be_locked_against_others_is_refused(path: Path, mon
     assert path.read_text() == before
 
 
+@pytest.mark.long
 def test_a_full_disk_leaves_the_old_files_whole(path: Path) -> None:
     """The limit on a file's size makes the system refuse the write, as a full disk does."""
     program = """
@@ -291,6 +293,7 @@ def test_a_patch_of_fifty_megabytes_is_refused_before_it_is_read(path: Path) -> 
         DocumentStore(path)
 
 
+@pytest.mark.long
 def test_edits_pass_the_checks_of_the_show(path: Path) -> None:
     store = DocumentStore(path, check=ShowCheck(path))
     with pytest.raises(EditRefused) as caught:
@@ -321,6 +324,7 @@ def test_tables_that_are_no_list_of_their_own_pass_their_checks(path: Path, tabl
     assert path.read_text() == TEXT + tables
 
 
+@pytest.mark.long
 def test_a_refusal_by_the_show_lists_all_its_entries(path: Path) -> None:
     """Each segment that names a formation which is gone is a fault of its own."""
     text = TEXT + '[[formation]]\nname = "wedge"\nshape = "grid"\n'
@@ -333,7 +337,7 @@ def test_a_refusal_by_the_show_lists_all_its_entries(path: Path) -> None:
     assert [fault.measure for fault in caught.value.faults] == [40, 48, 56]
 
 
-@pytest.mark.parametrize("seed", range(3))
+@mostly_long("seed", range(3), quick=[0])
 def test_random_edits_by_three_people_keep_document_files_and_history_alike(path: Path, seed: int) -> None:
     rng, store = random.Random(seed), DocumentStore(path)
     texts = {0: tree(path)}

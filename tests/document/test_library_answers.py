@@ -33,6 +33,7 @@ def graph(tmp_path_factory: pytest.TempPathFactory) -> MotionGraph:
     return build_graph(load_show(path).graph.library, threshold=0.02, prune=False)
 
 
+@pytest.mark.long
 def test_steps_have_their_length_feet_turn_and_followers(answers: PreviewAnswers) -> None:
     texts, frames = asked(answers, id="a", steps=True)
     rows = {row["name"]: row for row in texts["steps"]["steps"]}
@@ -137,6 +138,7 @@ def test_places_of_names_words_and_tables(answers: PreviewAnswers) -> None:
     assert all(one["refused"][0]["what"] for one in wrong)
 
 
+@pytest.mark.long
 def test_options_of_a_segment_are_compared(answers: PreviewAnswers) -> None:
     options = [{"match": match} for match in ("squared", "shortest", "bottleneck", "number")]
     told = asked(answers, segment=1, options=[*options, {"way": "straight", "facing": "declared"}])[0]["options"]
@@ -154,6 +156,7 @@ def test_options_of_a_segment_are_compared(answers: PreviewAnswers) -> None:
     assert np.abs(ends[ends[:, 0].argsort()] - sorted(line)).max() < 0.01
 
 
+@pytest.mark.long
 def test_options_of_a_segment_that_is_only_tried(answers: PreviewAnswers) -> None:
     value: dict[str, Any] = {"measure": 5, "measures": 3, "group": "tide", "formation": "star"}
     tried: dict[str, Any] = {"do": "insert", "at": ["segment"], "value": value}
@@ -182,6 +185,7 @@ def test_wrong_questions_are_refused_with_words(answers: PreviewAnswers, questio
     assert all(one["what"] for one in told["refused"])
 
 
+@pytest.mark.long
 def test_what_could_follow_an_element(tmp_path: Path) -> None:
     element = '[[element]]\nkind = "cross"\nmeasure = 3\nmeasures = 3\nat = [0.0, -3.5]\nto = [0.0, 3.5]\n'
     path = tmp_path / "show.toml"

@@ -46,6 +46,7 @@ def test_pitch_and_chroma_of_single_tones() -> None:
         assert strongest == PITCH_CLASSES[key % 12]
 
 
+@pytest.mark.long
 def test_loudness_of_a_sound_that_fades() -> None:
     rng = np.random.default_rng(1)
     sound = rng.normal(0.0, 0.3, 16 * RATE) * np.repeat([1.0, 0.01, 1.0, 1.0], 4 * RATE)

@@ -11,6 +11,7 @@ from live.document.music_edits import replace_music
 from live.library.music_map_file import write_map
 from live.show.patch.patch_reader import read_patch
 from tests.cli.command import run_live
+from tests.fixtures.mostly_long import mostly_long
 
 HEAD = """# A show for tests.
 name = "x"
@@ -50,7 +51,7 @@ def show_of(folder: Path, lines: int) -> Path:
     return path
 
 
-@pytest.mark.parametrize(("before", "after"), [(0, 12), (12, 9), (180, 220), (12, 0)])
+@mostly_long(("before", "after"), [(0, 12), (12, 9), (180, 220), (12, 0)], quick=[0, 1, 3])
 def test_music_is_replaced_as_one_revision_that_can_be_undone(tmp_path: Path, before: int, after: int) -> None:
     path = show_of(tmp_path, before)
     text = path.read_text()

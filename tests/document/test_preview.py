@@ -66,6 +66,7 @@ def danced(loaded: LoadedShow, measure: float) -> tuple[np.ndarray, np.ndarray]:
     return show.dancers.drawn_hips.copy(), show.dancers.node.copy()
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "measure", [pytest.param(0.5, marks=pytest.mark.long), 3.25, pytest.param(9.0, marks=pytest.mark.long)]
 )
@@ -85,6 +86,7 @@ def test_measures_can_be_asked_for_in_any_order(loaded: LoadedShow) -> None:
     assert one.measures >= 9
 
 
+@pytest.mark.long
 def test_a_picture_of_any_moment_is_that_of_the_run(loaded: LoadedShow) -> None:
     engine = PreviewEngine(loaded)
     engine.run_to(8.0)
@@ -95,6 +97,7 @@ def test_a_picture_of_any_moment_is_that_of_the_run(loaded: LoadedShow) -> None:
     assert np.array_equal(view.joint_position, engine.view_at(5.5).joint_position)
 
 
+@pytest.mark.long
 def test_an_edit_keeps_the_measures_before_it_and_gives_those_of_a_fresh_run(loaded: LoadedShow) -> None:
     engine = PreviewEngine(loaded)
     engine.run_to(10.0)
@@ -151,6 +154,7 @@ def test_it_tells_who_meets_and_whose_way_is_too_long(loaded: LoadedShow) -> Non
         preview_values(PreviewEngine(loaded), 5, 4)
 
 
+@pytest.mark.long
 def test_groups_of_the_same_measures_are_planned_together(loaded: LoadedShow) -> None:
     """Two groups that change sides, as they are edited: nobody meets, and the ways are bent (T147)."""
     segment = loaded.patch.segment[1]

@@ -15,6 +15,7 @@ from live.show.loader import LoadedShow, load_show
 from live.show.view.stage_frames import joints_frame, positions_frame
 from tests.control.audio.test_music_file import write_wav
 from tests.document.test_preview import TEXT
+from tests.fixtures.mostly_long import mostly_long
 
 
 @pytest.fixture
@@ -39,6 +40,7 @@ def asked(answers: PreviewAnswers, **question: Any) -> tuple[dict[str, Any], lis
     return texts, frames
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("positions", ["measures", pytest.param("samples", marks=pytest.mark.long)])
 def test_a_range_is_what_the_engine_says(loaded: LoadedShow, positions: str) -> None:
     engine = PreviewEngine(loaded)
@@ -91,6 +93,7 @@ def test_planned_ways_of_an_edit_need_no_run(loaded: LoadedShow) -> None:
     assert "moments" in asked(answers, id=4, from_=8, to=8, with_=earlier, planned=True)[0]  # they stand elsewhere then
 
 
+@pytest.mark.long
 def test_a_moment_has_positions_and_joints(loaded: LoadedShow) -> None:
     engine = PreviewEngine(loaded)
     answers = open_answers(loaded)
@@ -106,6 +109,7 @@ def test_a_moment_has_positions_and_joints(loaded: LoadedShow) -> None:
     assert len(asked(answers, measure=5.5)[1]) == 1
 
 
+@pytest.mark.long
 def test_edits_are_tried_and_the_document_stays(loaded: LoadedShow) -> None:
     answers = open_answers(loaded)
     plain = asked(answers, from_=8, to=9)
@@ -157,6 +161,7 @@ def test_documents_that_differ_in_the_music_alone_have_previews_of_their_own(loa
     assert "revision" in asked(answers, from_=1, with_=[other])[0]["notes"]["answers"][0]
 
 
+@pytest.mark.long
 def test_a_segment_stands_for_its_measures(loaded: LoadedShow) -> None:
     answers = open_answers(loaded)
     texts, frames = asked(answers, segment=1, positions="none", notes=False)
@@ -170,6 +175,7 @@ def test_a_segment_stands_for_its_measures(loaded: LoadedShow) -> None:
     assert "there is no segment 3" in asked(answers, segment=3)[0]["refused"]["refused"][0]["what"]
 
 
+@pytest.mark.long
 def test_a_segment_of_a_section_is_found_after_repeated_ones(tmp_path: Path) -> None:
     path = tmp_path / "show.toml"
     sections = "".join(
@@ -221,6 +227,7 @@ then = "verse"
     assert texts["ways"]["ways"] == told["ways"]["ways"]
 
 
+@pytest.mark.long
 def test_doubts_stand_at_their_measures(loaded: LoadedShow) -> None:
     answers = open_answers(loaded)
     far = {"do": "change", "at": ["segment", 2], "value": {"formation": None, "path": [[2.5, 0.0], [-5.0, 0.0]]}}
@@ -233,7 +240,7 @@ def test_doubts_stand_at_their_measures(loaded: LoadedShow) -> None:
     assert not [one for one in texts["notes"]["notes"] if one["measure"] == 8]
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     "question",
     [
         None, 7, "x", [], {}, {"from": 0}, {"from": 5, "to": 4}, {"from": 1, "to": 1 + MAX_RANGE}, {"from": 1e9},
@@ -241,7 +248,7 @@ def test_doubts_stand_at_their_measures(loaded: LoadedShow) -> None:
         {"from": 1, "to": 2, "with": 5}, {"from": 1, "with": [{"do": "burn", "at": ["seed"]}]}, {"from": 1, "x": 2},
         {"from": 1, "with": [{}] * 201}, {"from": 1, "document": 99}, {"from": 1, "positions": "all"},
         {"measure": 2.0, "joints": ["x"]}, {"id": [], "from": 1}, {"id": "x" * 101, "from": 1},
-    ],
+    ], quick=[2],
 )  # fmt: skip
 def test_wrong_questions_are_refused_with_words(loaded: LoadedShow, question: Any) -> None:
     answers = open_answers(loaded)
@@ -252,6 +259,7 @@ def test_wrong_questions_are_refused_with_words(loaded: LoadedShow, question: An
     assert "done" in asked(answers, from_=1, id="a")[0]
 
 
+@pytest.mark.long
 def test_the_waveform_of_the_music(loaded: LoadedShow) -> None:
     texts, frames = asked(open_answers(loaded), id=1, waveform=True)
     assert (frames, texts["refused"]["refused"][0]["what"]) == ([], "this show has no music")

@@ -3,6 +3,7 @@
 import pytest
 
 from tests.documentation.example_change import read_example, run_example
+from tests.fixtures.mostly_long import mostly_long
 from tests.places import ROOT
 
 TEXT = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
@@ -69,7 +70,7 @@ assert "pedal" in [bridge.name for bridge in installed_bridges().bridges]
 """
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("title", "limit", "options"),
     [
         ("A parameter", 3, {"checks": PARAMETER}),
@@ -83,6 +84,7 @@ assert "pedal" in [bridge.name for bridge in installed_bridges().bridges]
         ),
         ("An input", 5, {"checks": INPUT}),
     ],
+    quick=[4],
 )
 def test_worked_example_works_and_has_few_files(title, limit, options, tmp_path):
     files = read_example(TEXT, title)

@@ -20,6 +20,7 @@ def free_port() -> int:
         return int(free.getsockname()[1])
 
 
+@pytest.mark.long
 def test_the_next_engine_continues_show_music_and_pages(play, patch: Path, tmp_path: Path):
     """The supervisor has no sockets to give, so the engine itself plays the music and binds OSC."""
     journal, page = tmp_path / "j.jsonl", free_port()

@@ -37,6 +37,7 @@ def dance(graph):
     return render_dance(graph, path, bpm=117.0)
 
 
+@pytest.mark.long
 def test_result_has_all_keys_and_is_json(graph, dance):
     targets = Targets(np.vstack([[0.0, 0.0], dance.end[:, :2]]), np.concatenate([[0.0], dance.end[:, 2]]))
     values = DanceMetrics(graph, dance, targets).result()

@@ -81,6 +81,7 @@ def render_live(graph, path, turns, corrections, takes, shares, start, seconds, 
     return np.stack(poses)
 
 
+@pytest.mark.long
 def test_rendered_dance_equals_live_dance(graph):
     path = random_path(graph, 6, 3)
     turns, corrections, takes, shares = random_edits(graph, path, 4)

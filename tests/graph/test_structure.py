@@ -75,6 +75,7 @@ def test_unmatched_pose_is_reported_with_step():
         build_graph(build_library([lost]), threshold=0.2)
 
 
+@pytest.mark.long
 @given(st.integers(0, 2**32 - 1))
 def test_allowed_pairs_equal_direct_rules(seed):
     chance = np.random.default_rng(seed)

@@ -11,6 +11,7 @@ from live.library.add_step import AddedStep, add_step, known_fields, refuse_dupl
 from live.library.recording_file import RecordingError
 from live.library.recordings import RecordingReader
 from live.library.step_folder import load_folder
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.formats.made_bvh import body_bvh, dance_values
 
 FIELDS = {"name": "sway", "bpm": 120.0, "first_beat_s": 2.5, "measures": 2}
@@ -32,6 +33,7 @@ def add(library: Path, take: Path, **fields: object) -> AddedStep:
     return add_step(library, request_entry(take, FIELDS | fields))
 
 
+@pytest.mark.long
 def test_new_library_contains_recording_and_description(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "new" / "library"
     added = add(library, take, tags=["slow"], leading_foot="left")
@@ -45,6 +47,7 @@ def test_new_library_contains_recording_and_description(tmp_path: Path, take: Pa
     assert (step.clip.rotation == added.step.clip.rotation).all()
 
 
+@pytest.mark.long
 def test_second_step_is_appended_and_recording_copied_once(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     first = add(library, take)
@@ -57,6 +60,7 @@ def test_second_step_is_appended_and_recording_copied_once(tmp_path: Path, take:
     assert [step.step for step in load_folder(library)] == ["sway", "other"]
 
 
+@pytest.mark.long
 def test_recording_inside_library_is_referenced_in_place(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     (library / "may").mkdir(parents=True)
@@ -68,6 +72,7 @@ def test_recording_inside_library_is_referenced_in_place(tmp_path: Path, take: P
     assert len(load_folder(library)) == 1
 
 
+@pytest.mark.long
 def test_other_recording_of_same_name_is_not_overwritten(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     add(library, take)
@@ -79,9 +84,10 @@ def test_other_recording_of_same_name_is_not_overwritten(tmp_path: Path, take: P
     assert [step.step for step in load_folder(library)] == ["sway", "second"]
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     "text",
     ['[[pair]]\nleader = { file = "x.bvh" }\n', "not TOML at all", 'name = "bob"\n[pelvis]\n"1" = "down 4"\n', "\xff"],
+    quick=[2, 3],
 )
 def test_incompatible_toml_file_is_unchanged(tmp_path: Path, take: Path, text: str) -> None:
     library = tmp_path / "library"

@@ -8,6 +8,7 @@ import pytest
 
 from live.base.errors import PersonError
 from live.library.beat_alignment import SyncRequest, find_sync, song_beats
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.beats.test_claps import palm_distance
 from tests.motion.formats.made_bvh import body_bvh, column
 from tests.motion.retarget.made_source import clapping_values
@@ -33,8 +34,8 @@ def click_track(path: Path, times: np.ndarray, seconds: float) -> Path:
     return path
 
 
-@pytest.mark.parametrize("bpm", [96.0, 124.0, 140.0])
-@pytest.mark.parametrize("begin", [0.3, 2.0])
+@mostly_long("bpm", [96.0, 124.0, 140.0], quick=[2])
+@mostly_long("begin", [0.3, 2.0], quick=[0])
 def test_click_track_is_tracked_from_first_beat(tmp_path: Path, bpm: float, begin: float) -> None:
     truth = begin + 60.0 / bpm * np.arange(int(38.0 * bpm / 60.0))
     found = song_beats(click_track(tmp_path / "click.wav", truth, 40.0))

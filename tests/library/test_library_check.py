@@ -10,6 +10,7 @@ import pytest
 from live.library.library_check import Finding, check_connections, check_folder, step_warnings
 from live.library.recordings import RecordingReader
 from live.motion.editing.facing import turn_clip
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.formats.made_bvh import body_bvh, column, dance_values, still
 
 ONE = 'file = "dance.bvh"\nname = "sway"\nbpm = 120\nfirst_beat_s = 2.5\nplant_feet = false\n'  # the made bodies skate
@@ -157,6 +158,7 @@ def write_glitch(folder: Path, frame: int) -> None:
     (folder / "dance.bvh").write_text(body_bvh(values))
 
 
+@pytest.mark.long
 def test_glitch_is_reported_only_inside_step(folder: Path) -> None:
     write_glitch(folder, 200)  # 3.33 s, inside the step that lasts from 2.5 to 4.5 s
     findings = finding_texts(check_folder(folder).findings)
@@ -165,6 +167,7 @@ def test_glitch_is_reported_only_inside_step(folder: Path) -> None:
     assert not any("frame" in finding for finding in finding_texts(check_folder(folder).findings))
 
 
+@pytest.mark.long
 def test_repair_removes_glitch_and_keeps_other_motion(folder: Path) -> None:
     clean = check_folder(folder).steps[0].clip
     write_glitch(folder, 200)
@@ -211,7 +214,7 @@ def stepping_body(bpm: float) -> np.ndarray:
     return values
 
 
-@pytest.mark.parametrize(("written", "doubted"), [(120.0, False), (60.0, False), (240.0, False), (107.0, True)])
+@mostly_long(("written", "doubted"), [(120.0, False), (60.0, False), (240.0, False), (107.0, True)], quick=[3])
 def test_tempo_that_contradicts_footsteps_is_reported(folder: Path, written: float, doubted: bool) -> None:
     (folder / "dance.bvh").write_text(body_bvh(stepping_body(120.0)))
     (folder / "dance.toml").write_text(ONE.replace("120", f"{written:g}"))

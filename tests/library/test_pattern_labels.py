@@ -21,6 +21,7 @@ HEAD = '[[pattern]]\ntake = "a"\n'
 NAMES = st.from_regex(r"\A[A-Za-z0-9é][A-Za-z0-9é .+'/-]{0,20}\Z")
 
 
+@pytest.mark.long
 @given(st.lists(st.tuples(st.sampled_from(["a", 'b "c" \\', "d\te"]), NAMES), max_size=12), st.lists(NAMES, max_size=5))
 def test_written_labels_are_read_again(
     tmp_path_factory: pytest.TempPathFactory, told: list[tuple[str, str]], names: list[str]

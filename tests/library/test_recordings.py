@@ -14,6 +14,7 @@ from live.motion import quaternion
 from live.motion.mirror import mirror_step, swap_sides
 from live.motion.step_clip import StepClip, measured_direction, measured_distance
 from tests.fixtures.mocap import MOCAP, mocap_file
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.formats.made_bvh import body_bvh, column, dance_values, still
 
 ONE = """
@@ -165,7 +166,7 @@ def test_files_are_read_in_name_order_without_pairs(tmp_path: Path) -> None:
     assert [step.step for step in load_folder(directory)] == ["first", "sway"]
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("old", "new", "words"),
     [
         ("measures = 2", "measures = 4", "line 6: measures: the step ends with measure 4, but dance.bvh has 3 whole"),
@@ -190,7 +191,7 @@ def test_files_are_read_in_name_order_without_pairs(tmp_path: Path) -> None:
         ("measures = 2", 'mirror = "yes"', "line 6: mirror: "),
         ("measures = 2", "measures = ", "line 6: not valid TOML"),
         ("measures = 2", "step = 4", "line 6: step: a list of tables expected, each begun by [[step]]"),
-    ],
+    ], quick=[9, 16, 20, 21],
 )  # fmt: skip
 def test_invalid_field_is_reported_with_file_and_line(tmp_path: Path, old: str, new: str, words: str) -> None:
     assert old in ONE

@@ -79,6 +79,7 @@ def test_folder_without_steps_is_refused(tmp_path):
         load_folder(tmp_path)
 
 
+@pytest.mark.long
 def test_project_has_eight_steps_and_walk_has_nine_directions():
     clips = load_folder(PATCHES / "steps")
     names = {clip.step for clip in clips}

@@ -13,6 +13,7 @@ from live.library.recording_file import RecordingError
 from live.library.step_folder import load_folder
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.formats.made_bvh import body_bvh, dance_values, still
 
 STREAM = """
@@ -62,9 +63,10 @@ def test_selected_measures_are_mirrored(tmp_path: Path) -> None:
     ]
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("posed", "danced"),
     [(slice(0, 150), ["3", "4"]), (slice(510, 601), ["1", "2", "3"]), (slice(240, 330), ["1", "2", "3", "4"])],
+    quick=[0],
 )
 def test_measures_with_a_calibration_pose_at_an_end_are_left_out(
     tmp_path: Path, posed: slice, danced: list[str]
@@ -77,6 +79,7 @@ def test_measures_with_a_calibration_pose_at_an_end_are_left_out(
     assert [clip.clip.name.split()[-1] for clip in load_folder(place)] == danced
 
 
+@pytest.mark.long
 def test_show_loads_stream(tmp_path: Path) -> None:
     """As `live play --steps` loads it: the dancers go from measure to measure of the recording."""
     show = load_show(DEFAULT_PATCH, recordings=folder(tmp_path, STREAM)).start()

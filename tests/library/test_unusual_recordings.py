@@ -22,6 +22,7 @@ from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_search_path import DEFAULT_PATCH
 from tests.cli.command import run_live
 from tests.fixtures.made_steps import made_clip
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.formats.made_bvh import body_bvh, column, still
 from tests.motion.retarget.made_source import moving_values
 
@@ -131,7 +132,7 @@ def test_ten_minutes_at_240_frames_are_read_in_bounded_time_and_memory(tmp_path:
     assert step.clip.seconds < 15.0  # of the ten minutes only the step is kept
 
 
-@pytest.mark.parametrize("unit", [1.0, 0.01])
+@mostly_long("unit", [1.0, 0.01], quick=[0])
 def test_body_of_three_metres_is_danced_at_our_size_and_told(tmp_path: Path, unit: float) -> None:
     values, source = moving_values(10.0, 60.0), tmp_path / "tall.bvh"
     source.write_text(body_bvh(values, fps=60.0, scale=unit * 3.0 / 1.7))
@@ -211,6 +212,7 @@ def test_sketched_steps_and_flights_need_no_common_foot() -> None:
     assert can_stand(recorded, 0.25, *pairs).tolist() == [False, False, True, False]
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "turns", [pytest.param(0.25, marks=pytest.mark.long), 0.5, pytest.param(1.0, marks=pytest.mark.long)]
 )

@@ -96,6 +96,7 @@ def test_steps_are_found_named_added_and_danced(tmp_path: Path, take: Path) -> N
     assert library_graph.edge_count > 0
 
 
+@pytest.mark.long
 def test_cutting_again_adds_nothing_and_names_stay_the_same(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     found = find_vocabulary([take], {}, on_the_beat, library=library)
@@ -112,6 +113,7 @@ def test_cutting_again_adds_nothing_and_names_stay_the_same(tmp_path: Path, take
     assert len(load_folder(library)) == 7
 
 
+@pytest.mark.long
 def test_names_of_the_library_are_not_used_again(tmp_path: Path, sketches, take: Path) -> None:
     library = tmp_path / "library"
     other = recording(tmp_path / "other.bvh", sketches, ["samba", "right"])
@@ -128,6 +130,7 @@ def test_names_of_the_library_are_not_used_again(tmp_path: Path, sketches, take:
     assert renamed(found, {2: "samba roll"}, library).steps[1].name == "samba roll"
 
 
+@pytest.mark.long
 def test_a_file_of_that_name_with_other_contents_is_left_alone(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     library.mkdir()
@@ -141,6 +144,7 @@ def test_a_file_of_that_name_with_other_contents_is_left_alone(tmp_path: Path, t
     assert tomllib.loads(added.tomls[0].read_text())["file"] == "rehearsal-2.bvh"
 
 
+@pytest.mark.long
 def test_takes_are_limited_to_the_most_typical(tmp_path: Path, sketches) -> None:
     """One measure many times: one step, of which some are added."""
     file = recording(tmp_path / "groove.bvh", sketches, ["samba"] * 30)
@@ -150,6 +154,7 @@ def test_takes_are_limited_to_the_most_typical(tmp_path: Path, sketches) -> None
     assert add_vocabulary(tmp_path / "library", found, found.steps, takes=5).cuts == 5
 
 
+@pytest.mark.long
 def test_two_recordings_share_their_steps(tmp_path: Path, sketches, take: Path) -> None:
     other = recording(tmp_path / "second.bvh", sketches, ["samba", "right", "right"])
     found = find_vocabulary([take, other], {}, on_the_beat)
@@ -162,6 +167,7 @@ def test_two_recordings_share_their_steps(tmp_path: Path, sketches, take: Path) 
     assert len(load_folder(tmp_path / "library")) == added.cuts
 
 
+@pytest.mark.long
 def test_dancers_of_unlike_skeletons_are_one_vocabulary(tmp_path: Path, take: Path) -> None:
     """Another program's joints, names and units; a file that is given twice counts once."""
     other = tmp_path / "other.bvh"
@@ -197,6 +203,7 @@ def test_a_read_only_folder_is_left_as_it_was(tmp_path: Path, take: Path, monkey
     assert list(library.iterdir()) == []
 
 
+@pytest.mark.long
 def test_the_tempo_of_a_long_guess_may_change(tmp_path: Path, sketches) -> None:
     """Steps of a recording whose tempo was followed have beats of their own, and are as long as they were danced."""
     names = ["forward", "left", "samba", "right"] * 10
@@ -225,6 +232,7 @@ def test_the_tempo_of_a_long_guess_may_change(tmp_path: Path, sketches) -> None:
     assert len({clip.bpm for clip in load_folder(tmp_path / "library")}) > 3
 
 
+@pytest.mark.long
 def test_the_sheet_has_a_row_with_figures_for_each_step(take: Path) -> None:
     found = renamed(find_vocabulary([take], {}, on_the_beat), {2: "<b> & co"})
     page = sheet_page(found, "live steps cut take.bvh --accept all")
@@ -236,6 +244,7 @@ def test_the_sheet_has_a_row_with_figures_for_each_step(take: Path) -> None:
     assert "http" not in page.replace("http-equiv", "")
 
 
+@pytest.mark.long
 def test_the_command_shows_then_adds(tmp_path: Path, take: Path) -> None:
     library, sheet = tmp_path / "library", tmp_path / "sheet.html"
     asked = ("steps", "cut", str(take), "--bpm", "120", "--anchor", "0", "--library", str(library))

@@ -113,6 +113,7 @@ def test_answer_that_comes_twice_begins_the_show_once(cluster, loaded):
     assert node.follower.joins == 1
 
 
+@pytest.mark.long
 def test_node_that_is_cut_off_goes_on_alone_and_returns(cluster, loaded):
     leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
     cluster.run(2.0)
@@ -132,6 +133,7 @@ def test_node_that_is_cut_off_goes_on_alone_and_returns(cluster, loaded):
     assert node.hash == (leader.tick, leader.show.state_hash())
 
 
+@pytest.mark.long
 def test_node_that_missed_events_takes_a_snapshot(cluster, loaded):
     leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
     cluster.run(2.0)
@@ -151,6 +153,7 @@ def test_node_that_missed_events_takes_a_snapshot(cluster, loaded):
     assert node.hash == (leader.tick, leader.show.state_hash())
 
 
+@pytest.mark.long
 def test_picture_goes_on_alone_while_a_snapshot_is_restored(cluster, loaded):
     leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
     cluster.run(2.0, follows(node))
@@ -179,6 +182,7 @@ def test_picture_goes_on_alone_while_a_snapshot_is_restored(cluster, loaded):
     assert node.follower.joins == 2
 
 
+@pytest.mark.long
 def test_show_is_not_asked_for_again_while_its_answer_comes(cluster, loaded):
     """The answer is the whole show: on a slow network it takes a while."""
     leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
@@ -193,6 +197,7 @@ def test_show_is_not_asked_for_again_while_its_answer_comes(cluster, loaded):
     assert held == []
 
 
+@pytest.mark.long
 def test_show_is_asked_for_again_if_no_answer_can_come(cluster, loaded):
     leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
     answer, asked = leader.nodes._answer_join, []
@@ -211,6 +216,7 @@ def test_show_is_asked_for_again_if_no_answer_can_come(cluster, loaded):
     assert asked[2] - asked[1] > 0.4
 
 
+@pytest.mark.long
 def test_node_that_missed_what_no_hash_shows_takes_a_snapshot(cluster, loaded):
     """The hash of a measure is that of the dancers: it is right after a late mute, and the picture is not."""
     leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
@@ -226,6 +232,7 @@ def test_node_that_missed_what_no_hash_shows_takes_a_snapshot(cluster, loaded):
     assert node.follower.joins == 2
 
 
+@pytest.mark.long
 def test_of_two_leaders_the_first_is_kept_until_a_higher_epoch_rules(cluster, loaded):
     first, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
     cluster.run(1.0, follows(node))
@@ -260,6 +267,7 @@ def test_standby_that_takes_over_is_followed(cluster, loaded):
     assert node.hash == (heir.tick, heir.show.state_hash())
 
 
+@pytest.mark.long
 def test_machine_that_stands_by_knows_the_show_that_it_followed_last(cluster, loaded):
     """Nodes change over to a leader of the same show sooner than to one of another show."""
     first, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
@@ -300,6 +308,7 @@ def test_other_patch_is_refused_with_what_differs(cluster, loaded):
         cluster.run(1.0)
 
 
+@pytest.mark.long
 def test_name_of_another_node_is_refused_until_it_has_gone(cluster, loaded):
     cluster.lead(loaded)
     first = MadeNode(cluster, "left", loaded)
@@ -428,6 +437,7 @@ def operator_of(cluster, leader):
     return Operator(AskingBus(cluster)), leader.nodes.name
 
 
+@pytest.mark.long
 def test_operator_sees_all_parts_of_a_show(cluster, loaded):
     leader = cluster.lead(loaded)
     nodes = [MadeNode(cluster, name, loaded, offset=2.0) for name in ("left", "right")]
@@ -452,6 +462,7 @@ def test_operator_sees_all_parts_of_a_show(cluster, loaded):
     assert operator.status(name).works
 
 
+@pytest.mark.long
 def test_parts_are_started_again_one_after_another(cluster, loaded):
     leader = cluster.lead(loaded)
     nodes = [MadeNode(cluster, name, loaded) for name in ("left", "right")]

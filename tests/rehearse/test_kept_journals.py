@@ -4,6 +4,7 @@ import pytest
 
 from live.rehearse.journal_minimiser import Trial, entries_of, load_for_journal
 from live.show.journal.journal_reader import read_journal
+from tests.fixtures.mostly_long import mostly_long
 from tests.places import ROOT
 
 KEPT = ROOT / "tests" / "journals"
@@ -12,7 +13,7 @@ MORE = 256
 
 
 @pytest.mark.parametrize("path", sorted(KEPT.glob("*.jsonl")), ids=lambda path: path.stem)
-@pytest.mark.parametrize("snapshots", [False, True], ids=["run through", "from a snapshot"])
+@mostly_long("snapshots", [False, True], quick=[0], ids=["run through", "from a snapshot"])
 def test_kept_journal_does_not_fail_again(path, snapshots):
     journal = read_journal(path)
     entries, end = entries_of(journal)

@@ -103,6 +103,7 @@ def test_failing_journal_is_minimized_and_written(tmp_path, score_show, monkeypa
     assert minimise(kept, seconds=5.0) is None
 
 
+@pytest.mark.long
 def test_snapshot_with_different_state_is_a_failure(score_show, monkeypatch):
     trial = Trial(score_show, {"seed": 3, "tempo": None}, snapshots=True)
     assert trial.run([_entry(20, 1.0)], 500) is None

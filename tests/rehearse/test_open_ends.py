@@ -19,6 +19,7 @@ from live.show.loader import load_show
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PATCHES
 from tests.cli.command import run_live
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import PATCH, made_show
 
 CROSS = '[[element]]\nkind = "cross"\nmeasure = 2\nmeasures = 3\nat = [0.0, -3.5]\nto = [0.0, 3.5]\n'
@@ -38,7 +39,7 @@ def blocks(hint):
     return [textwrap.dedent(each) for each in re.findall(r"    \[\[segment\]\].*?(?=\n    \[\[|\Z)", hint, re.S)]
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     "follows",
     [
         '[[segment]]\nmeasure = 5\nformation = "circle"\n',
@@ -51,12 +52,13 @@ def blocks(hint):
         '[[improvise]]\nmeasure = 3\nmeasures = 8\n[[improvise.motion]]\ncall = "/dance/formation"\n'
         'values = ["star", 3]\n',
     ],
+    quick=[3, 4, 5, 6],
 )
 def test_something_follows(follows):
     assert (1, 4, 4) not in [one[:3] for one in ends_of(CROSS + follows)]
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     "other",
     [
         "",
@@ -66,6 +68,7 @@ def test_something_follows(follows):
         '[[at]]\nmeasure = 3\ncall = "/dance/attract"\nvalues = [1, 0]\n',
         "[[improvise]]\nmeasure = 3\nmeasures = 8\n",
     ],
+    quick=[0, 3, 4, 5],
 )
 def test_nothing_follows_within_four_measures(other):
     assert ends_of(CROSS + other) == [(1, 4, 4, 4 if "9" in other else 8)]
@@ -77,6 +80,7 @@ def test_what_moves_other_dancers_is_no_matter():
     assert ends_of(CROSS + back) == []
 
 
+@pytest.mark.long
 def test_score_that_begins_again_follows_itself():
     assert ends_of(CROSS, loop=20) == [(1, 4, 4, 8)]
     assert ends_of(CROSS, loop=6) == []  # it comes again after three measures
@@ -105,7 +109,7 @@ def test_elements_that_end_together_are_one():
     assert len(ends_of(ATTRACT.format(2, 3, "front") + ATTRACT.format(3, 2, "back"))) == 2
 
 
-@pytest.mark.parametrize("group", ["*", "front", "front + 7"])
+@mostly_long("group", ["*", "front", "front + 7"], quick=[1])
 def test_suggestions_can_be_pasted_and_the_hint_is_gone(group):
     cross = f'{CROSS}group = "{group}"\n'
     (hint,) = next_formation_hints(made_show(cross))
@@ -130,6 +134,7 @@ def test_formations_of_the_show_are_suggested_too():
     assert tomllib.loads(blocks(hint)[0])["segment"][0]["formation"] == 'my "own"'
 
 
+@pytest.mark.long
 def test_same_score_gives_the_same_hints_and_few_of_them():
     many = "".join(ATTRACT.format(1 + 6 * number, 2, "*") for number in range(MAX_HINTS + 3))
     hints = next_formation_hints(made_show(many))
@@ -149,7 +154,7 @@ def test_nothing_within_reach_is_said():
     assert hint.endswith("no formation that the show knows is within reach in a measure")
 
 
-@pytest.mark.parametrize("extra", [CROSS, CROSS.replace("measures = 3", "measures = 8"), ATTRACT.format(2, 6, "*")])
+@mostly_long("extra", [CROSS, CROSS.replace("measures = 3", "measures = 8"), ATTRACT.format(2, 6, "*")], quick=[2])
 def test_agents_alone_stand_about_where_the_show_leads(extra):
     """As a set: dancers may have passed each other on another side."""
     alone = agent_places(made_show(extra), {4, 10})
@@ -190,6 +195,7 @@ def test_shipped_suggestions_lint_clean():
         assert [words for words in told if words not in former] == []
 
 
+@pytest.mark.long
 def test_live_check_prints_hints_and_succeeds(tmp_path):
     show = tmp_path / "show.toml"
     show.write_text('name = "x"\n[[group]]\nname = "a"\ndancers = 6\nsteps = ["walk"]\n' + CROSS)

@@ -129,6 +129,7 @@ def test_nan_in_view_is_reported_with_rows_and_beat(writer_and_show):
     assert "joint_position is not finite in rows 1, 3 of 4, 2 in all; 1.250 beats" in watching.problems[0]
 
 
+@pytest.mark.long
 def test_exceptions_of_show_and_replay_are_reported_in_one_line_each(tmp_path, monkeypatch):
     soak = SoakTest(SoakOptions(find_patch("score"), seed=4, hours=20.0 / 3600.0, fps=8.0, faults=0.0), tmp_path)
     show = type(soak.show)

@@ -32,6 +32,7 @@ from live.show.desk.camera_rig import CameraRig
 from live.show.desk.parameters import turn_eye
 from live.show.desk.scenes import view_settings
 from live.show.patch.patch import Patch
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.media import write_image, write_video
 from tests.render.test_renderer import crowd, read, scene
 
@@ -114,7 +115,7 @@ LAMPS: dict[str, tuple[dict[str, object], Law]] = {
 """Parameters, and the condition on the picture against the default light."""
 
 
-@pytest.mark.parametrize("lamp", LAMPS)
+@mostly_long("lamp", LAMPS, quick=[1, 3, 11, 12])
 def test_golden_lights_and_backgrounds(draw_stage, golden, lamp):
     said, law = LAMPS[lamp]
     plain = draw_stage({})

@@ -12,6 +12,7 @@ from live.render.passes.floor_pass import ReflectionPass
 from live.render.passes.overlay_pass import OverlayPass
 from live.render.renderer import Renderer
 from live.render.uniforms import FrameUniforms
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.poses import ARMS_DOWN, stage_view
 from tests.render.test_renderer import read, scene
 
@@ -19,7 +20,7 @@ pytestmark = pytest.mark.gl
 SIZE = (96, 64)
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("kind", "method", "name"),
     [
         (BloomPass, "compute_glow", "bloom"),
@@ -27,6 +28,7 @@ SIZE = (96, 64)
         (OverlayPass, "draw", "overlay"),
         (BackgroundPass, "prepare", "background"),
     ],
+    quick=[1],
 )
 def test_failing_pass_is_disabled_after_two_frames_until_reset(
     gl_context: moderngl.Context, monkeypatch: pytest.MonkeyPatch, kind: type, method: str, name: str

@@ -11,6 +11,7 @@ from live.base.stage_snapshot import Camera, Scene
 from live.render.adaptive_quality import HARDWARE, SOFTWARE
 from live.render.passes.stage_pass import LONG_STILL
 from live.render.renderer import Renderer
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.test_renderer import SIZE, crowd, read, scene
 
 pytestmark = pytest.mark.gl
@@ -49,7 +50,7 @@ def make_renderer(gl_context):
         thing.release()
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 def test_picture_row_matches_scene_with_same_values(make_renderer, quality):
     from_start, changed = make_renderer(OTHER, quality), make_renderer(scene(12), quality)
     plain = changed(crowd())
@@ -60,6 +61,7 @@ def test_picture_row_matches_scene_with_same_values(make_renderer, quality):
     assert np.array_equal(back, plain)
 
 
+@pytest.mark.long
 def test_picture_during_light_change_is_close_to_final(make_renderer):
     draw = make_renderer(scene(12))
     row = picture_row(scene(12))
@@ -69,6 +71,7 @@ def test_picture_during_light_change_is_close_to_final(make_renderer):
     assert np.abs(moving - standing).mean() < 1.0
 
 
+@pytest.mark.long
 def test_changes_during_blackout_appear_afterwards(make_renderer):
     draw, view = make_renderer(scene(12)), crowd()
     draw(view)

@@ -16,6 +16,7 @@ from live.render.adaptive_quality import HARDWARE, SOFTWARE, Quality, choose_qua
 from live.render.camera import project_points
 from live.render.headless import is_software
 from live.render.renderer import Renderer
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.poses import ARABESQUE, ARMS_DOWN, LUNGE, PLIE, REACH, STEP, stage_view
 
 pytestmark = pytest.mark.gl
@@ -71,7 +72,7 @@ def empty() -> StageView:
     return StageView.allocate(0, JOINT_COUNT)
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 def test_dancers_cover_the_pixels_of_their_joints(draw: Draw, quality: Quality) -> None:
     view = stage_view([(LUNGE, (-0.8, 0.0), 20.0, 0), (REACH, (0.8, 0.0), -20.0, 1)])
     with_dancers = draw(view, camera=NEAR_CAMERA, quality=quality).astype(int)
@@ -83,7 +84,7 @@ def test_dancers_cover_the_pixels_of_their_joints(draw: Draw, quality: Quality) 
             assert np.abs(with_dancers[y, x] - without[y, x]).max() > 12
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 def test_stage_is_neither_black_nor_overexposed(draw: Draw, quality: Quality) -> None:
     picture = draw(crowd(), quality=quality)
     assert 8.0 < picture.mean() < 110.0
@@ -91,11 +92,13 @@ def test_stage_is_neither_black_nor_overexposed(draw: Draw, quality: Quality) ->
     assert (picture == 255).all(axis=2).mean() < 0.01
 
 
+@pytest.mark.long
 def test_both_qualities_show_same_stage(draw: Draw) -> None:
     plain, film = draw(crowd(), quality=SOFTWARE).astype(int), draw(crowd(), quality=HARDWARE).astype(int)
     assert np.abs(plain - film).mean() < 3.0
 
 
+@pytest.mark.long
 def test_groups_have_their_colours(draw: Draw) -> None:
     x, y = project_points(NEAR_CAMERA, SIZE, standing().joint_position[0, [SKELETON.index("chest")]])[0].astype(int)
     orange, blue = (draw(standing(group), camera=NEAR_CAMERA)[y, x].astype(int) for group in (0, 1))
@@ -103,6 +106,7 @@ def test_groups_have_their_colours(draw: Draw) -> None:
     assert blue[2] > blue[0] + 20
 
 
+@pytest.mark.long
 def test_blackout_is_black_and_half_light_is_darker(draw: Draw) -> None:
     view = crowd()
     full = draw(view)
@@ -113,6 +117,7 @@ def test_blackout_is_black_and_half_light_is_darker(draw: Draw) -> None:
     assert draw(view).max() == 0
 
 
+@pytest.mark.long
 def test_shadows_darken_the_floor_on_the_side_away_from_the_light(draw: Draw) -> None:
     top = Camera(eye=(0.0, 7.0, 0.01), target=(0.0, 0.0, 0.0), field_of_view_deg=50.0)
     lit, shaded = draw(empty(), camera=top).astype(int), draw(standing(), camera=top).astype(int)
@@ -126,7 +131,7 @@ def test_shadows_darken_the_floor_on_the_side_away_from_the_light(draw: Draw) ->
     assert shaded[there].mean() == pytest.approx(lit[there].mean(), rel=0.05)
 
 
-@pytest.mark.parametrize(("kind", "warm"), [(ATTRACTOR, True), (REPULSOR, False), (SPREADER, None)])
+@mostly_long(("kind", "warm"), [(ATTRACTOR, True), (REPULSOR, False), (SPREADER, None)], quick=[0])
 def test_elements_light_floor_around_their_position(draw: Draw, kind: int, warm: bool | None) -> None:
     view = empty()
     dark = draw(view).astype(int)
@@ -144,6 +149,7 @@ def test_elements_light_floor_around_their_position(draw: Draw, kind: int, warm:
     assert 0.0 < (draw(view).astype(int) - dark).sum() < light.sum()
 
 
+@pytest.mark.long
 def test_attractor_light_pulses_with_beat(draw: Draw) -> None:
     view = empty()
     view.element_count, view.element_level[0] = 1, 1.0
@@ -159,6 +165,7 @@ def test_excess_elements_are_ignored(draw: Draw) -> None:
     assert draw(view).mean() > 5.0
 
 
+@pytest.mark.long
 def test_overlay_draws_bright_text_in_corner_only(draw: Draw) -> None:
     view = crowd()
     plain = draw(view, size=(640, 360)).astype(int)
@@ -171,7 +178,7 @@ def test_overlay_draws_bright_text_in_corner_only(draw: Draw) -> None:
     assert not changed.any()
 
 
-@pytest.mark.parametrize("count", [0, 1, 1000])
+@mostly_long("count", [0, 1, 1000], quick=[0])
 def test_any_number_of_dancers_is_drawn(draw: Draw, count: int) -> None:
     one = standing()
     view = StageView.allocate(count, JOINT_COUNT)
@@ -195,7 +202,7 @@ def test_view_with_more_dancers_than_scene_is_drawn(gl_context: moderngl.Context
     target.release()
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 def test_same_moment_gives_same_picture(gl_context: moderngl.Context, quality: Quality) -> None:
     renderer = Renderer(gl_context, scene(12), size=SIZE, quality=quality)
     target = gl_context.simple_framebuffer(SIZE)
@@ -211,7 +218,7 @@ def test_same_moment_gives_same_picture(gl_context: moderngl.Context, quality: Q
     target.release()
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 def test_warm_up_changes_no_picture(gl_context: moderngl.Context, quality: Quality) -> None:
     films = []
     for warm_up in (False, True):
@@ -229,7 +236,7 @@ def test_warm_up_changes_no_picture(gl_context: moderngl.Context, quality: Quali
     assert np.abs(films[0] - films[1]).max() <= (0 if is_software(gl_context) else 2)
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 def test_resized_renderer_matches_new_renderer(gl_context: moderngl.Context, draw: Draw, quality: Quality) -> None:
     renderer = Renderer(gl_context, scene(12), size=(200, 200), quality=quality)
     view = crowd()
@@ -246,6 +253,7 @@ def test_resized_renderer_matches_new_renderer(gl_context: moderngl.Context, dra
         thing.release()
 
 
+@pytest.mark.long
 def test_near_dancers_get_finer_body(draw: Draw) -> None:
     """The finer body for the nearest only: the near count changes only the far dancer's outline."""
     view = stage_view([(ARMS_DOWN, (-0.7, -1.5), 0.0, 0), (ARMS_DOWN, (0.7, 1.0), 0.0, 0)])
@@ -279,7 +287,7 @@ def test_golden_stage(draw: Draw, golden: Callable[..., None], quality: Quality,
     golden(draw(view, quality=quality), name, law=lambda seen: 8.0 < seen.mean() < 110.0 < seen.max())
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 def test_reduced_stage_is_dark_beyond_its_border(draw: Draw, quality: Quality) -> None:
     """An enlarged stage is lighter in the added area; the scene's own size changes nothing."""
     plain = draw(empty(), quality=quality).astype(int)

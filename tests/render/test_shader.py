@@ -62,6 +62,7 @@ def test_missing_include_is_reported_with_file_and_line(shader_folder: Path) -> 
         source("grade_fragment.glsl")
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_edited_shader_is_reloaded_and_invalid_edit_keeps_last_valid(
     gl_context: moderngl.Context, shader_folder: Path

@@ -46,6 +46,7 @@ def test_flooded_values_are_limited_per_frame_and_events_are_not():
     assert [at for name, at in acted if name == "PlaceElement"] == [0.0, 200 / 60]
 
 
+@pytest.mark.long
 def test_same_events_give_same_states_at_any_frame_rate():
     """Events are stamped with ticks: applied at those, shows at 25, 60 and 144 frames/s are identical."""
     results = []

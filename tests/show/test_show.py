@@ -45,6 +45,7 @@ SCRIPT = (
 )
 
 
+@pytest.mark.long
 def test_same_patch_seed_and_events_give_the_same_states():
     first, second = run(made_show(), 18, SCRIPT), run(made_show(), 18, SCRIPT)
     assert len(first) == len(set(first)) >= 8

@@ -95,6 +95,7 @@ def test_ignored_spans_and_unknown_downbeats_have_low_weights() -> None:
     assert found.known[int(3.0 / HOP), 0] == 1.0
 
 
+@pytest.mark.long
 def test_unaltered_stream_is_independent_of_piece_length() -> None:
     item = made_item()
     whole, pieces = Stream([item], 1, altered=False), Stream([item], 1, altered=False)

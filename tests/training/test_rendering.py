@@ -49,6 +49,7 @@ def test_item_is_written_completely_and_reproducibly(tmp_path: Path, monkeypatch
     assert facts["seconds"] == pytest.approx(3.0, abs=0.5)
 
 
+@pytest.mark.long
 def test_some_bands_lose_their_drums_or_all_but_these() -> None:
     told: dict[str, int] = {}
     for seed in range(80):

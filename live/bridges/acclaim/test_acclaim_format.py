@@ -26,6 +26,7 @@ from tests.cli.command import run_live
 from tests.cli.motion.test_bvh import KEYS
 from tests.cli.motion.test_export import joint_positions, read_joints
 from tests.fixtures.mocap import mocap_file
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.formats.test_bvh_fuzz import attempt, mutate_text
 from tests.motion.formats.test_reader_limits import read_limited
 
@@ -147,7 +148,7 @@ def test_hostile_file_takes_little_memory_and_time(name: str) -> None:
     read_limited(read, make().encode())
 
 
-@pytest.mark.parametrize("seed", range(4))
+@mostly_long("seed", range(4), quick=[0])
 def test_mutated_acclaim_file_gives_motion_or_error(seed: int) -> None:
     rng = random.Random(seed)
     outcomes = {"motion": 0, "error": 0}

@@ -113,6 +113,7 @@ def test_artnet_packet_matches_the_standard(receiver):
     assert list(data[18:]) == row.tolist()
 
 
+@pytest.mark.long
 def test_process_sends_rows_until_show_ends(receiver):
     universe = ("sacn", 1, "127.0.0.1", receiver.getsockname()[1])
     plan = {

@@ -13,6 +13,7 @@ from live.control.registry.control import ROLE_RANKS
 from live.control.registry.registry import READABLE, REGISTRY
 from live.control.registry.rejections import Rejection
 from live.control.web.surface import MAX_PAGE_WIDGETS, make_surface
+from tests.fixtures.mostly_long import mostly_long
 
 NAMES = {"/dance/step": ["kick", "turn, then hold"], "/dance/formation": ["circle"], "/dance/scene": ["night {1}"]}
 
@@ -57,6 +58,7 @@ def test_every_control_has_a_widget_or_is_listed_omitted():
     }
 
 
+@pytest.mark.long
 def test_touchosc_messages_match_show_controls(tmp_path):
     file = tmp_path / "a.tosc"
     write_touchosc(surface(), file)
@@ -101,7 +103,7 @@ def test_open_stage_control_messages_are_accepted():
             assert not isinstance(call_control(widget["address"], sent), Rejection), widget
 
 
-@pytest.mark.parametrize(("pad", "world"), [((0.0, 0.0), (-5.0, 3.0)), ((1.0, 1.0), (5.0, -3.0))])
+@mostly_long(("pad", "world"), [((0.0, 0.0), (-5.0, 3.0)), ((1.0, 1.0), (5.0, -3.0))], quick=[0])
 def test_lower_pad_edge_maps_to_audience_side(tmp_path, pad, world):
     write_touchosc(surface(), tmp_path / "a.tosc")
     for address, message, _ in tosc_messages(py2tosc.load(tmp_path / "a.tosc")):

@@ -194,6 +194,7 @@ def test_follower_knows_the_source_of_an_old_journal() -> None:
     assert follower.tempo == pytest.approx(150.0)
 
 
+@pytest.mark.long
 def test_mutated_bytes_leave_the_decoder_working() -> None:
     rng = random.Random(12)
     listens, _ = show_input("")

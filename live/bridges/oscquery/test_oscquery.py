@@ -98,6 +98,7 @@ def test_tree_contains_all_named_performers():
     assert set(tree.node("/dance/mocap/ben")["CONTENTS"]) == {"mirrored", "place", "attract"}
 
 
+@pytest.mark.long
 def test_programs_query_and_listen_but_foreign_sites_are_refused():
     aiohttp = pytest.importorskip("aiohttp")
     pytest.importorskip("zeroconf")

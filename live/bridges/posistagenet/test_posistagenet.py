@@ -202,6 +202,7 @@ print(event.tracker, event.x, event.z)
 """
 
 
+@pytest.mark.long
 def test_two_shows_receive_one_multicast_group():
     """Runs in a private network namespace, so nothing is sent outside."""
     if shutil.which("unshare") is None or shutil.which("ip") is None:

@@ -14,6 +14,7 @@ from live.agents.material.neighbours import neighbours_of
 from live.agents.material.room import LEAST_GAP, room_of
 from live.agents.material.transform import Transform, transform_group, warp_between
 from live.base.errors import PersonError
+from tests.fixtures.mostly_long import mostly_long
 
 L_SHAPE = (((-5.0, -3.5), (5.0, -3.5), (5.0, -0.5), (-1.0, -0.5), (-1.0, 3.5), (-5.0, 3.5)),)
 SQUARE = (((-3.0, -3.0), (3.0, -3.0), (3.0, 3.0), (-3.0, 3.0)),)
@@ -91,7 +92,7 @@ def test_along_a_straight_line_only_moves_and_turns():
 
 
 @pytest.mark.parametrize("region", [L_SHAPE, SQUARE, RING], ids=["L", "square", "ring"])
-@pytest.mark.parametrize("seed", range(3))
+@mostly_long("seed", range(3), quick=[1])
 def test_all_land_inside_apart_with_their_neighbours(region, seed):
     places = group(30, seed)
     there = done(Transform(into=region), places)

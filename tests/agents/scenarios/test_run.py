@@ -108,6 +108,7 @@ def test_all_agents_arrive_without_overlaps(name):
 PLACE = st.tuples(*[st.one_of(st.floats(-6, 6), st.sampled_from([-6.0, 0.0, 1.0, 6.0]))] * 2)
 
 
+@pytest.mark.long
 @given(
     st.lists(st.tuples(PLACE, PLACE), max_size=24),
     st.lists(st.tuples(PLACE, PLACE), max_size=4),

@@ -70,6 +70,7 @@ def test_path_ending_in_a_wall_stops_before_it():
     assert ends[1, 0] == pytest.approx(2.0 + RADIUS, abs=0.02)  # each dancer stays on its side
 
 
+@pytest.mark.long
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 8))
 def test_correction_never_causes_an_obstacle_collision(seed, count):

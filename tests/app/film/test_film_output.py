@@ -92,6 +92,7 @@ def glb_joints(document, blob, root):
     return np.stack([found[name] for name in SKELETON.names], axis=1), channels.get((root, "scale"))
 
 
+@pytest.mark.long
 def test_glb_holds_every_dancer_where_the_show_draws_them(show_files):
     folder, joints, said = show_files
     document = pygltflib.GLTF2().load(str(folder / "show.glb"))

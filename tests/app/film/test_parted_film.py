@@ -45,6 +45,7 @@ def decoded(path):
         return shown, b"".join(frame.to_ndarray().tobytes() for frame in film.decode(audio=0))
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_part_has_the_pictures_of_the_first_rendering_and_their_names(filmed, tmp_path):
     first, journal, loaded = filmed

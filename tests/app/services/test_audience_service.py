@@ -57,6 +57,7 @@ class Stage:
             self.part.stop()
 
 
+@pytest.mark.long
 def test_phones_move_dancers_and_resume_after_gateway_is_killed():
     stage = Stage()
 

@@ -64,6 +64,7 @@ def notes(monkeypatch):
     return told
 
 
+@pytest.mark.long
 def test_phones_play_over_tls_and_return_after_gateway_is_killed(tmp_path, notes):
     files = write_certificate(tmp_path)
     stage = Stage(audience_tls=files)

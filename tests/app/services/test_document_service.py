@@ -250,6 +250,7 @@ def play(night: EditedShow, file: str, lines: str = "") -> dict[str, Any]:
     return json.loads(night.service.published)[-1]  # type: ignore[no-any-return]
 
 
+@pytest.mark.long
 def test_lines_of_the_music_act_from_the_next_measure_and_other_music_from_the_next_start(night: EditedShow) -> None:
     night.run(1.0)
     for number, seconds in enumerate((0.5, 2.5, 4.5), start=1):
@@ -338,6 +339,7 @@ def test_what_was_danced_becomes_a_section_and_is_danced_again(night: EditedShow
     assert night.replay_differences() == ()
 
 
+@pytest.mark.long
 def test_ways_of_a_flock_are_kept_and_danced_again(night: EditedShow) -> None:
     ask = KeepWays(time=night.clock.now(), source="osc", measures=2, name="flock", group="ember", by="ana")
     assert "no whole measure" in night.serve(ask)[-1]["refused"][0]["what"]
@@ -368,6 +370,7 @@ def test_ways_of_a_flock_are_kept_and_danced_again(night: EditedShow) -> None:
     assert "refused" in night.serve(wrong)[-1]
 
 
+@pytest.mark.long
 def test_steps_of_parts_are_kept_and_danced_again(night: EditedShow) -> None:
     night.run(4.5)
     for values in (["side step x2, groove", "1 + 5"], ["walk", "3"]):
@@ -390,6 +393,7 @@ def _without_camera(values: dict[str, object]) -> dict[str, object]:
     return {address: value for address, value in values.items() if not address.startswith("/dance/camera/")}
 
 
+@pytest.mark.long
 def test_scenes_cues_and_formations_made_live_are_kept(night: EditedShow) -> None:
     night.run(1.0)
     for address, values in (

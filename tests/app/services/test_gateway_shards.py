@@ -85,6 +85,7 @@ async def drag_until(stage, phones, x):
         await asyncio.sleep(0.1)
 
 
+@pytest.mark.long
 def test_phones_of_two_gateways_move_dancers_and_vote_and_outlive_gateway_and_reducer():
     stage = Stage(gateways=2)
 

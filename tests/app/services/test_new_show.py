@@ -12,6 +12,7 @@ from live.rehearse.lint import lint_show
 from live.show.loader import load_show
 from live.show.patch.patch_search_path import PATCHES
 from tests.cli.command import run_live
+from tests.fixtures.mostly_long import mostly_long
 from tests.places import SHARED
 
 SONG = PATCHES / "music" / "first_show.ogg"
@@ -22,9 +23,10 @@ def counted(monkeypatch: pytest.MonkeyPatch, metre: int) -> None:
     monkeypatch.setattr(new_show, "read_measures", lambda song: MeasureMap(lines))
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("metre", "dancers"),
     [(4, 12), (4, 1), (3, 5), *(pytest.param(*one, marks=pytest.mark.long) for one in ((4, 120), (2, 8), (5, 9)))],
+    quick=[1],
 )
 def test_a_song_becomes_a_show_that_starts(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, metre: int, dancers: int
@@ -47,9 +49,10 @@ def test_a_song_becomes_a_show_that_starts(
     assert sorted(one.name for one in tmp_path.iterdir()) == ["deep"]
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     "example",
     [pytest.param(name, marks=[pytest.mark.long] * (place % 8 != 4)) for place, name in enumerate(examples())],
+    quick=[4],
 )
 def test_an_example_is_copied_with_its_files(tmp_path: Path, example: str) -> None:
     path = make_show(tmp_path / "copy", example=example)

@@ -128,6 +128,7 @@ def test_one_that_hangs_is_replaced(loaded: LoadedShow) -> None:
     with_client(loaded, act, silence=DEADLINE)
 
 
+@pytest.mark.long
 def test_a_newer_question_of_a_page_replaces_its_older_one_and_others_wait_for_their_turn(loaded: LoadedShow) -> None:
     async def act(client: PreviewClient) -> None:
         far, nearer, other = Answer(), Answer(), Answer()
@@ -238,6 +239,7 @@ def test_pages_ask_over_the_web(web: WebService, loaded: LoadedShow) -> None:
     asyncio.run(asyncio.wait_for(run(), 3 * DEADLINE))
 
 
+@pytest.mark.long
 def test_the_preview_ends_with_the_web_server(web: WebService) -> None:
     children: list[int] = []
 

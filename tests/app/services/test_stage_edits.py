@@ -14,6 +14,7 @@ from live.show.show import Show
 from live.show.state.snapshot import Snapshotter, restore
 from live.show.view.render_scene import set_items
 from tests.app.services.test_document_service import EditedShow
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.patch.edited_night import write_patch_folder
 
 PATCH = """# A stage.
@@ -119,7 +120,7 @@ SHORT = ("both", "gate named", "obstacle moved", "item gone")
 """Edits of the short run of tests: one of each kind."""
 
 
-@pytest.mark.parametrize("name", [pytest.param(name, marks=[pytest.mark.long] * (name not in SHORT)) for name in EDITS])
+@mostly_long("name", [pytest.param(name, marks=[pytest.mark.long] * (name not in SHORT)) for name in EDITS], quick=[7])
 def test_each_edit_acts_undoes_replays_and_resumes_like_a_fresh_show(night: EditedShow, name: str) -> None:
     night.run(4.5)
     before = (stage(night), gates(night), surroundings(night), set_items(night.show.patch))
@@ -246,6 +247,7 @@ def test_who_is_called_enters_through_the_nearest_entrance_left(night: EditedSho
     assert night.replay_differences() == ()
 
 
+@pytest.mark.long
 def test_a_size_set_live_gives_way_to_an_edit(night: EditedShow) -> None:
     night.run(1.0)
     night.inbox.put(SetStage(time=1.0, source="test", width=9.0, depth=7.0))
@@ -262,6 +264,7 @@ def test_a_size_set_live_gives_way_to_an_edit(night: EditedShow) -> None:
     assert night.replay_differences() == ()
 
 
+@pytest.mark.long
 def test_dancers_walk_into_a_smaller_stage(tmp_path: Path) -> None:
     score = PATCH[PATCH.index("[[segment]]") : PATCH.index("[[at]]")]
     night = EditedShow(write_patch_folder(tmp_path, PATCH.replace(score, "")))
@@ -299,6 +302,7 @@ values = { name = "tree" }
     assert night.path.read_text() == expected
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "name", ["both", *(pytest.param(f"{one} gone", marks=pytest.mark.long) for one in ("gate", "obstacle"))]
 )

@@ -172,6 +172,7 @@ def test_two_pages_edit_one_document(studio: Studio) -> None:
     assert studio.path.read_text() == PATCH
 
 
+@pytest.mark.long
 def test_a_page_that_comes_later_gets_the_structure_and_the_changes_since(studio: Studio) -> None:
     async def run() -> None:
         async with aiohttp.ClientSession() as session:
@@ -465,6 +466,7 @@ def test_rates_are_those_that_a_page_wants() -> None:
     assert not page.is_due("joints", 1.0)
 
 
+@pytest.mark.long
 def test_a_web_server_that_dies_is_replaced_and_pages_come_again(studio: Studio) -> None:
     async def run() -> None:
         async with aiohttp.ClientSession() as session:

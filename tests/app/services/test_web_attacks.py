@@ -229,6 +229,7 @@ def test_wrong_keys_are_answered_slowly_and_right_key_at_once():
         assert min(slow) > 0.9
 
 
+@pytest.mark.long
 def test_half_open_slow_and_dead_connections_are_closed_within_seconds():
     with PageServer() as served:
         here = f"127.0.0.1:{served.port}"
@@ -260,6 +261,7 @@ def test_half_open_slow_and_dead_connections_are_closed_within_seconds():
         assert not left, f"{len(left)} of {len(silent) + 5} stayed"
 
 
+@pytest.mark.long
 def test_client_that_reads_nothing_delays_no_other_client():
     def tell(text):
         served.part.publish({"/dance/status/source": (("", (text,)),)})
@@ -338,6 +340,7 @@ def test_operator_connects_while_hundreds_of_connections_are_abandoned():
         assert len(lost) <= 1
 
 
+@pytest.mark.long
 @pytest.mark.browser
 @needs_browser
 def test_foreign_page_in_browser_is_blocked_and_link_logs_in():

@@ -25,6 +25,7 @@ def run_foreign(program):
     )
 
 
+@pytest.mark.long
 def test_every_module_can_be_imported_on_a_system_like_windows():
     done = run_foreign(IMPORT_ALL)
     assert done.returncode == 0, done.stderr[-2000:]

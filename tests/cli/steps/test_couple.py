@@ -106,6 +106,7 @@ def test_notation_of_recorded_couples(pairs: Path, tmp_path: Path) -> None:
     assert [one["count"] for one in json.loads(report.read_text())[0]["counts"]][:4] == [7, 8, 1, 2]
 
 
+@pytest.mark.long
 def test_what_cannot_be_compared_is_refused(pairs: Path, tmp_path: Path) -> None:
     def refused(words: str, **options: Any) -> None:
         with pytest.raises(PersonError, match=words):

@@ -117,6 +117,7 @@ def test_invalid_arguments_are_refused_in_one_line(
     assert "\n" not in str(result.exception)
 
 
+@pytest.mark.long
 def test_list_show_and_check_print_json(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
     rows = {row["name"]: row for row in json.loads(CliRunner().invoke(app, ["steps", "list", "--json"]).stdout)}

@@ -50,6 +50,7 @@ def test_step_is_textured_and_report_names_source_recordings(mocap: Path, tmp_pa
     assert "the file exists already" in again.stderr
 
 
+@pytest.mark.long
 def test_sketch_gets_textured_versions_as_variations(mocap: Path, tmp_path: Path) -> None:
     library = tmp_path / "steps"
     library.mkdir()

@@ -7,6 +7,7 @@ from live.clock.bar_pointer.bar_pointer import BarPointer
 from live.clock.bar_pointer.metre import DEFAULT, METRES, Metre, counted_metre
 from live.clock.bar_pointer.state_space import BarPointerModel
 from tests.clock.bar_pointer.made import RATE, Activations, beat_number_accuracy, errors, follow, groove
+from tests.fixtures.mostly_long import mostly_long
 
 
 def concatenate_activations(*parts: Activations) -> Activations:
@@ -19,7 +20,7 @@ def concatenate_activations(*parts: Activations) -> Activations:
     )
 
 
-@pytest.mark.parametrize("bpm", [40, 60, 84.7, 120, 133.3, 187, 240])
+@mostly_long("bpm", [40, 60, 84.7, 120, 133.3, 187, 240], quick=[1, 3, 5])
 def test_beats_are_found_at_any_tempo(bpm: float) -> None:
     activations = groove(bpm, 4, 14.0)
     pointer = BarPointer()
@@ -32,7 +33,7 @@ def test_beats_are_found_at_any_tempo(bpm: float) -> None:
     assert pointer.confidence > 0.5
 
 
-@pytest.mark.parametrize("metre", METRES)
+@mostly_long("metre", METRES, quick=[0, 1, 4])
 def test_every_metre_and_its_downbeat_are_found(metre: int) -> None:
     after = 10.0 if metre in (2, 3, 4, 6) else 18.0  # rare metres need more measures
     activations = groove(126.0, metre, after + 6.0)
@@ -46,6 +47,7 @@ def test_only_the_metres_given_are_found() -> None:
     assert set(follow(pointer, activations).metre[8:].tolist()) <= {3, 4}
 
 
+@pytest.mark.long
 def test_groups_decide_where_a_measure_of_five_begins() -> None:
     """Strong first and fourth beats alike are 3 + 2 from the first on, or 2 + 3 from the fourth on."""
     activations = groove(126.0, 5, 30.0)
@@ -82,6 +84,7 @@ def test_long_measures_are_counted_in_parts(beats: int, counted: int) -> None:
     assert counted_metre(8, (Metre(8),)) == 8
 
 
+@pytest.mark.long
 def test_noisy_activations_do_not_lose_the_beat() -> None:
     activations = groove(104.0, 3, 30.0, doubt=0.6)
     followed = follow(BarPointer(), activations)
@@ -89,6 +92,7 @@ def test_noisy_activations_do_not_lose_the_beat() -> None:
     assert beat_number_accuracy(followed, activations, 3, 15.0) > 0.9
 
 
+@pytest.mark.long
 def test_new_tempo_is_followed_within_four_seconds() -> None:
     first, second = groove(102.0, 4, 12.0), groove(133.0, 4, 8.0, first=20.0)
     activations = concatenate_activations(first, second)
@@ -114,7 +118,7 @@ def test_grid_continues_unchanged_while_not_listening() -> None:
     assert pointer.beat == (beat + passed) % 4
 
 
-@pytest.mark.parametrize("bpm", [70.0, 93.0, 141.0])
+@mostly_long("bpm", [70.0, 93.0, 141.0], quick=[1])
 def test_grid_before_missing_beats_is_restored_after_music_ends(bpm: float) -> None:
     """Beats are missing for two seconds before the end of music is detected; the measure continues as before."""
     activations = groove(bpm, 4, 16.0, doubt=0.3)
@@ -140,7 +144,7 @@ def test_grid_before_missing_beats_is_restored_after_music_ends(bpm: float) -> N
     assert np.all(followed.beat[1:4] == (coming + number[1:]) % 4)
 
 
-@pytest.mark.parametrize("wrong", [1, 2, 3])
+@mostly_long("wrong", [1, 2, 3], quick=[0])
 def test_after_a_stop_the_old_line_stays_although_the_music_seems_to_begin_anew(wrong: int) -> None:
     """The music returns on the grid, in the middle of a measure; for two measures its first beat is heard as a one."""
     activations = groove(112.0, 4, 20.0)
@@ -171,6 +175,7 @@ def test_offbeat_accent_does_not_shift_confident_grid() -> None:
     assert np.max(np.abs(late)) < 0.03
 
 
+@pytest.mark.long
 def test_steady_groove_is_tracked_for_a_minute_without_slips() -> None:
     """No missing or extra beat, and no drift (half an hour of sound: bench/_long_groove.py)."""
     activations = groove(121.3, 4, 60.0, doubt=0.2)

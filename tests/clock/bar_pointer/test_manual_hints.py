@@ -5,6 +5,7 @@ import pytest
 
 from live.clock.bar_pointer.bar_pointer import BarPointer
 from tests.clock.bar_pointer.made import RATE, errors, follow, groove
+from tests.fixtures.mostly_long import mostly_long
 
 
 def test_tapped_tempo_and_its_level_are_kept() -> None:
@@ -73,13 +74,14 @@ def test_marked_downbeat_sets_the_measure(wanted: int) -> None:
     assert np.all(followed.beat == (number - first) % 4)
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("wrong", "known_metre"),
     [
         (2, True),
         (1, False),
         *(pytest.param(*more, marks=pytest.mark.long) for more in ((1, True), (3, True), (2, False), (3, False))),
     ],
+    quick=[0],
 )
 def test_marked_downbeat_stays_against_all_evidence_and_the_music_is_the_runner_up(
     wrong: int, known_metre: bool
@@ -101,7 +103,7 @@ def test_marked_downbeat_stays_against_all_evidence_and_the_music_is_the_runner_
     assert share > 0.95
 
 
-@pytest.mark.parametrize("late", [-0.24, -0.15, 0.15, 0.24])
+@mostly_long("late", [-0.24, -0.15, 0.15, 0.24], quick=[2])
 def test_a_press_beside_the_beat_takes_the_nearest_beat(late: float) -> None:
     activations = groove(116.0, 4, 60.0)
     pointer = BarPointer()
@@ -116,6 +118,7 @@ def test_a_press_beside_the_beat_takes_the_nearest_beat(late: float) -> None:
     assert np.all(followed.beat == (number - 14) % 4)
 
 
+@pytest.mark.long
 def test_a_press_on_the_off_beat_moves_a_tracker_that_is_off_the_beat() -> None:
     """At first only off-beats sound, and the tracker is sure of them; the hand knows better, and stays right."""
     activations = groove(116.0, 4, 60.0)
@@ -133,6 +136,7 @@ def test_a_press_on_the_off_beat_moves_a_tracker_that_is_off_the_beat() -> None:
     assert np.abs(last - activations.truth).min() < 4.0
 
 
+@pytest.mark.long
 def test_other_music_after_a_pause_finds_its_own_line_and_metre() -> None:
     """A one is pressed in four four; after ten seconds of silence comes a waltz in another tempo."""
     pointer = BarPointer()
@@ -151,6 +155,7 @@ def test_other_music_after_a_pause_finds_its_own_line_and_metre() -> None:
     assert np.all(followed.beat[late] == number % 3)
 
 
+@pytest.mark.long
 def test_music_that_agrees_with_the_marked_downbeat_has_no_strong_runner_up() -> None:
     activations = groove(116.0, 4, 60.0)
     pointer = BarPointer()
@@ -162,6 +167,7 @@ def test_music_that_agrees_with_the_marked_downbeat_has_no_strong_runner_up() ->
     assert pointer.line_evidence.runner_up[1] < 0.05
 
 
+@pytest.mark.long
 def test_without_evidence_all_lines_are_equally_likely() -> None:
     activations = groove(116.0, 4, 40.0)
     activations.downbeat[:] = 0.25 * activations.beat
@@ -171,7 +177,7 @@ def test_without_evidence_all_lines_are_equally_likely() -> None:
     assert pointer.line_evidence.runner_up[1] == pytest.approx(0.25, abs=0.05)
 
 
-@pytest.mark.parametrize("metre", [2, 3, 4, 5, 6, 7, 9])
+@mostly_long("metre", [2, 3, 4, 5, 6, 7, 9], quick=[0, 3, 4])
 def test_manual_metre_is_kept(metre: int) -> None:
     activations = groove(120.0, 4, 8.0)
     pointer = BarPointer()
@@ -197,6 +203,7 @@ def test_invalid_tempo_is_refused() -> None:
             pointer.set_tempo(bpm)
 
 
+@pytest.mark.long
 def test_clearing_manual_hints_releases_the_level() -> None:
     activations = groove(160.0, 4, 30.0)
     pointer = BarPointer()

@@ -11,6 +11,7 @@ from live.clock.bar_pointer.metre import METRES, USED, slot_metre
 from live.clock.bar_pointer.observation_model import likelihoods
 from live.clock.bar_pointer.state_space import REACH, BarPointerModel
 from live.clock.bar_pointer.transition_model import FREE_RANGE
+from tests.fixtures.mostly_long import mostly_long
 
 WINDOW = 7  # frames in which a beat's activation may lie, the beat in the middle
 
@@ -76,7 +77,7 @@ class ReferenceFilter:
                 after[m, 0, other, 0] += (1.0 - change) * moved * self.metres[METRES.index(metre)][to]
 
 
-@pytest.mark.parametrize("birth", [0.0, FEW.birth, 1e-3])
+@mostly_long("birth", [0.0, FEW.birth, 1e-3], quick=[2])
 def test_kernels_match_the_forward_algorithm(birth: float) -> None:
     model = replace(FEW, birth=birth)
     rng = np.random.default_rng(3)

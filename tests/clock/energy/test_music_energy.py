@@ -9,6 +9,7 @@ from live.clock.energy.energy_frames import EnergyFrames
 from live.clock.energy.k_weighting import k_weight
 from live.clock.energy.music_energy import BeatEnergy, MusicEnergy
 from tests.clock.energy.club import BEAT, Sound, club
+from tests.fixtures.mostly_long import mostly_long
 
 
 def measure_beats(sound: Sound, rate: int = 44_100, *, block: int = 512, beats: bool = True) -> list[BeatEnergy]:
@@ -48,7 +49,7 @@ def test_k_weighting_matches_the_filters() -> None:
 
 
 @pytest.mark.parametrize("kind", ["groove", "half", "break"])
-@pytest.mark.parametrize("rate", [22_050, 48_000])
+@mostly_long("rate", [22_050, 48_000], quick=[0])
 def test_steady_groove_has_no_build_up_or_drop(kind: str, rate: int) -> None:
     beats = measure_beats(club([(kind, 96)], rate), rate)
     assert len(beats) in (95, 96)
@@ -57,7 +58,7 @@ def test_steady_groove_has_no_build_up_or_drop(kind: str, rate: int) -> None:
 
 
 @pytest.mark.parametrize("length", [8, 16])
-@pytest.mark.parametrize("gain", [0.03, 0.3])
+@mostly_long("gain", [0.03, 0.3], quick=[1])
 def test_build_up_and_its_drop_are_detected(length: int, gain: float) -> None:
     begin = 48
     beats = measure_beats(club([("groove", 32), ("break", 16), ("build", length), ("groove", 32)], gain=gain))

@@ -7,6 +7,7 @@ import pytest
 from live.clock.follower.phase_correction import SLEW_UNLOCKED
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
+from tests.fixtures.mostly_long import mostly_long
 
 
 class Stage:
@@ -65,7 +66,7 @@ def test_follower_locks_to_steady_music(bpm: float) -> None:
     assert stage.follower.confidence > 0.9
 
 
-@pytest.mark.parametrize("late", [(k + 0.6) / 20 for k in range(20)])
+@mostly_long("late", [(k + 0.6) / 20 for k in range(20)], quick=[2, 8, 9, 14])
 def test_follower_locks_to_offset_music_and_follows_a_shift(late: float) -> None:
     """At the current tempo, for any initial phase offset and for a later shift."""
     stage = Stage(TimelineFollower(tempo=120.0))

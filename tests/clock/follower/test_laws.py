@@ -2,6 +2,7 @@
 
 import math
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -124,6 +125,7 @@ class ScenarioRunner:
         }[kind]()  # fmt: skip
 
 
+@pytest.mark.long
 @given(action_lists, st.integers(2, 7), st.booleans())
 def test_beats_and_measures_advance_for_any_input(actions: list[Action], metre: int, follow_metre: bool) -> None:
     runner = ScenarioRunner(metre, follow_metre=follow_metre)
@@ -145,6 +147,7 @@ def test_same_scenario_gives_the_same_timeline(actions: list[Action]) -> None:
     assert ends[0] == ends[1]
 
 
+@pytest.mark.long
 @given(action_lists, st.sampled_from(["midi", "link", "audio"]), st.floats(60.0, 180.0), st.floats(1.0, 8.0))
 @settings(max_examples=12)
 def test_freewheel_keeps_a_linear_timeline(actions: list[Action], name: str, bpm: float, seconds: float) -> None:

@@ -101,6 +101,7 @@ def test_broken_lock_is_regained_only_near_the_beat() -> None:
     assert {state for state, _ in found[:again]} == {"following"}
 
 
+@pytest.mark.long
 @given(st.floats(0.05, 20.0))
 @settings(max_examples=20, deadline=None)
 def test_confidence_decays_with_time_constant_of_eight_seconds(seconds: float) -> None:
@@ -191,6 +192,7 @@ def test_manual_downbeat_leaps_forward_unless_error_is_small(ticks: int, leaps: 
     assert min(phase, 4.0 - phase) < 0.02
 
 
+@pytest.mark.long
 @given(st.floats(-0.45, 0.45), st.floats(70.0, 170.0), st.sampled_from(["audio", "midi", "link"]))
 @settings(max_examples=25, deadline=None)
 def test_error_and_lock_state_match_the_model(beats: float, bpm: float, source: str) -> None:

@@ -8,6 +8,7 @@ import pytest
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
 from live.control.audio.analysis import make_tracker
+from tests.fixtures.mostly_long import mostly_long
 
 RATE, BLOCK = 44_100, 512
 
@@ -54,8 +55,8 @@ def applause(seconds, seed=4, rate=150.0):
     return sound[:count].astype(np.float32)
 
 
-@pytest.mark.parametrize("seed", [3, pytest.param(11, marks=pytest.mark.long)])
-@pytest.mark.parametrize("make", [talk, applause])
+@mostly_long("seed", [3, pytest.param(11, marks=pytest.mark.long)], quick=[0])
+@mostly_long("make", [talk, applause], quick=[1])
 def test_a_crowd_alone_does_not_move_the_timeline(make, seed):
     _, beats = follow(make(40.0, seed))
     even = np.arange(beats.size) * TICK * 100.0 / 60.0
@@ -76,7 +77,7 @@ def chords(bpm, seconds):
     return sound.astype(np.float32)
 
 
-@pytest.mark.parametrize("bpm", [72.0, 90.0, 126.0])
+@mostly_long("bpm", [72.0, 90.0, 126.0], quick=[2])
 def test_chords_without_drums_are_followed(bpm):
     follower, _ = follow(chords(bpm, 14.0))
     assert follower.states["audio"] in ("following", "locked")

@@ -7,6 +7,7 @@ import pytest
 
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.ticks import TICK
+from tests.fixtures.mostly_long import mostly_long
 
 PERIOD, FIRST = 0.5, 0.3
 
@@ -196,7 +197,7 @@ def test_fixed_metre_is_not_changed_by_tracker() -> None:
     assert {size for _, size in tracker.say(30)} == {4}
 
 
-@pytest.mark.parametrize(("since", "patience"), [(5.0, 2.0), (14.0, 8.0), (40.0, 8.0)])
+@mostly_long(("since", "patience"), [(5.0, 2.0), (14.0, 8.0), (40.0, 8.0)], quick=[0, 1])
 @pytest.mark.parametrize("factor", [2.0, 0.5])
 def test_new_tempo_level_is_adopted_sooner_in_first_ten_seconds(since: float, patience: float, factor: float) -> None:
     """A tracker that persistently reports half or double tempo is followed: with the first observation later than

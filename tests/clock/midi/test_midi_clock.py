@@ -7,6 +7,7 @@ import pytest
 from live.clock.midi.clock_report import ClockErrors, ClockReport, TrueBeat, clock_errors, replay
 from live.clock.midi.midi_clock import ClockBeat, ClockEvent, ClockState, MidiClock
 from tests.clock.midi_streams import Stream, make_stream, ramp, steady, steps, swing
+from tests.fixtures.mostly_long import mostly_long
 
 PULSE = (0xF8,)
 
@@ -18,7 +19,7 @@ def evaluate_stream(stream: Stream) -> tuple[ClockReport, ClockErrors]:
     return report, errors
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("bpm", "kind", "jitter", "frame", "tempo_bar"),
     [
         (96.0, "uniform", 0.001, 0.0, 0.1),
@@ -30,6 +31,7 @@ def evaluate_stream(stream: Stream) -> tuple[ClockReport, ClockErrors]:
         (127.27, "uniform", 0.0, 0.010, 0.3),
         (118.0, "stalls", 0.001, 0.0, 0.1),
     ],
+    quick=[0, 3, 6],
 )
 def test_steady_clock_is_accurate_after_eight_beats(
     bpm: float, kind: str, jitter: float, frame: float, tempo_bar: float

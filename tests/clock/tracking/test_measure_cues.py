@@ -74,6 +74,7 @@ def test_weights_of_another_shape_are_refused() -> None:
         MeasureCues(np.zeros(CUES))
 
 
+@pytest.mark.long
 def test_cues_find_the_line_where_the_network_is_silent_about_it() -> None:
     activations = groove(116.0, 4, 60.0)
     activations.downbeat[:] = 0.25 * activations.beat
@@ -94,6 +95,7 @@ def test_cues_find_the_line_where_the_network_is_silent_about_it() -> None:
     assert pointer.tempo == pytest.approx(116.0, rel=0.01)
 
 
+@pytest.mark.long
 def test_cues_do_not_move_a_line_set_by_hand() -> None:
     activations = groove(120.0, 4, 60.0)
     pointer = BarPointer()

@@ -18,6 +18,7 @@ from live.clock.tracking.phase_cues import (
     grid_scores,
 )
 from tests.clock.bar_pointer.made import follow, groove
+from tests.fixtures.mostly_long import mostly_long
 
 FRAMES = 40
 """Frames of a beat."""
@@ -149,9 +150,10 @@ def pointer_on_beats(frames: int = 1000) -> BarPointer:
     return pointer
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("scores", "away"),
     [([-2.0, -3.0, 0.0, -3.0], 0.5), ([-2.0, -4.0, -4.0, 0.0], -0.25), ([-1.0, 0.0, -4.0, -2.0], 0.25)],
+    quick=[1],
 )
 def test_sure_cues_move_the_beats_against_the_network_and_hold_them(scores: list[float], away: float) -> None:
     pointer = pointer_on_beats()
@@ -162,13 +164,14 @@ def test_sure_cues_move_the_beats_against_the_network_and_hold_them(scores: list
     assert pointer.phase_odds > 0.9
 
 
-@pytest.mark.parametrize("scores", [[0.0, -4.0, -4.0, -4.0], [-0.2, -1.0, 0.0, -1.0]])
+@mostly_long("scores", [[0.0, -4.0, -4.0, -4.0], [-0.2, -1.0, 0.0, -1.0]], quick=[0])
 def test_cues_for_the_beats_or_in_doubt_leave_them_alone(scores: list[float]) -> None:
     pointer = pointer_on_beats()
     assert abs(follow_with_cues(pointer, scores)) < 0.05
     assert pointer.jumps == 0
 
 
+@pytest.mark.long
 def test_beats_of_the_measure_are_counted_half_a_beat_later() -> None:
     pointer, other = pointer_on_beats(), pointer_on_beats()
     activations, told = groove(120.0, 4, 40.0), np.array([-3.0, -3.0, 0.0, -3.0])
@@ -186,6 +189,7 @@ def test_beats_of_the_measure_are_counted_half_a_beat_later() -> None:
             assert pointer.since_beat == pytest.approx(other.since_beat + half, abs=0.5)
 
 
+@pytest.mark.long
 def test_another_grid_begins_without_a_choice() -> None:
     pointer, activations = pointer_on_beats(), groove(156.0, 4, 30.0)
     for _ in range(4):
@@ -199,7 +203,7 @@ def test_another_grid_begins_without_a_choice() -> None:
     assert np.abs(activations.truth - last).min() < 0.05 * pointer.interval
 
 
-@pytest.mark.parametrize(("bpm", "kept"), [(120.0, 0.5), (123.0, 0.5), (60.0, 0.0), (90.0, 0.0)])
+@mostly_long(("bpm", "kept"), [(120.0, 0.5), (123.0, 0.5), (60.0, 0.0), (90.0, 0.0)], quick=[2])
 def test_a_tempo_by_hand_keeps_the_choice_if_it_is_the_same(bpm: float, kept: float) -> None:
     pointer = pointer_on_beats()
     for _ in range(4):
@@ -208,6 +212,7 @@ def test_a_tempo_by_hand_keeps_the_choice_if_it_is_the_same(bpm: float, kept: fl
     assert pointer.beat_offset == kept
 
 
+@pytest.mark.long
 def test_half_the_tempo_keeps_the_beats_that_were_chosen() -> None:
     pointer = pointer_on_beats()
     for _ in range(4):
@@ -217,6 +222,7 @@ def test_half_the_tempo_keeps_the_beats_that_were_chosen() -> None:
     assert abs(abs(follow_with_cues(pointer, [0.0, -1.0, -1.0, -1.0])) - 0.25) < 0.03  # of beats twice as long
 
 
+@pytest.mark.long
 def test_a_beat_by_hand_is_left_alone_and_keeps_or_clears_the_choice() -> None:
     pointer = pointer_on_beats()
     pointer.set_beat(pointer.since_beat)

@@ -86,6 +86,7 @@ def test_grid_continues_through_silence_and_new_music_is_found() -> None:
     assert np.max(np.abs(lateness(back, 16.0 + times))) < 0.04
 
 
+@pytest.mark.long
 def test_manual_downbeat_ahead_and_tapped_tempo_are_obeyed() -> None:
     sound, times = clicks(140, RATE, 14.0)
     tracker = make_tracker()

@@ -54,6 +54,7 @@ def test_forwarded_address_is_accepted_only_from_named_proxies(peer, forwarded_f
         assert str(Proxies().sender(peer, forwarded_for, forwarded)) == str(parse_address(peer))
 
 
+@pytest.mark.long
 def test_hostile_headers_do_not_spoof_the_client_address():
     chance, parts = (
         random.Random(5),

@@ -63,6 +63,7 @@ def test_two_hundred_phones_behind_one_address_join_with_full_voices():
     assert {hall.admission.voice_share(phone, 1020.0) for phone in hall.phones.by_number.values()} == {1.0}
 
 
+@pytest.mark.long
 def test_join_flood_behind_nat_delays_phones_only_briefly():
     hall = AdmissionSimulation("behind nat")
     laptop = [(1000.0 + 0.001 * k, ("laptop", k), 7) for k in range(640)]
@@ -125,6 +126,7 @@ def test_crowded_group_has_no_voice_until_crowd_expires():
     assert sum(hall.admission.voice_share(phone, 1023.0 + CROWD_SECONDS) for phone in phones) == pytest.approx(1.0)
 
 
+@pytest.mark.long
 def test_devices_from_one_origin_group_share_one_voice():
     hall = AdmissionSimulation("own wifi")
     phones = [Phone(1 + k, 0, 100 + k, None, None, 9) for k in range(20)]  # joined by 9, now each elsewhere
@@ -156,6 +158,7 @@ async def join_crowd(address, show, groups, sockets, where, joined):
     return [phone for some in await asyncio.gather(*map(one, groups)) for phone in some]
 
 
+@pytest.mark.long
 def test_laptop_with_forty_addresses_has_no_place_or_force():
     chance = random.Random(21)
 

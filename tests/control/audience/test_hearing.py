@@ -5,6 +5,7 @@ from unittest.mock import patch
 
 import aiohttp
 import numpy as np
+import pytest
 
 from live.control.audience.admission import BEHIND_NAT, OWN_WIFI, Admission
 from live.control.audience.join_tickets import INVITED_BURST, INVITED_RATE, JoinTickets
@@ -52,6 +53,7 @@ def test_each_voice_has_an_honest_state_and_banned_ones_are_told_nothing():
     assert np.all(voices.hearing(10.1, [], turn=-1, answers=True)[len(rows) :] == Hearing.SILENT)
 
 
+@pytest.mark.long
 def test_phone_learns_that_it_is_heard_waits_and_is_silent_again():
     async def test(_gateway, show, address, session):
         show.tell(Rules(order=1, **REGIONS))

@@ -14,6 +14,7 @@ import struct
 from collections import Counter
 
 import aiohttp
+import pytest
 from aiohttp.http_exceptions import HttpProcessingError
 
 from live.control.audience import phone_protocol as wire
@@ -149,6 +150,7 @@ async def send_raw(address, show, chunks, *, hello=True, wait=2.0):
     writer.close()
 
 
+@pytest.mark.long
 def test_malformed_traffic_is_refused_and_leaves_no_objects(caplog):
     failures = []
 

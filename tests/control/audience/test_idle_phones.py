@@ -22,6 +22,7 @@ def run(test, **plan):
     asyncio.run(asyncio.wait_for(all_of_it(), 60.0))
 
 
+@pytest.mark.long
 def test_silent_phone_is_disconnected_and_resumes_its_number():
     async def test(gateway, show, address, session):
         hall = gateway.session
@@ -45,6 +46,7 @@ def test_silent_phone_is_disconnected_and_resumes_its_number():
     run(test, most=8)
 
 
+@pytest.mark.long
 def test_silent_phones_leave_no_growing_state():
     async def test(gateway, show, address, session):
         hall = gateway.session

@@ -10,10 +10,12 @@ from live.clock.tracking.beat_tracker import BeatTracker
 from live.control.audio.analysis import AudioAnalysis, TrackerName
 from live.control.events.events import BeatHeard, ControlEvent, SourceChanged
 from tests.clock.clicks import clicks
+from tests.fixtures.mostly_long import mostly_long
 
 RATE = 44_100
 
 
+@pytest.mark.long
 def test_events_have_show_times() -> None:
     sound, times = clicks(120, RATE, 12.0)
     events = AudioAnalysis(RATE, "microphone").feed(sound[:, None], lambda position: 100.0 + position)
@@ -23,13 +25,14 @@ def test_events_have_show_times() -> None:
     assert min(abs(beats[-1].beat_time - 100.0 - times)) < 0.02
 
 
+@pytest.mark.long
 def test_live_events_are_stamped_with_current_time() -> None:
     sound, _ = clicks(120, RATE, 12.0)
     events = AudioAnalysis(RATE).feed(sound[:, None], lambda position: position, now=77.0)
     assert {event.time for event in events} == {77.0}
 
 
-@pytest.mark.parametrize("channels", [1, 2, 6])
+@mostly_long("channels", [1, 2, 6], quick=[1])
 def test_identical_channels_give_the_mono_events(channels: int) -> None:
     sound, _ = clicks(120, RATE, 8.0)
     many = np.repeat(sound[:, None], channels, axis=1)
@@ -39,6 +42,7 @@ def test_identical_channels_give_the_mono_events(channels: int) -> None:
     assert [event.time for event in mixed] == pytest.approx([event.time for event in one])
 
 
+@pytest.mark.long
 def test_silence_and_return_are_reported_once() -> None:
     sound, _ = clicks(120, RATE, 4.0)
     still = np.zeros(3 * RATE, np.float32)
@@ -60,6 +64,7 @@ def test_slow_single_clicks_are_not_silence() -> None:
     assert all(min(abs(time - beat) for beat in beats) < 0.05 for time in times[(times > 8.5) & (times < 18.0)])
 
 
+@pytest.mark.long
 def test_nan_in_one_channel_does_not_stop_beats() -> None:
     sound, _ = clicks(120, RATE, 12.0)
     both = np.stack([sound, sound], axis=1)
@@ -77,7 +82,7 @@ def make_seeded_analysis(seeds: deque[TrackerHint]) -> AudioAnalysis:
     return analysis
 
 
-@pytest.mark.parametrize("between", ["network", "aubio"])
+@mostly_long("between", ["network", "aubio"], quick=[0])
 def test_manual_hints_survive_a_new_analysis(between: TrackerName) -> None:
     seeds = deque([TrackerHint("metre", 0.0, 3.0), TrackerHint("tempo", 0.0, 63.0)])
     middle = AudioAnalysis(RATE, tracker=between)

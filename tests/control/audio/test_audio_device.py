@@ -67,6 +67,7 @@ def listener(pulse_sink: PulseSink) -> Iterator[Listener]:
     pulse_sink.stop_players()
 
 
+@pytest.mark.long
 @pytest.mark.pulse
 def test_follower_locks_to_recorded_music(pulse_sink: PulseSink, listener: Listener, tmp_path: Path) -> None:
     """On a busy machine that loses sound, the lock comes a few seconds later."""

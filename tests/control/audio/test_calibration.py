@@ -42,6 +42,7 @@ def simulate_recording(
     return Recording(sound.astype(np.float32), rate, heard, played)
 
 
+@pytest.mark.long
 @settings(max_examples=12, deadline=None)
 @given(delay=st.floats(-0.03, 1.3), rate=st.sampled_from([22_050.0, 44_100.0, 48_000.0, 96_000.0]))
 def test_known_delay_is_measured_exactly(delay: float, rate: float) -> None:

@@ -92,6 +92,7 @@ def test_card_pause_latency_and_rate_do_not_shift_clicks(
     assert click.track.missed == 0
 
 
+@pytest.mark.long
 @pytest.mark.pulse
 def test_recorded_clicks_match_beats_and_measure_accents(pulse_sink: PulseSink) -> None:
     for _ in range(2):  # a machine that stands still for a tenth of a second loses sound: then once more

@@ -6,6 +6,7 @@ import pytest
 
 from live.base.errors import PersonError
 from live.control.audio.latency_claps import clap_offset, find_claps
+from tests.fixtures.mostly_long import mostly_long
 
 Float64 = npt.NDArray[np.float64]
 FLASHES = 2.0 + np.arange(24) * 0.75
@@ -27,7 +28,7 @@ def synthesize_claps(
     return sound.astype(np.float32)
 
 
-@pytest.mark.parametrize("rate", [22_050.0, 48_000.0, 96_000.0])
+@mostly_long("rate", [22_050.0, 48_000.0, 96_000.0], quick=[0])
 def test_clap_onsets_are_detected(rate: float) -> None:
     times = FLASHES + np.random.default_rng(5).uniform(-0.1, 0.1, 24)
     found = find_claps(synthesize_claps(times, rate), rate)
@@ -35,7 +36,7 @@ def test_clap_onsets_are_detected(rate: float) -> None:
     assert np.abs(found - times).max() < 0.0025
 
 
-@pytest.mark.parametrize("late", [-0.03, 0.02, 0.125, 0.3])
+@mostly_long("late", [-0.03, 0.02, 0.125, 0.3], quick=[3])
 def test_median_of_human_claps_is_the_delay(late: float) -> None:
     rng = np.random.default_rng(6)
     claps = FLASHES + late + rng.normal(0.0, 0.02, 24)

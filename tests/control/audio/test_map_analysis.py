@@ -20,6 +20,7 @@ def clicks(bpm: float, seconds: float) -> Music:
     return Music(sound[:, np.newaxis], RATE)
 
 
+@pytest.mark.long
 def test_beats_are_those_of_the_map() -> None:
     music, measures = clicks(140.0, 12.0), steady_map(100.0, 0.8, 4, 6)
 
@@ -44,6 +45,7 @@ def test_an_analysis_that_begins_later_knows_where_it_is() -> None:
     assert beats[0].beat == 0
 
 
+@pytest.mark.long
 def test_lines_may_come_and_go_while_the_music_plays() -> None:
     clock = MapClock(None, 60.0)
     analysis = AudioAnalysis(RATE, measures=clock)

@@ -154,6 +154,7 @@ def test_offline_events_are_independent_of_query_step() -> None:
     assert sum(isinstance(event, BeatHeard) for event in events(20.0)) > 30
 
 
+@pytest.mark.long
 def test_beat_continues_over_loop_seam() -> None:
     follower = TimelineFollower()
     states = follow_states(OfflineMusic(make_click_music(120.0, 8.0)), follower, 40.0)
@@ -163,6 +164,7 @@ def test_beat_continues_over_loop_seam() -> None:
     assert min(off, 1.0 - off) < 0.05
 
 
+@pytest.mark.long
 def test_known_downbeat_is_relative_to_music_start() -> None:
     follower = TimelineFollower(tempo=120.0)
     offline = OfflineMusic(make_click_music(100.0, 30.0, 0.25), begin=2.3, one_at=0.25 + 0.6)
@@ -177,6 +179,7 @@ def test_known_downbeat_is_relative_to_music_start() -> None:
     assert min(phase, 4.0 - phase) < 0.05
 
 
+@pytest.mark.long
 def test_later_begin_shifts_all_events() -> None:
     music = make_click_music(120.0, 6.0)
     now = OfflineMusic(music).events_until(8.0)
@@ -185,6 +188,7 @@ def test_later_begin_shifts_all_events() -> None:
     assert OfflineMusic(music, begin=10.0).events_until(9.0) == []
 
 
+@pytest.mark.long
 def test_known_downbeat_reaches_tracker_in_music_time() -> None:
     """Clicks without accents can be numbered only from the known downbeat; show time differs from music time."""
     music = make_click_music(100.0, 12.0, 0.25)

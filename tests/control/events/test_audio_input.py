@@ -17,6 +17,7 @@ from live.control.audio.devices import SoundDevice
 from live.control.events.events import BeatHeard, ChooseAudio, ControlEvent, RestartAudio, SourceChanged
 from tests.clock.clicks import clicks
 from tests.control.audio.fake_sound import FakeSound, fake_sound_system
+from tests.fixtures.mostly_long import mostly_long
 
 Sound = npt.NDArray[np.float32]
 PERIOD = 0.5
@@ -77,7 +78,7 @@ def sound(monkeypatch: pytest.MonkeyPatch) -> FakeSound:
     return fake_sound_system(monkeypatch)
 
 
-@pytest.mark.parametrize(("rate", "block"), [(22_050.0, 64), (44_100.0, 1000), (96_000.0, 512), (192_000.0, 4096)])
+@mostly_long(("rate", "block"), [(22_050.0, 64), (44_100.0, 1000), (96_000.0, 512), (192_000.0, 4096)], quick=[0])
 def test_beats_match_clicks_at_any_rate_and_block(sound: FakeSound, rate: float, block: int) -> None:
     sound.plug(sound.devices[0], sample_rate=rate)
     desk = InputDriver(sound, latency=0.030)
@@ -91,6 +92,7 @@ def test_fallback_tracker_is_reported(sound: FakeSound) -> None:
     assert "aubio is used instead" in InputDriver(sound).input.status()["problem"]
 
 
+@pytest.mark.long
 def test_only_chosen_channel_of_32_is_analyzed(sound: FakeSound) -> None:
     desk = InputDriver(sound, channels=Channels.parse("17"))
     assert sound.streams[-1].options["channels"] == 17
@@ -107,6 +109,7 @@ def test_missing_channel_is_refused_at_start(sound: FakeSound) -> None:
         InputDriver(sound, channels=Channels.parse("5,6"))
 
 
+@pytest.mark.long
 def test_device_refusing_its_rate_opens_at_another(sound: FakeSound) -> None:
     sound.refuses = {48_000.0, 44_100.0}
     desk = InputDriver(sound)
@@ -121,6 +124,7 @@ def test_device_refusing_every_rate_raises_error(sound: FakeSound) -> None:
         InputDriver(sound)
 
 
+@pytest.mark.long
 def test_device_opened_at_another_rate_is_followed(sound: FakeSound) -> None:
     sound.opens_at = 44_100.0
     desk = InputDriver(sound)
@@ -129,6 +133,7 @@ def test_device_opened_at_another_rate_is_followed(sound: FakeSound) -> None:
     assert np.median(np.diff(desk.beats)) == pytest.approx(PERIOD, abs=0.005)
 
 
+@pytest.mark.long
 def test_wrong_device_rate_is_detected(sound: FakeSound) -> None:
     desk = InputDriver(sound)
     desk.feed(click_source(44_100.0), 20.0, rate=44_100.0)
@@ -137,6 +142,7 @@ def test_wrong_device_rate_is_detected(sound: FakeSound) -> None:
     assert "lost" not in desk.changes
 
 
+@pytest.mark.long
 def test_replugged_device_with_other_format_is_reopened(sound: FakeSound) -> None:
     desk = InputDriver(sound, channels=Channels.parse("5,6"))
     desk.feed(click_source(48_000.0, 5, 6), 5.0)
@@ -181,6 +187,7 @@ def test_only_long_callback_stall_is_a_loss(sound: FakeSound) -> None:
     assert desk.changes[-1] == "lost"
 
 
+@pytest.mark.long
 def test_zero_and_nan_samples_are_silent(sound: FakeSound) -> None:
     desk = InputDriver(sound)
     desk.feed(silent_source(), 3.0)
@@ -211,6 +218,7 @@ class FailingAnalysis(AudioAnalysis):
         return super().feed(*arguments)
 
 
+@pytest.mark.long
 def test_failed_analysis_is_restarted_and_counted(sound: FakeSound, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(FailingAnalysis, "made", 0)
     desk = InputDriver(sound, analysis=FailingAnalysis)
@@ -252,6 +260,7 @@ def test_permanently_failing_analysis_is_retried_rarely(sound: FakeSound, monkey
     assert desk.input.crashes < 20  # tried again now and then, not at every block
 
 
+@pytest.mark.long
 def test_manual_restart_reopens_the_device(sound: FakeSound) -> None:
     desk = InputDriver(sound)
     desk.feed(click_source(48_000.0), 4.0)
@@ -299,9 +308,10 @@ def test_replaced_thread_opens_no_stream(sound: FakeSound, monkeypatch: pytest.M
     assert len(sound.streams) == 1
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("device", "channels", "why"),
     [("organ", "", "organ"), ("", "40", "no channel 40"), ("", "left", "channels 'left'")],
+    quick=[1],
 )
 def test_invalid_choice_keeps_current_device(sound: FakeSound, device: str, channels: str, why: str) -> None:
     desk = InputDriver(sound)

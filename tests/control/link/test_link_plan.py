@@ -54,6 +54,7 @@ def at_tempo(bpm: float, key: str = "tempo") -> Any:
     return lambda answer: answer[key] is not None and abs(answer[key] - bpm) < 0.01
 
 
+@pytest.mark.long
 def test_joining_keeps_session_tempo_and_tempo_is_shared(network: Network) -> None:
     network.new(hut=130.0, app=100.0)
     hut, app = network.hut, network.app

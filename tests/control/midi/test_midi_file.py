@@ -67,6 +67,7 @@ class SongRun:
         self.final = self.show.state_hash()
 
 
+@pytest.mark.long
 def test_song_gives_same_events_at_any_frame_rate(tmp_path: Path) -> None:
     path = write_song(tmp_path / "song.mid")
     rng = random.Random(2)

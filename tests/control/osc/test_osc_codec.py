@@ -83,6 +83,7 @@ def test_every_type_decodes_as_in_python_osc(address, values):
     assert [type(value) for value in mine.arguments] == [type(value) for value in theirs.params]
 
 
+@pytest.mark.long
 @given(
     st.recursive(st.tuples(addresses, arguments.map(lambda a: a[:3])), lambda c: st.lists(c, max_size=3), max_leaves=8)
 )
@@ -233,6 +234,7 @@ def test_random_bytes_decode_or_are_refused(packet):
     assert sum(4 * len(m.arguments) for m in messages) <= 4 * len(packet)
 
 
+@pytest.mark.long
 @given(
     st.sampled_from(GOOD),
     st.lists(st.tuples(st.integers(0, 200), st.integers(0, 255)), max_size=4),

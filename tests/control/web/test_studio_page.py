@@ -13,6 +13,7 @@ MOST_BYTES = 250_000
 """Maximum compressed size of the page."""
 
 
+@pytest.mark.long
 def test_files_come_without_a_key_and_under_a_policy_that_runs_only_them() -> None:
     async def what(client: aiohttp.ClientSession, page: PageServer) -> None:
         for path in ("/studio", "/studio/app.js", "/studio/app.css"):
@@ -42,6 +43,7 @@ def test_page_is_small_and_needs_no_other_server() -> None:
     assert b"https://" not in files["index.html"]
 
 
+@pytest.mark.long
 @pytest.mark.browser
 @needs_browser
 def test_roles_set_values_and_learn_midi() -> None:

@@ -73,6 +73,7 @@ async def status(client, page, path, **headers):
         return answer.status, await answer.text()
 
 
+@pytest.mark.long
 def test_page_is_self_contained_and_foreign_origins_are_refused():
     async def what(client, page):
         code, text = await status(client, page, "/")
@@ -104,6 +105,7 @@ def test_page_is_self_contained_and_foreign_origins_are_refused():
     run(PageServer(), what)
 
 
+@pytest.mark.long
 def test_access_requires_the_key_of_the_link():
     async def what(client, page):
         wrong = [
@@ -130,6 +132,7 @@ def test_access_requires_the_key_of_the_link():
     run(PageServer(), what)
 
 
+@pytest.mark.long
 def test_values_are_sent_both_ways_with_last_value_shown():
     async def what(client, page):
         page.tell(light_level=1.25, status_bpm=128.0)
@@ -162,6 +165,7 @@ def test_pages_are_told_how_phones_join_and_when_that_changes():
     run(PageServer(), what)
 
 
+@pytest.mark.long
 def test_performer_values_are_sent_per_performer():
     async def what(client, page):
         page.part.publish({"/dance/mocap/mirrored": (("anna", (True,)), ("ben", (False,)), ("two words", (True,)))})
@@ -195,6 +199,7 @@ HOSTILE = (
 """What is no message of the page."""
 
 
+@pytest.mark.long
 def test_hostile_messages_are_refused_with_text():
     chance = np.random.default_rng(5)
     good = json.dumps({"address": LEVEL, "values": [0.75]})

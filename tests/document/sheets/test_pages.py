@@ -12,6 +12,7 @@ from live.document.sheets.page import MARGIN, PAPERS, SMALL, Page, Words, known_
 from live.document.sheets.sheet_book import SheetBook
 from live.document.sheets.stage_words import direction_words, facing_words, place_numbers, place_words, side_words
 from live.document.sheets.storyboard_pages import storyboard_pages
+from tests.fixtures.mostly_long import mostly_long
 
 
 def words_of(page: Page) -> list[Words]:
@@ -24,7 +25,7 @@ def box(item: Words) -> tuple[float, float, float, float]:
     return left, item.at[1] - 0.7 * item.size, left + width, item.at[1]
 
 
-@pytest.mark.parametrize("paper", PAPERS)
+@mostly_long("paper", PAPERS, quick=[1])
 def test_words_can_be_read(book: SheetBook, paper: str) -> None:
     sheets = [storyboard_pages(book, paper), *(dancer_pages(book, dancer, paper) for dancer in book.dancers.tolist())]
     for page in (page for sheet in sheets for page in sheet):

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from live.document.sheets.score_course import FREE_MEASURES, course_of
 from live.show.loader import load_show
 from live.show.patch.patch import Patch
@@ -15,6 +17,7 @@ def patch_of(tmp_path: Path, text: str) -> Patch:
     return load_show(tmp_path / "show.toml").patch
 
 
+@pytest.mark.long
 def test_sections_repeat_and_wait_once() -> None:
     course = course_of(load_show(find_patch("score")).patch)
     names = [(one.section, one.number, one.time) for one in course.measures]
@@ -33,6 +36,7 @@ def test_course_ends_where_a_section_comes_again(tmp_path: Path) -> None:
     assert "goes on with 'one'" in course.ending
 
 
+@pytest.mark.long
 def test_score_without_sections_lasts_as_long_as_it_says(tmp_path: Path) -> None:
     assert len(course_of(patch_of(tmp_path, "")).measures) == FREE_MEASURES
     assert "no end" in course_of(patch_of(tmp_path, "")).ending

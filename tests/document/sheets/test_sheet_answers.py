@@ -14,6 +14,7 @@ from live.show.loader import LoadedShow
 from live.show.view.stage_frames import DOCUMENT
 
 
+@pytest.mark.long
 def test_pages_are_those_of_the_sheets(loaded: LoadedShow, book: SheetBook) -> None:
     answers = open_answers(loaded)
     told = json.loads(next(iter(answers.answer({"id": 1, "sheets": "a4"}))))

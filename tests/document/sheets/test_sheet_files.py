@@ -28,6 +28,7 @@ def bytes_in(folder: Path) -> dict[str, bytes]:
     return {str(path.relative_to(folder)): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 
 
+@pytest.mark.long
 def test_files_are_the_same_each_time(tmp_path: Path, loaded: LoadedShow, book: SheetBook) -> None:
     done = write(tmp_path / "one", loaded, book, pictures=True)
     write(tmp_path / "two" / "deeper", loaded, book, pictures=True)

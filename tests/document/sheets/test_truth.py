@@ -69,6 +69,7 @@ def check(book: SheetBook, loaded: LoadedShow) -> int:
     return compared
 
 
+@pytest.mark.long
 def test_small_show_is_danced_as_its_pages_say(book: SheetBook, loaded: LoadedShow) -> None:
     assert check(book, loaded) > 15
 

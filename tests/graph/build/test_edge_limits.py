@@ -67,6 +67,7 @@ def test_insertion_into_a_sparse_graph_equals_full_build(clips, threshold, new):
     )
 
 
+@pytest.mark.long
 @settings(max_examples=25, deadline=None)
 @given(many_clips(), st.sampled_from([0.05, 0.15]), st.integers(1, 3))
 def test_removal_from_a_sparse_graph_restores_what_was_left_out(clips, threshold, gone):
@@ -82,6 +83,7 @@ def test_removal_from_a_sparse_graph_restores_what_was_left_out(clips, threshold
     assert all(label[a] != label[b] for a, b in links)
 
 
+@pytest.mark.long
 def test_limits_bound_a_library_of_alike_measures():
     """Three hundred measures that can all follow each other keep some edges each, in every direction."""
     chance = np.random.default_rng(1)

@@ -112,6 +112,7 @@ def chosen_by_the_rule(distance, step, variation, limits):
     return sorted(kept)
 
 
+@pytest.mark.long
 @settings(max_examples=60, deadline=None)
 @given(
     seed=st.integers(0, 2**32 - 1),

@@ -91,6 +91,7 @@ def test_distant_poses_are_reported_with_distance_and_nearest_clips():
     assert missing_steps([low, high, lower], "sway, reach", threshold=allowed) == []
 
 
+@pytest.mark.long
 def test_repeated_gap_is_reported_once_in_long_sequence():
     found = missing_steps(ballet(), "couru right, couru left, " * 3000 + "couru right")
     assert [one.measure for one in found] == [2]

@@ -118,6 +118,7 @@ def followed_path_cost(graph, targets, followed):
     return float(lines.sum() + 0.05 * graph.edge_cost[edges].sum() + 0.005 * (followed.turn**2).sum())
 
 
+@pytest.mark.long
 @settings(max_examples=12, deadline=None)
 @given(st.integers(0, 2**32 - 1))
 def test_beam_search_equals_exhaustive_search(seed):
@@ -142,6 +143,7 @@ def test_path_errors_do_not_accumulate(made):
     assert followed.error[-1] <= 0.45
 
 
+@pytest.mark.long
 def test_wanted_steps_take_priority_over_path(graph, candidates):
     steps = graph.library.steps
     wanted = np.array([steps.index("walk"), ANY, steps.index("samba"), steps.index("samba"), ANY, ANY])
@@ -166,6 +168,7 @@ def test_two_measure_phrase_is_danced_whole(made):
     assert followed.wrong.sum() == 1
 
 
+@pytest.mark.long
 @given(st.integers(0, 2**32 - 1), st.integers(1, 6))
 def test_cost_to_go_is_lower_bound_and_reached(made_seed, measures):
     graph = _MADE

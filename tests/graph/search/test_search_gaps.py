@@ -1,6 +1,7 @@
 """Tests of gaps: the fewest joins are found, and they make the sequence feasible."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -38,6 +39,7 @@ def fewest_joins(graph: MadeGraph, names: list[int | None], start: int | None) -
     return min((value for n, value in cost.items() if n in ends), default=np.inf)
 
 
+@pytest.mark.long
 @settings(max_examples=150, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), density=st.floats(0.0, 0.5), count=st.integers(1, 8), given_start=st.booleans())
 def test_gaps_are_fewest_joins_and_suffice(seed: int, density: float, count: int, given_start: bool) -> None:

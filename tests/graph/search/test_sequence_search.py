@@ -49,6 +49,7 @@ def assert_valid_dance(graph: MadeGraph, nodes: np.ndarray, start: int | None) -
     assert graph.measure[path[-1]] == graph.length[path[-1]] - 1
 
 
+@pytest.mark.long
 @settings(max_examples=150, deadline=None)
 @given(seed=st.integers(0, 2**32 - 1), density=st.floats(0.05, 0.8), count=st.integers(1, 4), given_start=st.booleans())
 def test_layered_search_equals_exhaustive_search(seed: int, density: float, count: int, given_start: bool) -> None:

@@ -35,6 +35,7 @@ def candidates(graph):
     return find_candidates(graph)
 
 
+@pytest.mark.long
 def test_first_candidate_of_node_is_its_clip(graph, candidates):
     first = candidates.first[:-1]
     assert candidates.node[first].tolist() == list(range(graph.library.node_count))
@@ -97,6 +98,7 @@ def test_candidate_ends_match_rendered_motion(graph, candidates):
         assert made.end[0, 2] == pytest.approx(heading[n])
 
 
+@pytest.mark.long
 def test_candidate_ends_match_offline_tools(graph, candidates):
     """Interpolation (T045) and rotation insertion (T048-T050), which work sample by sample on whole clips."""
     library = graph.library

@@ -126,6 +126,7 @@ def test_cheapest_candidate_and_best_alternative_are_chosen(graph, step_selector
         assert end[n, 2:] == pytest.approx(found[edge[n, 0], candidate[n, 0]][2][2:], abs=1e-9)
 
 
+@pytest.mark.long
 def test_sliced_choice_is_bit_identical(graph, step_selector):
     question = random_questions(graph, 5, count=11)
     whole = run_selector(step_selector, question)

@@ -47,6 +47,7 @@ def test_distances_are_those_of_whole_measures_in_any_place(seed, count):
     assert measure_distances(measures) == pytest.approx(np.minimum(table.distance, table.distance.T), abs=2e-4)
 
 
+@pytest.mark.long
 @settings(max_examples=40, deadline=None)
 @given(st.lists(st.integers(0, 5), min_size=1, max_size=40), st.integers(0, 2**32 - 1))
 def test_measures_of_one_kind_are_one_cluster(kinds, seed):

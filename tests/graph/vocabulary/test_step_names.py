@@ -50,6 +50,7 @@ def test_names_say_what_is_danced(made, name):
     assert describe_step(*facts_of(made)) == name
 
 
+@pytest.mark.long
 def test_a_mirrored_step_has_the_mirrored_name(sketches):
     """Left and right are exchanged, and nothing else: for every sketch in every direction."""
     told = 0

@@ -31,6 +31,7 @@ def test_offset_is_found_for_known_tempo(offset: float, bpm: float, seed: int) -
     assert fit.rms_s < 0.02
 
 
+@pytest.mark.long
 @given(OFFSETS, TEMPI, SEEDS)
 def test_free_fit_finds_tempo_and_offset(offset: float, bpm: float, seed: int) -> None:
     random = np.random.default_rng(seed)

@@ -13,6 +13,7 @@ from live.motion.clip import Clip
 from live.motion.retarget.retarget import retarget
 from live.motion.step_clip import StepClip
 from tests.fixtures.mocap import MOCAP, mocap_index, mocap_motion
+from tests.fixtures.mostly_long import mostly_long
 from tests.places import ROOT
 
 STEPS = ROOT / "patches" / "steps"
@@ -50,7 +51,7 @@ def tempo_error_modulo_octaves(bpm: float, truth: float) -> float:
     return float(abs(2.0 ** (octave - round(octave)) - 1.0))
 
 
-@pytest.mark.parametrize("name", sorted({clip.step for clip in load_folder(STEPS)}))
+@mostly_long("name", sorted({clip.step for clip in load_folder(STEPS)}), quick=[8, 9, 12, 13])
 @pytest.mark.parametrize("bpm", [96.0, 124.0])
 def test_tempo_of_every_step_is_estimated(name: str, bpm: float) -> None:
     found = estimate_tempo(loop_step_at_tempo(load_step(name), bpm, scatter=0.015))

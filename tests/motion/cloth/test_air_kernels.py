@@ -9,6 +9,7 @@ from live.motion.cloth.fabric import FABRICS
 from live.motion.cloth.garment_catalogue import PATTERNS
 from live.motion.cloth.limb_kernels import LANES
 from live.motion.cloth.pattern import compile_pattern
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.cloth.cloth_bodies import STILL, dressed, grid, posed
 
 SKIRT = compile_pattern(PATTERNS["skirt"], FABRICS["cotton"])
@@ -65,7 +66,7 @@ def test_only_what_exceeds_gravity_is_followed():
     assert not v[[0, 2]].any()
 
 
-@pytest.mark.parametrize("fabric", ["silk", "cotton", "wool", "tulle"])
+@mostly_long("fabric", ["silk", "cotton", "wool", "tulle"], quick=[0])
 def test_skirt_does_not_turn_over_in_jumps_at_180_bpm(fabric):
     """Up and down by half a metre in two beats, at up to 2.2 times gravity."""
     batch, high = dressed("skirt", fabric=fabric), []

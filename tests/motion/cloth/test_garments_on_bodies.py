@@ -12,6 +12,7 @@ from live.render.body.body_mesh import FINE, build_body
 from live.render.body.body_variants import parts_of
 from live.render.body.implicit_surface import Shape
 from live.show.stages.row_threads import row_threads
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.cloth.cloth_bodies import STILL, dressed, grid, posed, skinned, stretch, wild_dance
 from tests.render.poses import REST, SIT
 
@@ -30,7 +31,7 @@ def danced(batch, dance, ticks=TICKS, substeps=3):
     return batch
 
 
-@pytest.mark.parametrize("name", PATTERNS)
+@mostly_long("name", PATTERNS, quick=[5, 6, 8])
 def test_nothing_is_stretched_by_more_than_five_percent(name, dance):
     """Pose to pose in a third of a second, spinning, travelling and jumping: along columns always, and with hardly an
     exception along the rows of cloth."""
@@ -46,8 +47,8 @@ def test_nothing_is_stretched_by_more_than_five_percent(name, dance):
         assert np.max(along) < 0.12
 
 
-@pytest.mark.parametrize("body", ["dancer", "round", "child"])
-@pytest.mark.parametrize("name", ["skirt", "long skirt", "long hair", "ponytail"])
+@mostly_long("body", ["dancer", "round", "child"], quick=[0])
+@mostly_long("name", ["skirt", "long skirt", "long hair", "ponytail"], quick=[2])
 def test_nothing_hangs_inside_the_body(name, body):
     """In the rest pose the implicit surface of the body is known exactly: whoever turns on the spot and stops has no
     cloth deeper than 5 mm in it."""
@@ -66,6 +67,7 @@ def test_nothing_hangs_inside_the_body(name, body):
             assert depth.min() > -0.005, (tick, depth.min())
 
 
+@pytest.mark.long
 def test_skirt_stays_outside_of_a_body_that_dances(dance):
     """Against the skinned mesh: hardly a particle is more than 5 mm behind the skin."""
     batch, mesh = dressed("skirt", DANCERS), build_body(FINE)
@@ -84,6 +86,7 @@ def test_skirt_stays_outside_of_a_body_that_dances(dance):
     assert np.mean(np.array(depth) < -0.005) < 0.03
 
 
+@pytest.mark.long
 def test_spinning_flares_a_skirt_and_it_swings_on_when_the_dancer_stops():
     batch = dressed("skirt")
     hem = []
@@ -100,7 +103,7 @@ def test_spinning_flares_a_skirt_and_it_swings_on_when_the_dancer_stops():
     assert abs(height[-1] - height[95]) < 0.08
 
 
-@pytest.mark.parametrize("name", ["skirt", "long skirt"])
+@mostly_long("name", ["skirt", "long skirt"], quick=[0])
 def test_skirt_does_not_tangle_when_a_turn_stops(name):
     """Two turns a second, up and down, then a stop: around the middle of each row neighbours stay in order, so no
     fold has passed another one."""
@@ -128,6 +131,7 @@ def turns_around(rings, point, axis):
     return np.round(((step + np.pi) % (2.0 * np.pi) - np.pi).sum(axis=1) / (2.0 * np.pi))
 
 
+@pytest.mark.long
 def test_sleeve_stays_around_its_arm(dance):
     """Of the rows that hang on the forearm, hardly one has let it through, however fast it moves."""
     batch, around = dressed("left sleeve", DANCERS), []
@@ -156,6 +160,7 @@ def test_who_sits_begins_with_both_thighs_in_the_skirt(name):
         assert (turns_around(places[3:5], 0.5 * (hip + knee), axis) == -1.0).all()
 
 
+@pytest.mark.long
 def test_threads_do_not_change_a_bit(dance):
     one, many = dressed("skirt", 24), dressed("skirt", 24)
     crowd = tuple(np.concatenate([part] * 3, axis=1) for part in dance)
@@ -219,6 +224,7 @@ def test_a_number_that_is_not_finite_begins_anew(dance):
     assert np.isfinite(batch.position).all()
 
 
+@pytest.mark.long
 def test_picture_between_ticks_carries_it_with_the_body():
     """A dancer who glides at 2 m/s: half a tick later the garment is where the body is, and its shape is the same."""
     batch = dressed("skirt")
@@ -260,6 +266,7 @@ def test_wind_blows_hair_its_way():
     assert tips[1] > tips[0] + 0.04
 
 
+@pytest.mark.long
 def test_heavier_cloth_flares_less():
     hems = []
     for fabric in ("tulle", "wool"):

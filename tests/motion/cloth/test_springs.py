@@ -6,6 +6,7 @@ import pytest
 from live.motion.cloth.spring_kernels import mix_springs, swing
 from live.motion.cloth.spring_rig import SpringRig
 from live.motion.skeleton import JOINT_COUNT, SKELETON
+from tests.fixtures.mostly_long import mostly_long
 
 TICK = 1.0 / 64.0
 REST = np.ascontiguousarray(SKELETON.rest_positions(), np.float32)
@@ -143,8 +144,8 @@ class Reference:
         return np.array(self.current), np.array([frames[rig.joint[b]][0].T @ turn[b] for b in range(count)])
 
 
-@pytest.mark.parametrize("centre", [-1, HIPS])
-@pytest.mark.parametrize("colliders", [False, True])
+@mostly_long("centre", [-1, HIPS], quick=[0])
+@mostly_long("colliders", [False, True], quick=[0])
 def test_kernel_follows_the_specification(colliders, centre):
     rig = made_rig(colliders=colliders, centre=centre)
     springs, reference = Springs(rig), Reference(rig)
@@ -163,6 +164,7 @@ def test_kernel_follows_the_specification(colliders, centre):
         assert np.abs(free.now - springs.now).max() > 0.01
 
 
+@pytest.mark.long
 def test_bones_keep_their_length_and_stay_out_of_colliders():
     rig = made_rig(stiffness=0.2)
     springs = Springs(rig)

@@ -28,6 +28,7 @@ def test_clip_above_floor_is_returned_unchanged() -> None:
     assert not corrected.lift.any()
 
 
+@pytest.mark.long
 @settings(max_examples=15, deadline=None)
 @given(st.sampled_from(("walk", "samba", "kick", "jump")), st.floats(0.001, 0.06), st.integers(0, 150))
 def test_soles_stay_above_floor_and_only_legs_bend(name: str, depth: float, start: int) -> None:

@@ -30,6 +30,7 @@ def headings(clip: Clip, joint: int) -> np.ndarray:
     return heading_of(world[:, joint])
 
 
+@pytest.mark.long
 @given(st.floats(-1.0, 1.0), st.floats(0.0, 1.0))
 def test_head_within_limit_faces_audience_and_body_stays(yaw: float, share: float) -> None:
     clip = turning_clip(np.full(40, yaw))
@@ -68,6 +69,7 @@ def test_head_turn_is_linear_across_spin() -> None:
     assert np.abs(np.diff(smooth, 2)).max() < 0.25 * np.abs(np.diff(theta, 2)).max()
 
 
+@pytest.mark.long
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 500), st.floats(-3.0, 3.0), st.floats(0.2, 1.5))
 def test_head_stays_within_limit_from_chest(seed: int, yaw: float, limit: float) -> None:
@@ -81,6 +83,7 @@ def test_head_stays_within_limit_from_chest(seed: int, yaw: float, limit: float)
     assert (after <= np.maximum(limit, before) + 1e-4).all()
 
 
+@pytest.mark.long
 @settings(max_examples=10, deadline=None)
 @given(st.integers(0, 200))
 def test_rotations_stay_unit_quaternions(seed: int) -> None:

@@ -11,6 +11,7 @@ from live.motion.forward_kinematics import forward_kinematics
 from live.motion.mirror import mirror_step
 from live.motion.skeleton import SKELETON
 from live.motion.step_clip import StepClip, corresponding_samples, foot_slide, travel
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.editing.made_steps import random_step, sketched_step
 
 WEIGHTS = st.floats(0.0, 1.0)
@@ -53,6 +54,7 @@ def test_rotations_match_scipy_slerp_and_root_is_linear(seed: int, weight: float
     assert np.allclose(mixed.clip.root_position, a.clip.root_position + weight * 0.3, atol=1e-6)
 
 
+@pytest.mark.long
 @settings(max_examples=10, deadline=None)
 @given(st.integers(0, 100), WEIGHTS, st.booleans())
 def test_quaternions_stay_unit_and_bone_lengths_stay(seed: int, weight: float, hold_feet: bool) -> None:
@@ -66,7 +68,7 @@ def test_quaternions_stay_unit_and_bone_lengths_stay(seed: int, weight: float, h
             assert length == pytest.approx(np.linalg.norm(SKELETON.offsets[joint]), abs=1e-5)
 
 
-@pytest.mark.parametrize("other", ["long left", "short forward", "long back", "in place"])
+@mostly_long("other", ["long left", "short forward", "long back", "in place"], quick=[0, 1])
 def test_blended_directions_do_not_slide_and_travel_between(other: str) -> None:
     a, b = sketched_step("walk", "long forward"), sketched_step("walk", other)
     mixed = interpolate(a, b, 0.4)

@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -19,6 +20,7 @@ def test_clip_mirrored_twice_stays_unchanged(seed: int) -> None:
     assert not np.array_equal(mirror_clip(clip).rotation, clip.rotation)
 
 
+@pytest.mark.long
 @settings(max_examples=10, deadline=None)
 @given(st.sampled_from(("walk", "kick", "samba")), st.floats(-3.0, 3.0))
 def test_mirroring_reverses_inserted_rotation(name: str, angle: float) -> None:

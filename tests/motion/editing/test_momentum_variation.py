@@ -24,6 +24,7 @@ from live.motion.skeleton import SKELETON
 from live.motion.sketch.sketch_clips import step_clip
 from live.motion.sketch.sketch_file import parse_sketch
 from live.motion.step_clip import StepClip
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.editing.body_physics import GRAVITY, measure_samples, physics_of
 from tests.motion.editing.made_steps import sketched_step
 from tests.places import ROOT
@@ -56,7 +57,7 @@ def deviations(step: StepClip, other: StepClip) -> tuple[float, float, float]:
     return float(np.linalg.norm(two.centre - one.centre, axis=1).max()), float(momentum), float(stray.max())
 
 
-@pytest.mark.parametrize("name", STEPS)
+@mostly_long("name", STEPS, quick=[2])
 def test_centre_of_mass_momentum_and_zero_moment_point_stay(name):
     for varied in variations(name):
         centre, momentum, stray = deviations(sketched_step(name), varied)
@@ -65,7 +66,7 @@ def test_centre_of_mass_momentum_and_zero_moment_point_stay(name):
         assert stray < 0.005
 
 
-@pytest.mark.parametrize("name", STEPS)
+@mostly_long("name", STEPS, quick=[3, 5])
 def test_half_of_a_variation_stays_near(name):
     """As `[motion] mix` dances it: to first order the half keeps what the whole keeps."""
     for varied in variations(name):
@@ -76,7 +77,7 @@ def test_half_of_a_variation_stays_near(name):
         assert stray < 0.01
 
 
-@pytest.mark.parametrize("name", ["walk", "jump", "arm_wave"])
+@mostly_long("name", ["walk", "jump", "arm_wave"], quick=[1])
 def test_the_same_noise_without_correction_keeps_nothing_of_it(name, monkeypatch):
     monkeypatch.setattr(momentum_variation, "projected", lambda body, drawn, rate: drawn)
     step = sketched_step(name)
@@ -102,6 +103,7 @@ def test_recorded_step_keeps_them_too():
         assert stray < 0.01
 
 
+@pytest.mark.long
 def test_arc_of_flight_stays_ballistic():
     """A jump whose hips are moved so that the centre of mass falls freely while both feet are off the floor."""
     step = ballistic_jump()
@@ -240,6 +242,7 @@ def test_measures_of_streams_have_none():
     assert vary_steps([replace(sketched_step("walk"), in_stream=True)], 3, 1) == []
 
 
+@pytest.mark.long
 def test_copies_of_a_recorded_step_on_other_paths_have_its_variations():
     """Shorter copies, whose upper bodies are those of the recording; not copies that turn, whose feet go elsewhere."""
     recorded = replace(sketched_step("walk", "long forward"), recorded=True)
@@ -257,6 +260,7 @@ def test_copies_of_a_recorded_step_on_other_paths_have_its_variations():
     assert 1 < sum(have) < len(nodes)
 
 
+@pytest.mark.long
 def test_every_variation_is_a_take_of_its_own_step():
     """Of no other direction, though they are takes of each other; and a variation has no takes itself."""
     own = [

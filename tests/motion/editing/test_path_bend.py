@@ -14,6 +14,7 @@ from live.motion.skeleton import SKELETON
 from live.motion.sketch.sketch_clips import step_clip
 from live.motion.sketch.sketch_file import parse_sketch
 from live.motion.step_clip import measured_distance, travel
+from tests.fixtures.mostly_long import mostly_long
 from tests.places import ROOT
 
 STEPS = ROOT / "patches" / "steps"
@@ -56,7 +57,7 @@ def test_body_and_path_turn_evenly(degrees):
     assert np.hypot(*way) == pytest.approx(chord * measured_distance(step), rel=0.06)
 
 
-@pytest.mark.parametrize(("scale", "degrees"), [(0.25, 0.0), (0.6, 50.0), (1.0, -90.0)])
+@mostly_long(("scale", "degrees"), [(0.25, 0.0), (0.6, 50.0), (1.0, -90.0)], quick=[0, 2])
 def test_standing_feet_stand(scale, degrees):
     step = walk()
     bent = bend_path(step, scale=scale, turn=np.radians(degrees))
@@ -74,6 +75,7 @@ def test_step_begins_where_it_did():
     assert (now[1][0, 0] * then[1][0, 0]).sum() ** 2 == pytest.approx(1.0, abs=1e-4)
 
 
+@pytest.mark.long
 def test_variants_are_named_after_their_source_and_mirrored_alike():
     step = walk()
     variants = path_variants(step)

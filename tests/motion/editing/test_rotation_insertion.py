@@ -15,6 +15,7 @@ from live.motion.editing.turn_insertion import (
     turn_about,
 )
 from live.motion.step_clip import StepClip
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.editing.made_steps import random_clip, sketched_step
 
 WALKS = ("walk", "samba", "kick", "turn", "side_step")
@@ -38,6 +39,7 @@ def supports_of(step: StepClip, measure: int = 0) -> list[tuple[int, int, int]]:
     return [(s.start, s.stop, s.foot) for s in found]
 
 
+@pytest.mark.long
 @settings(max_examples=20, deadline=None)
 @given(st.sampled_from(WALKS), ANGLES)
 def test_end_turns_by_angle_and_beginning_stays(name: str, angle: float) -> None:
@@ -56,6 +58,7 @@ def test_end_turns_by_angle_and_beginning_stays(name: str, angle: float) -> None
     assert np.array_equal(edited.clip.root_position[:, 1], step.clip.root_position[:, 1])
 
 
+@pytest.mark.long
 @settings(max_examples=20, deadline=None)
 @given(st.sampled_from(WALKS), st.sampled_from((0.0, 0.3, 0.5)), ANGLES)
 def test_support_foot_stays_in_place(name: str, softness: float, angle: float) -> None:
@@ -122,8 +125,10 @@ def hips_by_closed_form(
     return edited.clip, np.abs(place + turns.displacement(fraction, angle) - expected)
 
 
-@pytest.mark.parametrize(("name", "measure"), [("walk", 0), ("samba", 0), ("kick", 0), ("grapevine", 1), ("mambo", 0)])
-@pytest.mark.parametrize("softness", [0.0, 0.4])
+@mostly_long(
+    ("name", "measure"), [("walk", 0), ("samba", 0), ("kick", 0), ("grapevine", 1), ("mambo", 0)], quick=[1, 2, 3, 4]
+)
+@mostly_long("softness", [0.0, 0.4], quick=[1])
 def test_closed_form_matches_loop_within_half_sample(name: str, measure: int, softness: float) -> None:
     _, error = hips_by_closed_form(sketched_step(name), measure, 1.5, softness=softness)
     assert error[-1] == pytest.approx([0.0, 0.0], abs=1e-5)

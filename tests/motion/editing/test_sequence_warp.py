@@ -21,6 +21,7 @@ def test_varying_frequency_accumulates_phase() -> None:
     assert warp.phase(x) == pytest.approx(x + 0.05 * np.sin(2.0 * np.pi * (0.5 * x + 0.25 * x * x)))
 
 
+@pytest.mark.long
 @settings(max_examples=40, deadline=None)
 @given(st.integers(0, 10_000), st.floats(1.0, 60.0), st.floats(0.5, 4.0), st.floats(0.0, 0.5))
 def test_random_warps_increase_and_keep_ends(seed: int, measures: float, spacing: float, a_max: float) -> None:

@@ -90,6 +90,7 @@ def test_many_dancers_match_single_dancers() -> None:
         assert dancers.share(fraction)[n] == pytest.approx(one.share(fraction[n])[0])
 
 
+@pytest.mark.long
 @given(st.floats(0.0, 0.5))
 def test_eased_progress_is_monotonic_and_symmetric(softness: float) -> None:
     passed = np.linspace(0.0, 1.0, 101)
@@ -106,6 +107,7 @@ def test_eased_progress_starts_and_ends_at_rest() -> None:
     assert ease_progress(np.array((0.0, 0.3, 1.0)), 0.0) == pytest.approx([0.0, 0.3, 1.0])
 
 
+@pytest.mark.long
 @given(st.integers(0, 1000))
 def test_maximum_speed_bounds_slope_of_share(seed: int) -> None:
     turns = random_turns(seed, rows=1)

@@ -52,6 +52,7 @@ def test_warp_increases_and_is_identity_at_ends(
     assert np.abs(warped - PHASES).max() <= amplitude + 1e-12
 
 
+@pytest.mark.long
 @given(st.floats(0.0, 1.0), st.floats(0.7, 4.0), st.floats(0.0, 0.2), SIGNS)
 def test_slope_matches_finite_difference(share: float, frequency: float, start: float, sign: float) -> None:
     amplitude = share / (2.0 * np.pi * frequency)
@@ -61,6 +62,7 @@ def test_slope_matches_finite_difference(share: float, frequency: float, start: 
     assert (ends[1] - ends[0]) / 2e-6 == pytest.approx(slope, abs=1e-4)
 
 
+@pytest.mark.long
 @given(st.integers(0, 1000), st.floats(0.0, 0.5))
 def test_random_warps_stay_within_ranges(seed: int, window: float) -> None:
     warps = draw_measure_warps(np.random.default_rng(seed), 200, window=window)

@@ -73,6 +73,7 @@ def exact_energy(clip, rate):
     return energy
 
 
+@pytest.mark.long
 def test_energy_follows_that_of_all_segments():
     """In time within each step, and from step to step."""
     means, alike = [], []

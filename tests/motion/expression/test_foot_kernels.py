@@ -93,6 +93,7 @@ def test_tips_never_go_into_the_floor(lift, foot):
     assert tip_height(pointed(before, 1.0)) > min(tip_height(before), 0.0) - 1e-4
 
 
+@pytest.mark.long
 def test_feet_leave_the_floor_softly():
     """From the floor up no angle jumps: less than three degrees for each millimetre."""
     angles = np.array([flexion(pointed(standing(lift=lift), 1.0)) for lift in np.arange(0.0, 0.3, 0.001)])

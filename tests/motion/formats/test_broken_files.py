@@ -14,6 +14,7 @@ import pytest
 from live.motion.formats.file_error import MotionFileError
 from live.motion.formats.gltf_reader import parse_gltf
 from live.motion.retarget.retarget import retarget
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.formats.made_gltf import MadeGltf, made_avatar, pack_glb, random_rotations
 from tests.motion.formats.test_bvh_fuzz import attempt
 
@@ -249,7 +250,7 @@ def mutate_json(value: Any, rng: random.Random) -> Any:
         return value
 
 
-@pytest.mark.parametrize("seed", range(4))
+@mostly_long("seed", range(4), quick=[2])
 def test_mutated_file_gives_motion_or_error(seed: int) -> None:
     rng = random.Random(seed)
     avatar, bones = made_avatar(frames=3)

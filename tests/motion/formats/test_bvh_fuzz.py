@@ -6,11 +6,11 @@ from collections.abc import Callable
 from typing import TypeVar
 
 import numpy as np
-import pytest
 
 from live.motion.formats.bvh_reader import bvh_to_source_motion, parse_bvh
 from live.motion.formats.file_error import MotionFileError
 from live.motion.retarget.retarget import retarget
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.formats.made_bvh import body_bvh, dance_values
 
 Result = TypeVar("Result")
@@ -56,7 +56,7 @@ def attempt(work: Callable[[], Result]) -> tuple[Result | None, ValueError | Non
         return None, error
 
 
-@pytest.mark.parametrize("seed", range(4))
+@mostly_long("seed", range(4), quick=[1])
 def test_mutated_file_gives_motion_or_error(seed: int) -> None:
     rng = random.Random(seed)
     whole = body_bvh(dance_values(3), fps=30.0)

@@ -21,6 +21,7 @@ def bits(values: list[float]) -> list[bytes]:
     return [struct.pack("<d", value) for value in values]
 
 
+@pytest.mark.long
 @settings(max_examples=100)
 @example(["9007199254740993", "9007199254740992.5", "-0.0", "0e999", "1e-45", "1e-44", "7e-324"])
 @example(["1.00000000000000011102230246251565404", "9999999.9999999991", "2.2250738585072011e-308"])

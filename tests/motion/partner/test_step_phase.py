@@ -48,6 +48,7 @@ def test_phase_of_a_steady_walk_is_that_of_its_clock(phase: float) -> None:
     assert np.isnan(step_phases(clip, np.array([-1.0, 99.0]))).all()
 
 
+@pytest.mark.long
 def test_turns_of_an_answer_come_on_the_recorded_foot_whenever_the_path_turns() -> None:
     recordings = [walk(f"recorded {side}", corners(side), 15.0) for side in (1.0, -1.0)]
     examples = []

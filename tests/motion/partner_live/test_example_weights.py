@@ -91,6 +91,7 @@ def takes(count: int) -> list[Example]:
     return found
 
 
+@pytest.mark.long
 def test_the_follower_trusts_a_spoiled_take_less() -> None:
     known = takes(3)
     units: Units = cut_units([*known, spoiled(known[0])])

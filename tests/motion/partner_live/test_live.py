@@ -10,6 +10,7 @@ from live.motion.partner.point_clouds import Cloud, leader_cloud
 from live.motion.partner.units import Units, cut_units
 from live.motion.partner_live.follower_filter import FollowerFilter
 from live.motion.partner_live.online_player import LivePartner
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.partner.test_answer import transform_clip
 from tests.motion.partner_live.led_pairs import RATE, follow, led_pair
 
@@ -29,6 +30,7 @@ def test_recorded_leader_gets_recorded_follower_at_any_placement() -> None:
     assert np.abs(real - real.mean(axis=0)).mean() > 0.4  # the law says something: the follower walks about
 
 
+@pytest.mark.long
 def test_output_is_causal_and_reproducible() -> None:
     leader, units = led_pair(52)
     whole = np.array([hips_of(partner) for partner in follow(leader, units)])
@@ -53,7 +55,7 @@ def two_takes(seed: int) -> tuple[Cloud, Units]:
     return leader_cloud(leader).resampled(RATE), cut_units([*units.examples, *more.examples])
 
 
-@pytest.mark.parametrize("off", [0.5, None])
+@mostly_long("off", [0.5, None], quick=[1])
 def test_wrong_beats_are_not_obeyed(off: float | None, monkeypatch: pytest.MonkeyPatch) -> None:
     """Beats half a unit off, or of another tempo (None), where beats are believed as strictly as ever: the leader
     contradicts them, and the follower is no farther from the recorded one, within 5 % and 1.5 cm."""
@@ -94,8 +96,8 @@ def odd_leader(kind: str, cloud: Cloud) -> Cloud:
     return Cloud(floor, height, cloud.rate)
 
 
-@pytest.mark.parametrize("kind", ["stops", "walks off", "turns about", "loses hands", "double tempo"])
-@pytest.mark.parametrize("takes", [1, 2])
+@mostly_long("kind", ["stops", "walks off", "turns about", "loses hands", "double tempo"], quick=[3])
+@mostly_long("takes", [1, 2], quick=[0])
 def test_odd_leaders_are_followed_without_jumps_at_a_distance(kind: str, takes: int) -> None:
     """Whatever the leader does, and with one example or two dances mixed: finite poses, hips that do not jump, and
     never long nearer to the leader than nearly all recorded followers."""

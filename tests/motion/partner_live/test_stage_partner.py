@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from live.motion.partner.sketched_examples import PARTNER_DISTANCE, sketched_pairs
 from live.motion.partner.units import Hold, Units, retime_to_beats
@@ -53,6 +54,7 @@ def test_retimed_units_have_equal_length_and_same_content() -> None:
     assert (new.holds[0].begin, new.holds[0].end) == (new.cuts[1], new.cuts[3])
 
 
+@pytest.mark.long
 def test_units_are_recognized_at_any_tempo() -> None:
     order = [2, 3, 4, 5, 6, 7, 8, 9]
     for ticks in (32.0, 64.0 * 60.0 / 90.0, 64.0 * 60.0 / 200.0, 9.0):

@@ -1,6 +1,7 @@
 """Tests of answer blending kernels against numpy, at both ends and between."""
 
 import numpy as np
+import pytest
 
 from live.motion import quaternion
 from live.motion.forward_kinematics import forward_kinematics
@@ -54,6 +55,7 @@ def test_full_share_shows_answer_at_own_position() -> None:
     assert np.isclose(later[1, 0, 1], places[2, 0, 1], atol=1e-5)
 
 
+@pytest.mark.long
 def test_blend_keeps_bone_lengths_and_turns_evenly() -> None:
     lengths = np.linalg.norm(OFFSETS[1:], axis=-1)
     headings = []

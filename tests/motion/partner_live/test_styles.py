@@ -38,6 +38,7 @@ def turn_between(one: np.ndarray, other: np.ndarray) -> float:
     return float(np.linalg.norm(between, axis=-1).max())
 
 
+@pytest.mark.long
 def test_each_style_learns_from_its_own_examples_and_from_those_without_one() -> None:
     lore = examples_of(("Soft ", "hard"))
     assert sorted(lore.filters) == ["", "hard", "soft"]
@@ -52,6 +53,7 @@ def test_each_style_learns_from_its_own_examples_and_from_those_without_one() ->
         lore.new_partner("wild")
 
 
+@pytest.mark.long
 def test_place_and_speed_of_the_follower_go_on_when_another_model_takes_over() -> None:
     both = cut_units(takes())
     only = {n: cut_units([one]) for n, one in enumerate(both.examples)}
@@ -98,6 +100,7 @@ def test_a_recording_that_the_other_model_has_too_goes_on_with_what_is_known_of_
     assert partner.filter.expected[0] != 0.0
 
 
+@pytest.mark.long
 def test_a_filter_of_another_rate_is_refused() -> None:
     units = cut_units(takes())
     partner = LivePartner(FollowerFilter(units, rate=RATE))

@@ -14,6 +14,7 @@ from live.motion.pose.neighbour_clearance_kernels import BACK, FRONT, LEFT, RIGH
 from live.motion.quality.body_contact import arm_distances, neighbour_contacts, self_contacts, trunk_scale
 from live.motion.quaternion import from_axis_angle, inverse, mul, rotate
 from live.motion.skeleton import JOINT_COUNT, MIRROR, SKELETON
+from tests.fixtures.mostly_long import mostly_long
 
 ARM_JOINTS = ARM_CHAINS[:, 1:].ravel()
 OTHERS = [joint for joint in range(JOINT_COUNT) if joint not in ARM_CHAINS]
@@ -172,14 +173,14 @@ def test_hands_that_pass_through_the_trunk_are_at_most_thirty_times_as_fast(seed
     assert roughness(alone(raw)[0]) < 30.0 * roughness(raw[0])
 
 
-@pytest.mark.parametrize("seed", range(8))
+@mostly_long("seed", range(8), quick=[0, 1])
 def test_motion_through_the_own_trunk_stays_continuous(seed):
     """With steps ten times finer the largest step of the arms is about ten times smaller, too: nothing jumps."""
     coarse, fine = (roughness(alone(posed(sweep(steps, seed)))[0]) for steps in (2001, 20001))
     assert fine < 0.2 * coarse
 
 
-@pytest.mark.parametrize("seed", range(6))
+@mostly_long("seed", range(6), quick=[1, 3, 4])
 def test_motion_beside_somebody_stays_continuous(seed):
     def path(steps):
         """All moments at once, each couple far from the others."""
@@ -194,6 +195,7 @@ def test_motion_beside_somebody_stays_continuous(seed):
     assert path(4001) < 0.2 * path(401)
 
 
+@pytest.mark.long
 def test_arms_of_neighbours_come_apart_and_hands_leave_trunks():
     """A hundred random couples that face each other at 0.65 m."""
     touching, after, hands = 0, 0, 0

@@ -118,6 +118,7 @@ def _requested_holds(*, hold):
     return other, hand
 
 
+@pytest.mark.long
 def test_holds_close_and_open_smoothly_within_beat():
     """Two dancers sway while holds close and open: no joint jumps, and each change ends within a beat."""
     hands, positions, closed = HandHolds(2), [], []

@@ -56,6 +56,7 @@ WALK = contacts_of((LEFT, 0.05, 0.2), (RIGHT, 0.3, 0.45), (LEFT, 0.55, 0.7))
 SWINGS = st.lists(st.tuples(st.integers(0, 1), st.floats(0, 0.9), st.floats(0.05, 0.3)), max_size=6)
 
 
+@pytest.mark.long
 @settings(max_examples=60, deadline=None)
 @given(SWINGS)
 def test_hips_rise_monotonically_to_the_whole_before_the_blend(swings):
@@ -135,6 +136,7 @@ def standing_legs(ahead=0.0):
     return hip, ankle
 
 
+@pytest.mark.long
 @settings(max_examples=30, deadline=None)
 @given(st.floats(-0.2, 0.2))
 def test_legs_reach_within_the_margin_and_nothing_gets_too_fast(ahead):

@@ -69,6 +69,7 @@ class Cut:
         return tuple(array.copy() for array in self.pipeline.run(self.store))
 
 
+@pytest.mark.long
 @given(st.integers(0, 2**32 - 1), st.floats(0.1, 1.3))
 def test_pose_is_continuous_at_cut(seed, spread):
     cut = Cut(seed, spread)
@@ -78,6 +79,7 @@ def test_pose_is_continuous_at_cut(seed, spread):
     assert np.abs((rotation * old_rotation).sum(-1)) == pytest.approx(1.0, abs=1e-5)
 
 
+@pytest.mark.long
 @given(st.integers(0, 2**32 - 1), st.floats(0.1, 1.0))
 def test_speed_is_continuous_at_cut(seed, spread):
     """Between two frames a hundredth of a tick apart, against the old clip's speed between its samples."""

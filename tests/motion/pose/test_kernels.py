@@ -100,6 +100,7 @@ def test_joints_move_evenly_across_shoulder(angle):
     assert away.min() > 0.25  # never through the shoulder
 
 
+@pytest.mark.long
 def test_arm_straightens_smoothly():
     """The leader moves away evenly: the elbow is never more than three times as fast."""
     ways = []
@@ -111,6 +112,7 @@ def test_arm_straightens_smoothly():
     assert speed.max() < 3.0
 
 
+@pytest.mark.long
 def test_chains_of_holds_match_sequential_holds():
     trios = []
     for seed in range(40):

@@ -54,6 +54,7 @@ def changed(step, *, bend, size=1.0, drop=0.0):
 BOW = {CHEST: (0.3, 0.0, 0.0), LEFT_ARM: (0.0, 0.0, -0.2), RIGHT_ARM: (0.0, 0.0, 0.2)}
 
 
+@pytest.mark.long
 def test_a_change_is_found_again_and_other_moods_stay():
     walk = steps_of("walk")
     example = replace(changed(walk[0], bend=BOW, size=0.7, drop=0.04), mood=mood(energy=-1.0))
@@ -69,6 +70,7 @@ def test_a_change_is_found_again_and_other_moods_stay():
         assert (ends.bend[end, row] == PARAMETRIC.bend[end, row]).all()
 
 
+@pytest.mark.long
 def test_examples_of_several_moods_are_told_apart():
     """Three walks: strong, tired, and both at once by half; least squares finds both changes."""
     walk = steps_of("walk")
@@ -95,6 +97,7 @@ def test_a_mood_is_not_on_one_side():
     )
 
 
+@pytest.mark.long
 def test_without_the_plain_step_nothing_is_learnt():
     walk = [replace(step, mood=mood(energy=-1.0)) for step in steps_of("walk")]
     assert learnt_ends([*walk, *steps_of("groove")]) is PARAMETRIC
@@ -105,6 +108,7 @@ def example_library():
             replace(changed(steps_of("walk")[0], bend=BOW), mood=mood(energy=-1.0))]  # fmt: skip
 
 
+@pytest.mark.long
 def test_examples_are_in_the_library_but_nobody_dances_them():
     library = build_library(example_library())
     graph = build_graph(library)
@@ -119,6 +123,7 @@ def test_examples_are_in_the_library_but_nobody_dances_them():
     assert graph.edge_count == plain.edge_count
 
 
+@pytest.mark.long
 def test_an_example_that_comes_during_a_show_is_learnt():
     *steps, example = example_library()
     graph = insert_clips(build_graph(build_library(steps)), [example])
@@ -128,6 +133,7 @@ def test_an_example_that_comes_during_a_show_is_learnt():
     assert (graph.edge_target == whole.edge_target).all()
 
 
+@pytest.mark.long
 def test_a_step_of_examples_only_is_said_to_be_missing():
     lost = [replace(step, mood=mood(energy=-1.0)) for step in steps_of("walk")]
     graph = build_graph(build_library([*steps_of("groove"), *lost]))
@@ -139,6 +145,7 @@ def test_a_step_of_examples_only_is_said_to_be_missing():
 WALK = (STEPS / "walk.toml").read_text(encoding="utf-8")
 
 
+@pytest.mark.long
 def test_sketches_may_be_examples():
     tired = "mood = { energy = -1, weight = 0.5 }\n" + WALK
     clips = sketched_steps({"walk.toml": WALK, "walk_tired.toml": tired})

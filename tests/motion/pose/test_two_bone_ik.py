@@ -2,6 +2,7 @@
 
 import numpy as np
 import numpy.typing as npt
+import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
@@ -70,6 +71,7 @@ def test_degenerate_targets_and_poles_give_finite_results() -> None:
         assert np.isfinite(bone_rotation(np.zeros((2, 3)) + up, up, np.array((1.0, 0.0, 0.0)), up)).all()
 
 
+@pytest.mark.long
 @given(point, point)
 def test_bone_rotation_aligns_direction_and_hinge(direction: Float, hinge: Float) -> None:
     assume(np.linalg.norm(np.cross(direction, hinge)) > 1e-3)

@@ -85,6 +85,7 @@ def test_a_hand_at_the_own_hip_is_no_contact():
     assert self_contacts(pose)
 
 
+@pytest.mark.long
 def test_segment_distance_is_the_least_over_all_points():
     chance = np.random.default_rng(2)
     a, b, c, d = chance.normal(size=(4, 40, 3))

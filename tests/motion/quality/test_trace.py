@@ -9,6 +9,7 @@ from live.motion.quality.metrics import largest_at_samples, mean_speed, skating_
 from live.motion.quality.motion_recorder import MotionRecorder
 
 
+@pytest.mark.long
 @settings(max_examples=30)
 @given(st.integers(0, 2**32 - 1), st.integers(5, 300), st.sampled_from([24.0, 30.0, 60.0]))
 def test_recorded_frames_equal_whole_motion(seed, count, rate):

@@ -13,6 +13,7 @@ from live.motion.forward_kinematics import forward_kinematics
 from live.motion.retarget.joint_mapping import common_prefix, find_body
 from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.formats.made_gltf import MadeGltf
 from tests.motion.retarget.made_families import FAMILIES, MIXAMO, REALLUSION, family_bvh, family_motion, joints_of
 
@@ -29,7 +30,7 @@ def largest_error(motion, places) -> float:
     return float(np.linalg.norm(off - off.mean(axis=(0, 1)), axis=-1).max())
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@mostly_long("family", FAMILIES, quick=[2, 3, 4, 14])
 def test_every_joint_of_the_body_is_found_by_name(family: str) -> None:
     motion, _ = family_motion(FAMILIES[family])
     rows, body = joints_of(FAMILIES[family]), find_body(motion)
@@ -44,15 +45,15 @@ def test_every_joint_of_the_body_is_found_by_name(family: str) -> None:
     assert rows[body.spine[-1]][2] == "upperChest"
 
 
-@pytest.mark.parametrize("rest", ["T", "A", "hanging"])
-@pytest.mark.parametrize("family", FAMILIES)
+@mostly_long("rest", ["T", "A", "hanging"], quick=[1, 2])
+@mostly_long("family", FAMILIES, quick=[8, 10, 11, 13])
 def test_posed_body_comes_back_through_bvh(family: str, rest: str) -> None:
     motion, places = family_motion(FAMILIES[family], rest=rest)
     read = bvh_to_source_motion(parse_bvh(family_bvh(motion), "made.bvh"))
     assert largest_error(read, places) < 0.005
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@mostly_long("family", FAMILIES, quick=[4, 15, 16, 18])
 def test_posed_body_with_bones_of_any_axes_comes_back(family: str) -> None:
     """As in glTF: every bone has axes of its own in the rest pose."""
     motion, places = family_motion(FAMILIES[family], rest="A", scale=1.0, axes=7)
@@ -81,7 +82,9 @@ def renamed(text: str):
     return replace(motion, names=tuple(f"bone_{n:02}" for n in range(motion.joint_count))), places
 
 
-@pytest.mark.parametrize("family", ["Axis Studio", "SMPL", "Xsens joints", "Motive", "Rokoko", "Perception Neuron"])
+@mostly_long(
+    "family", ["Axis Studio", "SMPL", "Xsens joints", "Motive", "Rokoko", "Perception Neuron"], quick=[0, 3, 4]
+)
 def test_nameless_body_is_found_by_its_shape(family: str) -> None:
     motion, places = renamed(FAMILIES[family])
     named, _ = family_motion(FAMILIES[family])

@@ -16,6 +16,7 @@ from live.motion.retarget.joint_mapping import find_body
 from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON
 from tests.fixtures.mocap import mocap_motion
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.formats.made_bvh import STANDING_CM, body_bvh, column, dance_values, still
 
 LIMBS = [
@@ -72,9 +73,10 @@ def test_whole_body_turn_rotates_hips_alone() -> None:
     np.testing.assert_allclose(np.abs(clip.rotation[:, 1:, 0]), 1.0, atol=1e-6)
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     "how",
     [{}, {"scale": 0.01}, {"scale": 1 / 2.54}, {"z_up": True}, {"z_up": True, "scale": 10.0}],
+    quick=[0, 3, 4],
     ids=["cm", "m", "inch", "z up", "z up mm"],
 )
 def test_file_units_and_axes_give_same_clip(how: dict[str, object]) -> None:
@@ -153,6 +155,7 @@ def test_knees_bend_about_hinges_without_usable_rest_pose() -> None:
         assert np.median(along) > 0.9, (side, sign)
 
 
+@pytest.mark.long
 def test_clip_times_follow_given_frame_rate() -> None:
     motion = parse_values(dance_values(121), fps=120.0)
     assert retarget(motion, name="x").seconds == pytest.approx(1.0)
@@ -235,6 +238,7 @@ def test_legs_without_length_are_refused() -> None:
         retarget(parse_values(still(2), offsets=none), name="x")
 
 
+@pytest.mark.long
 def test_unusual_skeletons_give_finite_clips_or_errors() -> None:
     rng = np.random.default_rng(9)
     clips = 0

@@ -251,6 +251,7 @@ parts = st.fixed_dictionaries(
 )
 
 
+@pytest.mark.long
 @settings(max_examples=20, suppress_health_check=[HealthCheck.too_slow])
 @given(parts, st.booleans())
 def test_random_sketch_gives_valid_clip_or_refusal(written: dict[str, tuple[Key, ...]], cyclic: bool) -> None:

@@ -60,6 +60,7 @@ def test_mirrored_step_has_mirrored_direction(x, z):
     assert measured_distance(image) == pytest.approx(measured_distance(step), abs=1e-6)
 
 
+@pytest.mark.long
 def test_sketched_directions_are_measured_back():
     for step in step_clips(parse_sketch(WALK, "walk.toml")):
         assert measured_direction(step) == step.direction

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 
 from live.motion import quaternion
 from live.motion.skeleton import JOINT_COUNT, SKELETON
@@ -26,6 +27,7 @@ def groove(seconds: float, seed: int) -> StepClip:
     return replace(step, clip=replace(step.clip, rotation=quaternion.from_rotation_vector(vector).astype(np.float32)))
 
 
+@pytest.mark.long
 def test_arms_that_follow_legs_are_copied_whole_and_others_hardly() -> None:
     told = TextureBank.of([groove(20.0, seed) for seed in range(3)])
     untold = TextureBank.of([at_beats(40.0, seed, 0.0) for seed in range(4)])

@@ -15,6 +15,7 @@ from live.motion.texture.texture_corpus import make_corpus
 from live.motion.texture.texture_settings import UPPER, TextureSettings
 from live.motion.texture.texture_synthesis import texture_sketch
 from live.motion.texture.upper_body_regression import UpperBodyRegression, damp_bands, learn_upper_body
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.texture.made_dance import improvisation, without_arms
 
 ARMS = [SKELETON.index(name) for name in ("leftUpperArm", "rightUpperArm", "leftLowerArm", "rightLowerArm")]
@@ -62,6 +63,7 @@ def test_places_do_not_depend_on_how_bones_are_twisted() -> None:
             assert one == pytest.approx(two, abs=2e-3)
 
 
+@pytest.mark.long
 def test_known_coupling_is_recovered_at_unseen_take() -> None:
     model = learn(1.0)
     error, mean = errors(model, sample_clip(improvisation(20.0, 99)))
@@ -74,6 +76,7 @@ def test_known_coupling_is_recovered_at_unseen_take() -> None:
             assert part.gains[1:5].max(initial=0.0) > 0.8 or part.part == "pose"
 
 
+@pytest.mark.long
 def test_mean_pose_where_legs_tell_nothing() -> None:
     ratios = []
     for first in (0, 10):
@@ -85,6 +88,7 @@ def test_mean_pose_where_legs_tell_nothing() -> None:
     assert max(ratios) < 1.05
 
 
+@pytest.mark.long
 def test_expected_error_with_variation_stays_below_mean_poses() -> None:
     model = learn(0.6)
     for share in (0.0, 0.25, 1.0):
@@ -104,6 +108,7 @@ def test_expected_error_with_variation_stays_below_mean_poses() -> None:
     assert angles_apart(made.rotation[:, ARMS].astype(np.float64), real) < angles_apart(middle, real)
 
 
+@pytest.mark.long
 def test_variation_has_no_rhythm_that_legs_do_not_tell() -> None:
     """In no group may it move more than half of what each band of the prediction moves, together (share 0.25)."""
     model = learn(0.7)
@@ -120,6 +125,7 @@ def test_variation_has_no_rhythm_that_legs_do_not_tell() -> None:
     assert np.abs(model.variation(0.25, model.predict(still))).max() < 0.02 * np.abs(added).max()
 
 
+@pytest.mark.long
 def test_copies_do_not_make_an_independent_arm_look_told() -> None:
     take = sample_clip(improvisation(20.0, 1, 0.0))
     others = [sample_clip(improvisation(20.0, seed, 0.0)) for seed in (2, 3)]
@@ -132,6 +138,7 @@ def test_copies_do_not_make_an_independent_arm_look_told() -> None:
     assert max(alone.told_shares().values()) < 0.05
 
 
+@pytest.mark.long
 def test_learning_is_deterministic() -> None:
     one, two = (learn(0.5, range(2), 8.0) for _ in range(2))
     unseen = sample_clip(improvisation(5.0, 50))
@@ -143,7 +150,7 @@ def standing(seconds: float) -> Clip:
     return replace(clip, rotation=np.broadcast_to(clip.rotation[:1], clip.rotation.shape).copy())
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     "clips",
     [
         [improvisation(12.0, 1)],
@@ -153,6 +160,7 @@ def standing(seconds: float) -> Clip:
         [standing(6.0), improvisation(6.0, 3)],
         [improvisation(1.0, 1), improvisation(30.0, 2, 0.0)],
     ],
+    quick=[1],
     ids=["one take", "a second", "one stands", "both stand", "one of two stands", "short and mixed"],
 )
 def test_poor_data_gives_finite_motion_near_the_mean(clips: list[Clip]) -> None:

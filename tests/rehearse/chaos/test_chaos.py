@@ -34,6 +34,7 @@ def sites():
     return sorted(looker.sites)
 
 
+@pytest.mark.long
 def test_call_sites_include_tick_and_measure_line_code(sites):
     callers = {site.caller.split(", ")[1] for site in sites}
     assert {"Frame._tick", "CrowdStage.tick", "MeasureLines._cross"} <= callers
@@ -86,6 +87,7 @@ def test_show_survives_tick_failures_and_journal_replays(tmp_path):
     json.dumps(facts)
 
 
+@pytest.mark.long
 def test_failed_recovery_is_reported_with_its_call_site(tmp_path, monkeypatch):
     """A recovery that gives up is reported with the failing call site of that time."""
 

@@ -17,6 +17,7 @@ from live.render.body.drawn_joints import ANCHORS, DRAWN_COUNT, DRAWN_MIRROR, DR
 from live.render.body.fingers import FINGERS, PHALANGES
 from live.render.body.head_mesh import build_head
 from live.render.body.implicit_surface import Shape
+from tests.fixtures.mostly_long import mostly_long
 
 LEVELS = (COARSE, LIGHT, FINE)
 SIDES = ("left", "right")
@@ -79,7 +80,7 @@ def test_skin_weights_change_little_along_edges() -> None:
     assert change[on_fingers].max() < 0.9  # within a phalanx the bone is stiff
 
 
-@pytest.mark.parametrize("level", LEVELS)
+@mostly_long("level", LEVELS, quick=[0, 1])
 def test_left_and_right_are_mirror_images(level: int) -> None:
     mesh = build_body(level)
     dense = _dense(mesh)
@@ -133,6 +134,7 @@ def test_body_is_wider_at_shoulders_and_hips_than_at_waist() -> None:
     assert half_width(1.06) < 0.9 * half_width(1.25)
 
 
+@pytest.mark.long
 def test_body_is_built_within_one_second() -> None:
     """Best of three runs of processor time, since other work may be running; a show must start at once."""
     seconds = []

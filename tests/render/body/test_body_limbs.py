@@ -1,12 +1,12 @@
 """Limbs fitted to the bodies: they cover the skin, and are no wider than need be."""
 
 import numpy as np
-import pytest
 
 from live.base.body.catalogue import BODIES
 from live.motion.cloth.body_sections import LIMBS, half_widths
 from live.render.body.body_limbs import body_sections
 from live.render.body.body_mesh import LIGHT, build_body
+from tests.fixtures.mostly_long import mostly_long
 
 
 def distance(points, limb, section):
@@ -22,7 +22,7 @@ def distance(points, limb, section):
     return k0 * (k0 - 1.0) / np.maximum(np.linalg.norm(unit / radii, axis=1), 1e-9)
 
 
-@pytest.mark.parametrize("body", BODIES)
+@mostly_long("body", BODIES, quick=[0, 1, 4, 5])
 def test_limbs_are_the_body_that_is_drawn(body):
     """From knees to shoulders nine tenths of the skin are within 1.5 cm of the limbs' surface."""
     sections, skin = body_sections(body), build_body(LIGHT, body).position.astype(np.float64)

@@ -77,6 +77,7 @@ def waist_to_hip(name):
     return min(girth(name, y) for y in (1.02, 1.05, 1.08)) / max(girth(name, y) for y in (0.84, 0.87, 0.90))
 
 
+@pytest.mark.long
 def test_waists_are_those_of_women_and_men():
     """Waist to hip of young adults is about 0.7 to 0.8 for women and 0.8 to 0.95 for men, more with age (WHO 2008,
     waist circumference and waist-hip ratio: at risk above 0.85 and 0.90)."""

@@ -14,6 +14,7 @@ from live.render.body.garment_mesh import GARMENTS, MAX_LIFT, build_garment, cut
 from live.render.body.implicit_surface import Shape
 from live.render.body.mesh_simplify import mirror_partners
 from live.render.body.surface_parts import CLOTH, SECOND_CLOTH, SHIRT
+from tests.fixtures.mostly_long import mostly_long
 
 CHORD_M = {LIGHT: 0.018, CLOSE: 0.018, FINE: 0.002}
 """How far the triangles of a body at a level lie within its smooth surface at most [m], at the feet."""
@@ -62,7 +63,7 @@ def test_shell_lies_off_the_skin_and_near_it(level, name) -> None:
     np.testing.assert_allclose(np.linalg.norm(mesh.normal, axis=1), 1.0, atol=1e-4)
 
 
-@pytest.mark.parametrize("body", BODIES)
+@mostly_long("body", BODIES, quick=[0, 6, 7, 8])
 def test_shells_fit_every_body(body) -> None:
     shape = Shape(trunk_of(body))
     for name in GARMENTS:

@@ -15,6 +15,7 @@ from live.render.body.hair_mesh import build_hair
 from live.render.body.head_mesh import build_head
 from live.render.body.implicit_surface import Shape
 from live.render.body.surface_parts import FACE, PAINTED_FACE
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.body.test_head import _is_closed, _volume
 
 MIDDLE = np.array([0.0, 1.625, -0.010])
@@ -33,8 +34,8 @@ def test_every_style_is_closed_at_every_level(style) -> None:
     assert len(build_hair(FINE, DEFAULT_BODY, style).triangle) <= 2200
 
 
-@pytest.mark.parametrize("body", BODIES)
-@pytest.mark.parametrize("level", [LIGHT, CLOSE, FINE])
+@mostly_long("body", BODIES, quick=[0, 3, 4, 8])
+@mostly_long("level", [LIGHT, CLOSE, FINE], quick=[0])
 def test_hair_covers_the_scalp_of_every_face(level, body) -> None:
     """Along each ray from the middle of the skull through the top of the head, hair lies beyond the skin."""
     for style in ("bun", "crop", "long"):

@@ -14,6 +14,7 @@ from live.render.body.face_shape import FACE_COUNT, FACES, faces_of
 from live.render.body.head_cage import EYE_CENTRE, EYE_RADIUS, build_head_cage
 from live.render.body.head_mesh import build_head
 from live.render.body.surface_parts import EAR, EYE, FACE, PAINTED_FACE
+from tests.fixtures.mostly_long import mostly_long
 
 LEVELS = (LIGHT, CLOSE, FINE)
 MM = 1e-3
@@ -95,8 +96,8 @@ def _eye_seen(level, blink, scale):
     return float((_front(points, skin[near], at) < ball).mean())
 
 
-@pytest.mark.parametrize("body", BODIES)
-@pytest.mark.parametrize("level", LEVELS)
+@mostly_long("body", BODIES, quick=[0, 2, 4, 5])
+@mostly_long("level", LEVELS, quick=[0, 1])
 def test_every_head_is_closed_and_faces_outward(level, body) -> None:
     for face in range(FACE_COUNT):
         mesh = build_head(level, body, face)

@@ -9,6 +9,7 @@ from scipy.interpolate import PchipInterpolator
 from live.base.body.catalogue import BODIES
 from live.render.body.body_variants import parts_of, toes_of
 from live.render.body.implicit_surface import Ellipsoid, Loft, Shape
+from tests.fixtures.mostly_long import mostly_long
 
 BLOB = (
     Loft((0.1, 1.0, 0.0), (0.1, 0.2, 0.02), (1.0, 0.0, 0.0),
@@ -127,7 +128,7 @@ def test_first_place_outside_is_that_of_a_search():
     assert Shape(BLOB).first_outside(origins[:1], np.array([0.0, -1.0, 0.0]), reach).tolist() == [40]
 
 
-@pytest.mark.parametrize("name", BODIES)
+@mostly_long("name", BODIES, quick=[0, 8])
 def test_bodies_have_the_field_and_the_width_of_numpy(name):
     parts = parts_of(name)
     shape = Shape(parts)

@@ -22,6 +22,7 @@ from live.render.characters.own_joints import FIRST
 from live.render.characters.skeleton_fit import find_joints, fit
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.dancers.skinning import SKINS
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.cloth.test_springs import matrix_of, rotation_matrix
 from tests.render.characters.detailed_figures import (
     ARKIT,
@@ -55,7 +56,7 @@ def test_finger_of_a_bone_is_told_by_its_name(name, finger):
     assert _finger_of(plain_name(name)) == finger
 
 
-@pytest.mark.parametrize("style", STYLES)
+@mostly_long("style", STYLES, quick=[7, 8])
 def test_fingers_and_face_are_found_whatever_program_named_them(style):
     figure = Detailed(**STYLES[style])
     _, _, nodes = detailed_document(figure)
@@ -69,7 +70,7 @@ def test_fingers_and_face_are_found_whatever_program_named_them(style):
     assert set(details.missing) == {"leftEye", "rightEye", "jaw"} - set(wanted)
 
 
-@pytest.mark.parametrize("style", [name for name in STYLES if name != "nothing said"])
+@mostly_long("style", [name for name in STYLES if name != "nothing said"], quick=[0])
 def test_fingers_lie_where_the_dancer_has_its_hands(style, tmp_path):
     """At any unit, pose of the arms and direction."""
     own = load(tmp_path, **STYLES[style]).own
@@ -133,7 +134,7 @@ def test_blend_shapes_are_found_by_names_and_presets():
     assert one_for_both.binds == {CHANNEL_NAMES.index("mouthOpen"): (((1, 0), 0.9),)}
 
 
-@pytest.mark.parametrize("vrm", ["0.x", "1.0"])
+@mostly_long("vrm", ["0.x", "1.0"], quick=[1])
 def test_expression_of_a_vrm_that_closes_both_eyes_is_split(vrm, tmp_path):
     both = {
         "both": lambda position, normal: (
@@ -197,6 +198,7 @@ def own_frames(loaded, position, rotation, expression, spring):
     return frames
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_shader_skins_own_joints_and_blend_shapes_as_matrices_do(gl_context, tmp_path):
     """Vertices that one joint moves; faces, hands and springs of two dancers differ."""

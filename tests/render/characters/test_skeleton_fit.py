@@ -99,6 +99,7 @@ def test_unknown_bone_names_are_reported_and_can_be_mapped():
         find_joints(model, said | {"head": "Bone000"})
 
 
+@pytest.mark.long
 def test_levels_have_fewer_triangles_and_keep_the_shape(tmp_path):
     path = tmp_path / "anna.glb"
     path.write_bytes(glb_of(level=2, image=striped_image()))

@@ -8,6 +8,7 @@ from live.base.errors import PersonError
 from live.motion.cloth.spring_rig import DRAG, GRAVITY_Y, HIT_RADIUS, MAX_SPRINGS, STIFFNESS
 from live.motion.skeleton import SKELETON
 from live.render.characters.character import load_character
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.characters.detailed_figures import (
     HAIR_BONE,
     HAIR_BONES,
@@ -46,6 +47,7 @@ def test_springs_of_vrm_1_have_their_settings(tmp_path):
     assert np.abs(rig.collider[:2, :3] - head - [offset for offset, _ in SPHERES]).max() < 0.004
 
 
+@pytest.mark.long
 def test_both_versions_of_vrm_give_the_same_springs(tmp_path):
     """A VRM 0.x faces backwards, its colliders have the opposite z, and its last bones swing, too."""
     new = load(tmp_path, detailed_glb(vrm="1.0", springs="1.0", spring=SPRING, colliders=SPHERES)).springs.rig
@@ -60,7 +62,7 @@ def test_both_versions_of_vrm_give_the_same_springs(tmp_path):
     assert np.linalg.norm(old.tail[-1] - old.head[-1]) == pytest.approx(0.07, rel=0.03)
 
 
-@pytest.mark.parametrize("style", ["Mixamo", "MakeHuman", "game engine"])
+@mostly_long("style", ["Mixamo", "MakeHuman", "game engine"], quick=[2])
 def test_hair_of_other_files_is_found_by_its_name_and_collides_with_the_body(style, tmp_path):
     loaded = load(tmp_path, detailed_glb(**STYLES[style]))
     rig = loaded.springs.rig
@@ -77,6 +79,7 @@ def test_hair_of_other_files_is_found_by_its_name_and_collides_with_the_body(sty
     assert rig.hits.any()
 
 
+@pytest.mark.long
 def test_of_two_hundred_springs_those_that_move_most_swing(tmp_path):
     loaded = load(tmp_path, detailed_glb(vrm="1.0", springs="1.0", strands=34))
     assert loaded.springs.rig.count == MAX_SPRINGS
@@ -101,7 +104,7 @@ def broken(change):
     return glb(root, chunk)
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("change", "words"),
     [
         (lambda springs, _: springs["springs"][0]["joints"][0].update(node=9999), "node is 9999"),
@@ -110,6 +113,7 @@ def broken(change):
         (lambda springs, _: springs["colliders"][0].pop("shape"), "shape is missing"),
         (lambda _, root: root["nodes"][5].setdefault("children", []).append(0), "cycle|already has a parent"),
     ],
+    quick=[2, 3, 4],
 )
 def test_damaged_springs_are_refused_with_file_and_place(change, words, tmp_path):
     with pytest.raises(PersonError, match=words) as refused:

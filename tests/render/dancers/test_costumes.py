@@ -10,6 +10,7 @@ from live.motion.skeleton import JOINT_COUNT
 from live.render.adaptive_quality import HARDWARE, SOFTWARE
 from live.render.camera import project_points
 from live.render.renderer import Renderer
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.poses import REST, stage_view
 
 pytestmark = pytest.mark.gl
@@ -53,7 +54,7 @@ def _seen(picture, place):
     return "r" if red > 2.2 * green and red > blue else "b" if blue > 1.7 * red else "s"
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "hardware"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "hardware"])
 def test_costume_covers_what_its_cut_says(gl_context, quality) -> None:
     assert set(WORN) == set(COSTUMES)
     for costume, places in WORN.items():
@@ -62,12 +63,14 @@ def test_costume_covers_what_its_cut_says(gl_context, quality) -> None:
         assert seen == places, costume
 
 
+@pytest.mark.long
 def test_men_wear_no_top_with_bare(gl_context) -> None:
     picture = _picture(gl_context, SOFTWARE, "bare", body="man")
     seen = {place: _seen(picture, PLACES[place]) for place in WORN["bare"]}
     assert seen == WORN["bare"] | {"breast": "s"}
 
 
+@pytest.mark.long
 def test_shoes_differ_on_feet_and_nowhere_else(gl_context) -> None:
     bare = _picture(gl_context, SOFTWARE, "dress")
     top = int(project_points(CAMERA, SIZE, [(0.0, 0.60, 0.0)])[0, 1])

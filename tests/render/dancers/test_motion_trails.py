@@ -8,6 +8,7 @@ from live.motion.skeleton import SKELETON
 from live.render.adaptive_quality import SOFTWARE
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.dancers.motion_trails import SAMPLES, SAMPLES_PER_BEAT, LimbHistory, PoseHistory
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.poses import ARMS_DOWN, stage_view
 from tests.render.test_renderer import scene
 
@@ -30,7 +31,7 @@ def read_samples(history):
     return rows[(newest - np.arange(history.valid_count)) % SAMPLES]
 
 
-@pytest.mark.parametrize("rate", [23.0, 60.0, 7.0])
+@mostly_long("rate", [23.0, 60.0, 7.0], quick=[2])
 def test_samples_lie_on_exact_beats_at_any_frame_rate(gl_context, rate):
     history = LimbHistory(gl_context, 2)
     for frame in range(int(4.0 * rate)):
@@ -61,6 +62,7 @@ def test_jump_in_time_clears_history(gl_context):
     history.release()
 
 
+@pytest.mark.long
 def test_each_group_has_trail_poses_at_own_spacing(gl_context):
     crowd = DancerBatch(gl_context, scene(2), SOFTWARE, (64, 64))
     row = picture_row(scene(2))

@@ -15,6 +15,7 @@ import pytest
 
 from live.render.film.film_writer import FilmError, FilmWriter, Picture
 from live.render.film.streams import FilmSound, Samples
+from tests.fixtures.mostly_long import mostly_long
 
 SIZE = (96, 64)
 
@@ -116,7 +117,7 @@ def pitch(samples: Samples, rate: int) -> float:
 
 
 @pytest.mark.parametrize("live", [False, True])
-@pytest.mark.parametrize(("rate", "channels", "out"), [(48000, 2, 48000), (44100, 1, 44100), (37800, 2, 48000)])
+@mostly_long(("rate", "channels", "out"), [(48000, 2, 48000), (44100, 1, 44100), (37800, 2, 48000)], quick=[1])
 def test_sound_has_same_length_as_picture(tmp_path: Path, rate: int, channels: int, out: int, live: bool) -> None:
     path = tmp_path / "film.mp4"
     music = tone(rate, 5.0, channels)

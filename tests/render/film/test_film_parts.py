@@ -12,6 +12,7 @@ from live.render.film.container_formats import FORMATS, segment_length
 from live.render.film.film_parts import PartWriter, join_parts, write_sound
 from live.render.film.film_writer import FilmError, FilmWriter
 from live.render.film.streams import FilmSound
+from tests.fixtures.mostly_long import mostly_long
 
 SIZE, FPS = (64, 36), 10.0
 SEGMENT = 20
@@ -52,7 +53,7 @@ def made_parts(folder, film, **options):
     return parts
 
 
-@pytest.mark.parametrize("ending", FORMATS)
+@mostly_long("ending", FORMATS, quick=[2])
 def test_joined_film_equals_one_encoded_in_one_go(tmp_path, ending):
     assert segment_length(Fraction(10), FORMATS[ending]) == SEGMENT
     whole, joined = tmp_path / f"whole{ending}", tmp_path / f"joined{ending}"

@@ -16,6 +16,7 @@ from live.base.picture_parameters import (
 from live.base.stage_snapshot import Camera, Scene
 from live.motion.skeleton import JOINT_COUNT
 from live.render.film.picture_memory import DRAWN_FRAMES, EASING_MEMORY_S, STILL_FRAMES, PictureMemory, least_reach
+from tests.fixtures.mostly_long import mostly_long
 
 FPS, BEATS_PER_S = 30.0, 2.0
 SCENE = Scene((8.0, 6.0), Camera(), 3, JOINT_COUNT)
@@ -50,7 +51,7 @@ def test_plain_picture_remembers_arms_and_backdrop_only():
     assert (reach_of(until=20).follow, reach_of(until=1).draw) == (0, 0)
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("said", "beats"),
     [
         ([(group("ribbons"), 0.5)], 9.0),
@@ -58,7 +59,7 @@ def test_plain_picture_remembers_arms_and_backdrop_only():
         ([(PLAN, 0.2)], 8.125),
         ([(place("floor/pattern/rings"), 1.0)], 10.5),
         ([(place("world/water"), 0.1)], 10.5),
-    ],
+    ], quick=[1, 3, 4],
 )  # fmt: skip
 def test_what_passes_show_of_the_last_beats_is_followed(said, beats):
     reach = reach_of(said)

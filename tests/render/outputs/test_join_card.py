@@ -6,6 +6,7 @@ from PIL import Image, ImageFilter
 
 from live.render.outputs.output import Output
 from live.render.outputs.test_card import join_card
+from tests.fixtures.mostly_long import mostly_long
 
 LINK = "http://192.168.1.50:8020/#NOUm8cCZf5qC"
 PICTURE, PHOTO = (1920, 1080), (1920, 1080)
@@ -13,9 +14,10 @@ LENS = 1500.0
 """Focal length of a phone's camera [pixels of PHOTO]: 65 degrees from left to right."""
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("width", "degrees"),
     [(1200, 0), (1200, 70), (600, 60), (400, 45), (300, 30), (220, 0)],
+    quick=[4],
     ids=lambda value: str(value),
 )
 def test_code_is_readable_from_distance_and_from_side(throw, width, degrees):

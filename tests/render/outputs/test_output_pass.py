@@ -27,6 +27,7 @@ def test_regular_mesh_changes_no_pixel(throw, noise, columns, rows):
     np.testing.assert_array_equal(throw(noise, Output(mesh=regular_mesh(columns, rows))), noise)
 
 
+@pytest.mark.long
 def test_picture_corners_land_within_one_pixel(throw):
     """Each border of the quadrangle is found by a line fit to the light on either side of it."""
     for quad in quads(24, seed=11):

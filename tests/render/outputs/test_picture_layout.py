@@ -26,6 +26,7 @@ from live.render.outputs.picture_layout import (
 from live.render.passes.custom_pass import reads_elsewhere
 from live.render.pipeline import PICTURE_PASSES
 from live.render.renderer import Renderer
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.passes.test_passes import SCENE, three_dancers
 
 SIZE = (576, 288)
@@ -170,7 +171,7 @@ def test_whole_picture_is_a_part_without_any_change():
     assert inside == pytest.approx(pixel - 96.0, abs=1e-9)
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[1], ids=["software", "card"])
 def test_parts_drawn_alone_are_the_whole_picture(draw, quality):
     view = three_dancers()
     view.titles = (Title("Both sides", progress=1.0),)
@@ -184,7 +185,7 @@ def test_parts_drawn_alone_are_the_whole_picture(draw, quality):
     assert (off > 1).mean() < 5e-4
 
 
-@pytest.mark.parametrize("name", ["bloom", "ink", "trails", "focus", "blur"])
+@mostly_long("name", ["bloom", "ink", "trails", "focus", "blur"], quick=[4])
 def test_passes_find_in_the_border_what_they_need(draw, name):
     scene = replace(SCENE, passes=("shadow", "mirror", name))
     views = [three_dancers() for _ in range(3)]
@@ -200,6 +201,7 @@ def test_passes_find_in_the_border_what_they_need(draw, name):
     assert off[:, 280:296].mean() < 0.3  # beside the seam as elsewhere
 
 
+@pytest.mark.long
 def test_custom_pass_and_vignette_know_the_place_in_the_whole_picture(draw):
     text = "vec4 pass(vec2 at) { return vec4(light(at) * step(fract(at.x * 7.0), 0.5), 1.0); }"
     own = parse_custom_pass("mine", text)

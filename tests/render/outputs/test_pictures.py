@@ -18,6 +18,7 @@ from live.render.characters.materials import LEFT_OUT_NOTE, layers_of
 from live.render.characters.model import Material
 from live.render.characters.model_reader import parse_model
 from live.render.renderer import Renderer
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.characters.figures import Figure, document, glb, glb_of, mixamo, striped_image
 from tests.render.poses import ARMS_DOWN, LUNGE, REACH, stage_view
 from tests.render.test_renderer import read, scene
@@ -87,7 +88,7 @@ def dancer_mask(picture, empty):
     return np.abs(picture.astype(int) - empty).max(axis=2) > 24
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 def test_body_read_from_file_has_outline_of_generated_body(draw_characters, quality):
     near = float(np.linalg.norm(np.subtract(CAMERA.eye, CAMERA.target))) < quality.close_within
     level = quality.close_level if near and quality.close_count >= 3 else quality.near_level
@@ -99,7 +100,7 @@ def test_body_read_from_file_has_outline_of_generated_body(draw_characters, qual
     assert (inside != (own.min(axis=2) > 200)).sum() <= 0.01 * inside.sum()
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 def test_character_of_other_proportions_covers_dancer(draw_characters, quality):
     empty = draw_characters(None, quality, view=empty_view())
     body = dancer_mask(draw_characters(None, quality), empty)
@@ -109,6 +110,7 @@ def test_character_of_other_proportions_covers_dancer(draw_characters, quality):
     assert (body & own).sum() > 0.88 * max(body.sum(), own.sum())
 
 
+@pytest.mark.long
 def test_material_colour_applies_and_transparent_pixels_are_cut_out(draw_characters):
     red = draw_characters(glb_of(colour=(0.8, 0.0, 0.0, 1.0))).astype(int)
     assert ((red[..., 0] > red[..., 2] + 40) & (red[..., 0] > red[..., 1] + 40)).mean() > 0.02
@@ -123,6 +125,7 @@ def test_material_colour_applies_and_transparent_pixels_are_cut_out(draw_charact
     assert clear.mean() < 0.001 < 0.02 < dancer_mask(draw_characters(glb_of()), empty)[above].mean()
 
 
+@pytest.mark.long
 def test_golden_character(draw_characters, golden):
     data = glb_of(image=striped_image(128), names=mixamo, lengths=OTHER, arms_down=50.0, level=2, double=True)
 
@@ -135,13 +138,14 @@ def test_golden_character(draw_characters, golden):
     golden(draw_characters(data, HARDWARE), "character_card", law=law)
 
 
-@pytest.mark.parametrize("style", ["ink", "particles", "xray", "trails", "ribbons"])
+@mostly_long("style", ["ink", "particles", "xray", "trails", "ribbons"], quick=[1, 2, 3, 4])
 def test_every_style_changes_character_picture(draw_characters, style):
     data = glb_of(image=striped_image())
     plain, styled = draw_characters(data), draw_characters(data, **{"solid": 0.0, style: 1.0})
     assert np.abs(plain.astype(int) - styled).mean() > 0.5
 
 
+@pytest.mark.long
 def test_character_is_drawn_next_to_generated_bodies(draw_characters):
     view = three_dancers()
     view.group[:] = 1  # in blue
@@ -154,6 +158,7 @@ def test_character_is_drawn_next_to_generated_bodies(draw_characters):
     assert red.sum() == red[:, middle].sum()
 
 
+@pytest.mark.long
 def test_character_is_drawn_with_the_far_body(draw_characters):
     """One dancer too many for the near bodies wears it: as large as near, and red."""
     near, far = (
@@ -182,6 +187,7 @@ def with_material(image=None, **material):
     return glb(root, chunk)
 
 
+@pytest.mark.long
 def test_normal_map_affects_lighting_and_emission_shows_in_dark(gl_context, tmp_path):
     """In a row: plain, normals turned up, normals turned to +x, and a green emitter."""
     bumps = {"normalTexture": {"index": 0}}

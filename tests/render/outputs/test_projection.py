@@ -83,6 +83,7 @@ def test_plain_output_matches_picture_exactly(open_projection: Open, stage_x: Tw
     assert second.max() > 60
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_two_projectors_show_halves_of_one_picture(open_projection: Open, stage_x: TwoMonitorX) -> None:
     projection = open_projection(LEFT, RIGHT, fullscreen=True)
@@ -132,6 +133,7 @@ def test_overlay_is_shown_only_to_operator(open_projection: Open, stage_x: TwoMo
     assert words.overlay == ("measure 12", "beat 3 of 4")
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_inputs_are_attributed_to_window_of_origin(open_projection: Open, stage_x: TwoMonitorX) -> None:
     projection = open_projection(LEFT, RIGHT, fullscreen=True)
@@ -146,6 +148,7 @@ def test_inputs_are_attributed_to_window_of_origin(open_projection: Open, stage_
     assert projection.to_picture(screen, KeyPressed("b")) == KeyPressed("b")
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_last_picture_stays_after_failed_draw(open_projection: Open, stage_x: TwoMonitorX, monkeypatch) -> None:
     projection = open_projection(Output(monitor="2"), fullscreen=True)
@@ -164,6 +167,7 @@ def test_last_picture_stays_after_failed_draw(open_projection: Open, stage_x: Tw
     np.testing.assert_array_equal(capture_monitors(stage_x)[1], before)
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_all_outputs_toggle_fullscreen(open_projection: Open) -> None:
     projection = open_projection(LEFT, RIGHT)
@@ -185,6 +189,7 @@ def test_failed_opening_leaves_no_window(open_projection: Open, stage_x: TwoMoni
     run_frames(open_projection(Output(edge=SoftEdge(left=0.1))), empty_view(), 1)
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_corner_is_dragged_on_projector(open_projection: Open, stage_x: TwoMonitorX) -> None:
     projection = open_projection(Output(monitor="2"), fullscreen=True)
@@ -210,6 +215,7 @@ def test_corner_is_dragged_on_projector(open_projection: Open, stage_x: TwoMonit
     )
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_strobe_is_limited_on_projector_until_limit_is_lifted(open_projection: Open, stage_x: TwoMonitorX) -> None:
     projection = open_projection(Output(monitor="2"), size=(160, 90))
@@ -238,6 +244,7 @@ def test_strobe_is_limited_on_projector_until_limit_is_lifted(open_projection: O
     assert np.count_nonzero(np.diff(taken) > 100) >= 6
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_hidden_windows_are_revealed_fully_prepared(open_projection: Open, stage_x: TwoMonitorX) -> None:
     projection = open_projection(LEFT, RIGHT, fullscreen=True, hidden=True, operator=None)
@@ -252,6 +259,7 @@ def test_hidden_windows_are_revealed_fully_prepared(open_projection: Open, stage
     np.testing.assert_array_equal(second, picture_of(projection)[:, 800:])
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_output_alone_draws_its_part_and_shows_the_same(open_projection: Open, stage_x: TwoMonitorX) -> None:
     half = Output("left", "2", crop=(0.0, 0.0, 0.5, 1.0), corners=((0.05, 0.0), (1.0, 0.05), (0.95, 1.0), (0.0, 0.95)))
@@ -273,6 +281,7 @@ def test_output_alone_draws_its_part_and_shows_the_same(open_projection: Open, s
     assert own_words.endswith("x600 of 1600x600 pixels")
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_trails_that_grow_make_it_draw_the_whole_picture_from_then_on(
     open_projection: Open, stage_x: TwoMonitorX

@@ -19,6 +19,7 @@ from live.render.pass_context import PassSetup
 from live.render.passes.background_pass import BackgroundPass, plane_of, video_position
 from live.render.renderer import Renderer
 from tests.control.waiting import wait_for
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.media import FRAMES, grey_of, write_image, write_video
 from tests.render.test_renderer import SIZE, crowd, read, scene
 
@@ -52,7 +53,7 @@ def show(gl_context):
         thing.release()
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[1], ids=["software", "card"])
 def test_wall_image_is_upright_and_behind_dancers(show, tmp_path, quality):
     draw = show(Background(str(write_image(tmp_path / "a.png")), width=12.0), quality=quality)
     off, on = draw(), draw({"background/1": 1.0})
@@ -67,6 +68,7 @@ def test_wall_image_is_upright_and_behind_dancers(show, tmp_path, quality):
     assert np.abs(on - off)[SIZE[1] // 3].max() > 100
 
 
+@pytest.mark.long
 def test_full_picture_background_keeps_file_colours(show, tmp_path):
     colour = (120, 60, 30)
     draw = show(Background(str(write_image(tmp_path / "a.png", colour)), fit="picture", brightness=1.0))
@@ -129,7 +131,7 @@ def red_of(picture, at):
 SOFT = {"pass/grade/contrast": 1.0005}
 """Draws in half floats without any plane, too: edges are smoothed as they are then."""
 ON = {"background/1": 1.0} | SOFT
-BOTH = pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+BOTH = mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 
 
 @BOTH

@@ -80,6 +80,7 @@ def edges(picture):
     return float((np.diff(middle, axis=1) ** 2).mean()), float((np.diff(middle, axis=0) ** 2).mean())
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_moving_dancer_blurs_along_the_motion_only(film):
     still = [dancer(), dancer()]
@@ -93,6 +94,7 @@ def test_moving_dancer_blurs_along_the_motion_only(film):
     assert abs(blurred.mean() - sharp.mean()) < 0.5
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_blur_is_as_long_as_the_way_with_open_shutter(film):
     step = 0.12
@@ -109,6 +111,7 @@ def test_blur_is_as_long_as_the_way_with_open_shutter(film):
     assert widths[1] - widths[0] == pytest.approx(0.8 * way, abs=0.4 * way)
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_camera_motion_blurs_the_stage_and_cuts_and_stalls_do_not(film):
     pair = [dancer(), dancer()]

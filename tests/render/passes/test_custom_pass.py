@@ -12,6 +12,7 @@ from live.base.picture_parameters import CUSTOM_PASS_SLICE, picture_row
 from live.render.adaptive_quality import HARDWARE, SOFTWARE
 from live.render.custom_pass import first_error, try_passes
 from live.render.renderer import Renderer
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.passes.test_passes import SCENE, SIZE, has_detail, three_dancers
 from tests.render.test_renderer import read
 
@@ -109,7 +110,7 @@ def test_line_is_read_from_log_of_every_driver(log, line):
 
 
 @pytest.mark.gl
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 def test_custom_pass_draws_and_amount_of_0_disables_it(draw, quality):
     plain = draw((), quality=quality)[0].astype(int)
     negative = draw((parse_pass("negative", NEGATIVE),), quality=quality)[0].astype(int)
@@ -120,6 +121,7 @@ def test_custom_pass_draws_and_amount_of_0_disables_it(draw, quality):
     assert negative[bright].mean() < negative[~bright].mean() - 30
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_custom_pass_receives_parameters_and_beat(draw):
     waves = parse_pass("waves", WAVES)
@@ -131,6 +133,7 @@ def test_custom_pass_receives_parameters_and_beat(draw):
     assert np.abs(usual - later).mean() > 0.1
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_custom_pass_receives_surfaces_and_last_picture(draw):
     source = """vec4 pass(vec2 at) {
@@ -154,6 +157,7 @@ def test_custom_pass_receives_surfaces_and_last_picture(draw):
     assert means[2] > means[0] + 20
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_nan_output_is_black(draw):
     picture = draw((parse_pass("nan", "vec4 pass(vec2 at) { return vec4(vec3(sqrt(at.x - 2.0)) / 0.0, 1.0); }"),))[0]
@@ -188,6 +192,7 @@ def test_golden_custom_pass(draw, golden):
 # -- trial -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_trial_accepts_valid_passes_and_reports_invalid_pass(gl_context):
     try_passes(())

@@ -29,6 +29,7 @@ from live.base.element_kinds import (
 from live.base.stage_snapshot import StageView
 from live.motion.skeleton import JOINT_COUNT
 from live.render.passes.element_pass import ElementPass
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.passes.conftest import STAGE, TEXEL, Draw, Floats, FloorLight
 
 pytestmark = pytest.mark.gl
@@ -132,8 +133,8 @@ def motion_along(frames: Floats, axis: int) -> float:
     return -float((change * slope).sum())
 
 
-@pytest.mark.parametrize("way", [1.0, -1.0])
-@pytest.mark.parametrize(
+@mostly_long("way", [1.0, -1.0], quick=[0])
+@mostly_long(
     ("points", "flow", "radius", "field"),
     [
         (((-1.0, 0.0), (1.0, 0.0)), UNIFORM, 0.0, lambda x, z: (1.0 + 0 * x, 0 * z)),
@@ -142,6 +143,7 @@ def motion_along(frames: Floats, axis: int) -> float:
         (((0.0, 0.0),), RADIAL, 0.0, lambda x, z: (x, z)),
         (((0.0, 0.0),), VORTEX, 0.0, lambda x, z: (-z, x)),
     ],
+    quick=[1, 2, 3, 4],
     ids=["uniform", "uniform within", "drawn", "radial", "vortex"],
 )
 def test_flow_light_moves_along_field(

@@ -63,6 +63,7 @@ def test_circle_of_confusion_is_that_of_a_thin_lens(focus, distance):
     assert share == pytest.approx(circle / height)
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_only_what_is_off_the_focus_loses_its_edges(draw):
     plain = draw()
@@ -75,6 +76,7 @@ def test_only_what_is_off_the_focus_loses_its_edges(draw):
     assert np.array_equal(draw(pass__focus=0.0, pass__focus__aperture=2.0), plain)
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_software_quality_leaves_depth_of_field_out(draw):
     assert np.array_equal(draw(SOFTWARE, pass__focus=1.0, pass__blur=0.5), draw(SOFTWARE))

@@ -142,6 +142,7 @@ def test_grid_has_a_cell_for_each_cell_of_the_cloth(name, every_row, every_colum
     assert area == pytest.approx((pattern.rows - 1) * along)
 
 
+@pytest.mark.long
 def test_garments_far_from_their_dancer_are_lit_as_on_a_card(gl_context) -> None:
     """A software renderer lights a rectangle only: cloth that flies beyond the joints lies in it, too."""
     lit = {}

@@ -10,6 +10,7 @@ from live.base.set_geometry import SetItem
 from live.render.adaptive_quality import HARDWARE, SOFTWARE
 from live.render.camera import project_points
 from live.render.renderer import Renderer
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.test_renderer import SIZE, read, scene, standing
 
 pytestmark = pytest.mark.gl
@@ -35,7 +36,7 @@ def pixel(*at):
     return project_points(scene(1).camera, SIZE, [at])[0].astype(int)
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 def test_item_and_dancer_occlude_each_other_by_depth(draw_items, quality):
     bare = draw_items(quality=quality)
     red = {"size": (1.5, 2.2, 0.4), "colour": (0.6, 0.02, 0.02)}
@@ -50,6 +51,7 @@ def test_item_and_dancer_occlude_each_other_by_depth(draw_items, quality):
     assert behind[y, x, 0] > 60 > 2 * behind[y, x, 1]
 
 
+@pytest.mark.long
 def test_item_casts_shadow_away_from_key_light(draw_items):
     bare, seen = draw_items(), draw_items(SetItem("box", (2.0, 0.0), (0.8, 1.0, 0.8)))
     towards = np.array(BY_ADDRESS["/dance/light/key/direction"].start)
@@ -70,7 +72,7 @@ def test_items_far_from_dancers_are_lit(draw_items, golden):
     golden(seen.astype(np.uint8), "items", law=lambda picture: picture[y, x].max() > 60)
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 def test_another_stage_and_items_look_as_in_a_renderer_made_for_them(gl_context, quality):
     box, steps = SetItem("box", (2.0, 0.0), (0.8, 1.0, 0.8)), SetItem("steps", (-3.0, -2.0), (2.0, 1.0, 1.5), steps=40)
     stages = (((12.0, 8.0), ()), ((7.0, 15.0), (box,)), ((16.0, 8.0), (box, *[steps] * 30)), ((12.0, 8.0), ()))

@@ -7,6 +7,7 @@ from live.base.picture_parameters import BY_ADDRESS, picture_row
 from live.render.adaptive_quality import HARDWARE, SOFTWARE
 from live.render.camera import project_points
 from live.render.renderer import Renderer
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.test_renderer import SIZE, crowd, read, scene, standing
 
 pytestmark = pytest.mark.gl
@@ -34,7 +35,7 @@ def draw(gl_context):
         thing.release()
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 def test_side_light_lights_its_side_in_its_colour(draw, quality):
     view = standing()  # alone and straight: nobody hides a side of her, no limb has sides of its own
     dark, lit = draw(DIM, view, quality), []
@@ -57,6 +58,7 @@ def test_back_light_reaches_edges_but_not_chest(draw):
     assert not lit[chest[1], chest[0]]
 
 
+@pytest.mark.long
 def test_beams_are_visible_in_air_and_sway_with_beat(draw):
     view = crowd()
     plain = draw(DIM, view)
@@ -99,6 +101,7 @@ def test_gradient_colours_wall_only(draw):
     assert np.abs(more[-3:, middle, 0]).max() < 25  # hardly any of it on the floor in front
 
 
+@pytest.mark.long
 def test_light_follows_energy_and_beat_by_amount(draw):
     means = [draw({"light/energy": 1.0}, energy=energy).mean() for energy in (0.0, 0.5, 1.0)]
     assert means[0] < 0.8 * means[1] < 0.75 * means[2]

@@ -59,6 +59,7 @@ def composite(picture: np.ndarray, ground: float) -> np.ndarray:
     return picture[..., :3] * picture[..., 3:] + ground * (1.0 - picture[..., 3:])
 
 
+@pytest.mark.long
 def test_golden_picture_on_transparent_background(current_renderer: tuple[Renderer, OffscreenTarget], golden) -> None:
     picture = draw_dancers(current_renderer)
     assert not picture[:20].any()
@@ -102,6 +103,7 @@ def test_blackout_is_fully_transparent(current_renderer: tuple[Renderer, Offscre
     assert not draw_dancers(current_renderer, brightness=0.0).any()
 
 
+@pytest.mark.long
 def test_background_is_omitted_from_transparent_picture(gl_context: moderngl.Context, tmp_path: Path) -> None:
     Image.new("RGB", (64, 36), (250, 180, 90)).save(tmp_path / "sky.png")
     scene = replace(SCENE, backgrounds=(Background(str(tmp_path / "sky.png"), fit="picture"),))

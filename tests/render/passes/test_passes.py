@@ -11,6 +11,7 @@ from live.base.stage_snapshot import Camera
 from live.render.adaptive_quality import HARDWARE, SOFTWARE
 from live.render.camera import project_points
 from live.render.renderer import Renderer
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.poses import ARMS_DOWN, LUNGE, REACH, stage_view
 from tests.render.test_renderer import read, scene
 
@@ -73,7 +74,7 @@ def draw_once(draw_moments, gl_context):
     return drawn
 
 
-TIERS = pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+TIERS = mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 
 
 @TIERS
@@ -171,6 +172,7 @@ def test_trails_shift_to_trail_colour(draw_moments, gl_context):
     assert left[1][was[1], was[0], 0] < left[0][was[1], was[0], 0] - 5
 
 
+@pytest.mark.long
 def test_shadow_and_mirror_disappear_when_off(draw_once):
     plain = draw_once().astype(int)
     lit = draw_once(shadow=0.0).astype(int)
@@ -184,6 +186,7 @@ def test_shadow_and_mirror_disappear_when_off(draw_once):
     assert np.array_equal(draw_once(passes=("vignette",)), draw_once(shadow=0.0, mirror=0.0))
 
 
+@pytest.mark.long
 def test_vignette_is_equal_at_any_position_in_order(draw_once):
     at_end, early = draw_once(), draw_once(passes=("shadow", "mirror", "vignette", "grade"))
     assert np.abs(at_end.astype(int) - early).mean() < 0.8

@@ -45,6 +45,7 @@ def plan(gl_context):
         thing.release()
 
 
+@pytest.mark.long
 def test_circles_mark_dancers_and_triangles_point_in_facing_direction(plan, golden):
     places = [(-3.0, -1.5), (0.0, 1.0), (3.0, 0.0)]
     view = stage_view(
@@ -70,6 +71,7 @@ def test_circles_mark_dancers_and_triangles_point_in_facing_direction(plan, gold
     golden(seen.astype(np.uint8), "plan", law=lambda picture: (picture.max(axis=2) > 60).mean() > 0.01)
 
 
+@pytest.mark.long
 def test_paths_fade_behind_dancers_and_clear_after_jump(plan):
     draw = plan(1)
 

@@ -14,6 +14,7 @@ from live.render.adaptive_quality import HARDWARE, SOFTWARE
 from live.render.camera import project_points
 from live.render.media.set_model import SOFTWARE_TRIANGLES, place_on_stage, read_set_model
 from live.render.renderer import Renderer
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.media import lathe, write_glb
 from tests.render.test_renderer import SIZE, read, scene, standing
 
@@ -22,7 +23,7 @@ SLAB = {
     "triangle": [(0, 1, 2), (0, 2, 3)], "uv": [(0, 1), (1, 1), (1, 0), (0, 0)], "material": 0,
 }  # fmt: skip
 RED = {"pbrMetallicRoughness": {"baseColorFactor": [0.6, 0.02, 0.02, 1.0]}}
-BOTH = pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+BOTH = mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 
 
 @pytest.fixture
@@ -67,6 +68,7 @@ def test_set_piece_and_dancer_hide_each_other_by_depth_and_amount_fades(draw, tm
     assert behind[y, x, 0] > 60 > 2 * behind[y, x, 1]
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_half_faded_set_piece_shows_half_of_its_pixels(draw, tmp_path):
     file = str(write_glb(tmp_path / "slab.glb", [SLAB], materials=[RED]))
@@ -132,6 +134,7 @@ def ball(sides):
     return lathe(np.column_stack([np.maximum(np.cos(angle), 1e-3), np.sin(angle)]), sides)
 
 
+@pytest.mark.long
 def test_large_set_piece_is_simplified_for_software_and_keeps_its_shape(tmp_path):
     model = read_set_model(write_glb(tmp_path / "ball.glb", [ball(300) | {"material": 0}], materials=[RED]))
     assert len(model.triangle) > 2 * SOFTWARE_TRIANGLES
@@ -143,6 +146,7 @@ def test_large_set_piece_is_simplified_for_software_and_keeps_its_shape(tmp_path
     assert model.simplified(10**9) is model
 
 
+@pytest.mark.long
 def test_three_million_triangles_are_refused_with_a_remedy(tmp_path):
     row = np.arange(1000)
     position = np.zeros((1000, 3), "f4")

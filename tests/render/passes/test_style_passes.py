@@ -9,6 +9,7 @@ from live.base.stage_snapshot import Camera
 from live.render.adaptive_quality import SOFTWARE
 from live.render.camera import project_points
 from live.render.renderer import Renderer
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.passes.test_element_pass import add_element
 from tests.render.poses import ARMS_DOWN, LUNGE, REACH, STEP, stage_view
 from tests.render.test_renderer import read, scene
@@ -114,7 +115,7 @@ def test_golden_styles(draw_last, golden, style):
     golden(draw_last((three_dancers(0.3), row_with(**{style: 1.0}))), f"style_{style}", law=STILL[style], off=0.01)
 
 
-@pytest.mark.parametrize("style", ["ribbons", "trails"])
+@mostly_long("style", ["ribbons", "trails"], quick=[1])
 def test_golden_motion_history_styles(draw_last, golden, style):
     """The same moment with and without its history: light is added, and only outside the dancers."""
     moments = dance_moments(row_with(**{style: 1.0, "solid": 1.0}))
@@ -206,6 +207,7 @@ def test_colours_pulse_with_beat_by_amount(draw_last):
     assert swing[1] > swing[0] + 20
 
 
+@pytest.mark.long
 def test_jump_back_in_time_clears_history(draw_last):
     row = row_with(solid=1.0, ribbons=1.0, trails=1.0)
     moments = dance_moments(row)

@@ -12,10 +12,11 @@ from live.render.camera import project_points
 from live.render.lettering.distance_field import CELL, EM, SPREAD, LetterField, bake_field, read_font
 from live.render.renderer import Renderer
 from tests.control.waiting import wait_for
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.test_renderer import SIZE, read, scene, standing
 
 WHITE = (1.0, 1.0, 1.0)
-BOTH = pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE], ids=["software", "card"])
+BOTH = mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
 
 
 @pytest.fixture
@@ -54,6 +55,7 @@ def test_field_is_the_distance_to_the_outline():
     assert columns.min() > SPREAD - 3
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_letter_in_the_picture_has_its_height_and_place(draw):
     size = (640, 360)
@@ -85,6 +87,7 @@ def test_letters_in_the_stage_hide_and_are_hidden_by_depth(draw, quality):
     assert (around > 200).sum() > 20
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_title_in_the_stage_has_its_height_in_metres(draw):
     bare, _ = draw(size=(640, 360))
@@ -97,7 +100,7 @@ def test_title_in_the_stage_has_its_height_in_metres(draw):
 
 
 @pytest.mark.gl
-@pytest.mark.parametrize("entrance", ["fade", "rise", "wipe", "type"])
+@mostly_long("entrance", ["fade", "rise", "wipe", "type"], quick=[2])
 def test_entrances_begin_with_nothing_grow_and_end_complete(draw, entrance):
     bare, _ = draw()
     lit = []
@@ -110,6 +113,7 @@ def test_entrances_begin_with_nothing_grow_and_end_complete(draw, entrance):
     assert lit[3] == pytest.approx(np.abs(complete - bare).sum(), rel=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_letters_that_the_font_lacks_are_nothing_and_told_once(draw):
     plain, none = draw(Title("AB", size=0.2)), draw(Title("A\u0416B\u0416", size=0.2), Title("\u0416", size=0.1))
@@ -121,7 +125,7 @@ def test_letters_that_the_font_lacks_are_nothing_and_told_once(draw):
 
 
 @pytest.mark.gl
-@pytest.mark.parametrize(("accented", "plain", "above"), [("É", "E", True), ("ñ", "n", True), ("Ç", "C", False)])
+@mostly_long(("accented", "plain", "above"), [("É", "E", True), ("ñ", "n", True), ("Ç", "C", False)], quick=[0])
 def test_accents_that_the_font_lacks_are_composed(draw, accented, plain, above):
     (with_accent, problems), (without, _) = (
         draw(Title(letter, size=0.3, colour=WHITE, entrance="cut")) for letter in (accented, plain)
@@ -133,6 +137,7 @@ def test_accents_that_the_font_lacks_are_composed(draw, accented, plain, above):
     assert (more < ink.min() + 2).mean() > 0.9 if above else (more > ink.max() - 4).mean() > 0.9
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_title_too_long_for_the_picture_is_smaller(draw):
     seen, _ = draw(Title("H" * 40, size=0.3, colour=WHITE, entrance="cut"))
@@ -142,6 +147,7 @@ def test_title_too_long_for_the_picture_is_smaller(draw):
     assert np.ptp(columns) > 0.85 * SIZE[0]
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_blackout_and_level_hide_titles(draw):
     dark, _ = draw(Title("HHH", size=0.3), brightness=0.0)

@@ -23,6 +23,7 @@ from live.render.outputs.photosensitivity import FlashLimiter
 from live.render.renderer import Renderer
 from live.render.uniforms import world_shares
 from live.show.desk.worlds import is_drawing_style, world_values
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.poses import LUNGE, REACH, STEP, stage_view
 from tests.render.test_renderer import crowd, empty, read, scene, standing
 
@@ -105,6 +106,7 @@ def test_no_world_is_taken_for_another(pictures):
     assert water[2] > water[0]  # cool
 
 
+@pytest.mark.long
 def test_both_qualities_show_the_same_worlds(gl_context):
     software, card = Pictures(gl_context), Pictures(gl_context, HARDWARE)
     for name in WORLD_NAMES:
@@ -115,7 +117,7 @@ def test_both_qualities_show_the_same_worlds(gl_context):
     card.release()
 
 
-@pytest.mark.parametrize(("one", "other"), [*pairwise((*WORLD_NAMES, "haze")), ("paper", "water"), ("dusk", "studio")])
+@mostly_long(("one", "other"), [*pairwise((*WORLD_NAMES, "haze")), ("paper", "water"), ("dusk", "studio")], quick=[7])
 def test_cross_fade_has_no_jump(plain, one, other):
     begin, end = world_row(one), world_row(other)
     frames, steps = [], 32

@@ -51,6 +51,7 @@ class AudienceSession:
         return float(np.hypot(*(self.show.state.position - (x, z)).T).mean())
 
 
+@pytest.mark.long
 def test_dancers_approach_gathering_points_and_leave_repulsors():
     coming, going, alone = AudienceSession(), AudienceSession(), AudienceSession()
     coming.run(4, places=EAST)

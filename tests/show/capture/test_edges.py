@@ -11,6 +11,7 @@ from live.control.events import events
 from live.motion.capture.packed_pose import pack_pose
 from live.motion.skeleton import JOINT_COUNT
 from live.show.capture.stage_presence import MAX_RETURN_SPEED, CanonBounds
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.capture.test_mocap import MEASURE, performer, run
 from tests.show.made_show import made_show
 
@@ -76,7 +77,7 @@ def test_dancer_outside_returns_at_walking_speed():
     assert there[0, 0] == pytest.approx(3.0, abs=0.01)
 
 
-@pytest.mark.parametrize("seed", [0, 1, *(pytest.param(more, marks=pytest.mark.long) for more in (2, 3))])
+@mostly_long("seed", [0, 1, *(pytest.param(more, marks=pytest.mark.long) for more in (2, 3))], quick=[1])
 def test_canon_dancers_stay_on_stage_when_performer_does(seed):
     chance = np.random.default_rng(seed)
     extra = f'dancer = "back & 6"\ncanon = "front"\ncanon_beats = {chance.choice([0.5, 1.0, 2.0])}'
@@ -116,6 +117,7 @@ def test_canon_dancers_stay_on_stage_when_performer_does(seed):
     assert step < 3.0 * 1.1 * TICK
 
 
+@pytest.mark.long
 def test_moved_capture_floor_acts_at_once_and_keeps_dancers_on_stage():
     show = made_show(performer('dancer = "back & 6"\ncanon = "front & 1-2"\ncanon_beats = 0.5'))
     rotation = np.zeros((JOINT_COUNT, 4))
@@ -133,6 +135,7 @@ def test_moved_capture_floor_acts_at_once_and_keeps_dancers_on_stage():
     assert (np.abs(show.state.position[:2]) <= show.motion.stage_area.half + 1e-5).all()
 
 
+@pytest.mark.long
 def test_mirrored_canon_paths_continue_without_jump():
     show = made_show(performer('dancer = "back & 6"\ncanon = "front & 1-2"\ncanon_beats = 1.0'))
     seen = [run(show, 1, 4 * MEASURE, name="anna")]

@@ -81,6 +81,7 @@ def test_dancer_and_agent_match_captured_pose_and_position():
     assert show.refusals.count == 0
 
 
+@pytest.mark.long
 def test_dropout_holds_pose_then_blends_out_and_back_without_pop():
     show = made_show()
     begin = MEASURE + 40
@@ -185,6 +186,7 @@ def test_performer_can_be_recast_or_hidden():
     assert show.motion.model.responsibility[[0, 1, 5]].tolist() == [1.0, 1.0, 0.0]
 
 
+@pytest.mark.long
 def test_performer_without_dancer_can_be_obstacle_and_attractor():
     show = made_show(performer('dancer = "none"\nobstacle = true\nattract = 1.0\nattracts = "front"'))
     run(show, 1, 40, name="anna")
@@ -199,6 +201,7 @@ def test_performer_without_dancer_can_be_obstacle_and_attractor():
     assert show.motion.surroundings.obstacle_names == ()
 
 
+@pytest.mark.long
 def test_footfalls_follow_captured_feet_instead_of_dancer_clip():
     show = made_show()
     falls, view, ears = [], show.view(), FootfallDetector(show)
@@ -283,6 +286,7 @@ CANON = performer('dancer = "front & 2"\ncanon = "back"\nattract = 0.5\nattracts
 LOADED = LoadedShow(Path("test.toml"), parse_patch(PATCH + CANON, "test.toml"), GRAPH)
 
 
+@pytest.mark.long
 def test_restored_show_continues_capture_bit_identically():
     show = LOADED.start()
     tick, source = MEASURE + 20, Snapshotter(show)
@@ -296,6 +300,7 @@ def test_restored_show_continues_capture_bit_identically():
     assert restored.state_hash() == show.state_hash()
 
 
+@pytest.mark.long
 def test_journal_replay_of_capture_is_bit_identical(tmp_path):
     show, clock, inbox = LOADED.start(), ManualClock(), EventQueue()
     writer = JournalWriter(tmp_path / "a.jsonl", {"seed": 3, "tempo": None})

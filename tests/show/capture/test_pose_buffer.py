@@ -113,6 +113,7 @@ def test_new_performer_starts_at_tracker_position():
     assert np.abs(np.diff(seen, axis=0)).max() / TICK < 1.6 * np.abs(begun - (1.0, -1.0)).max()
 
 
+@pytest.mark.long
 def test_stale_tracker_holds_offset_and_returning_tracker_corrects_smoothly():
     show, end = made_show(ANNA), 12 * 64
     silent, back = range(4 * 64, 8 * 64), 8 * 64
@@ -127,6 +128,7 @@ def test_stale_tracker_holds_offset_and_returning_tracker_corrects_smoothly():
     assert (facts["tracker"], facts["corrected_m"][0]) == ("7", pytest.approx(3.0, abs=0.02))
 
 
+@pytest.mark.long
 def test_suit_motion_counts_while_tracker_is_silent():
     show = made_show(ANNA)
     run(show, 1, 4 * 64, constant_place(0.0, 0.0), constant_place(1.0, -1.0))
@@ -135,6 +137,7 @@ def test_suit_motion_counts_while_tracker_is_silent():
     np.testing.assert_allclose(walks[-1], (1.0 + 0.5 * (3.0 - 0.044 + 0.004), -1.0), atol=5 * MM)
 
 
+@pytest.mark.long
 def test_capture_floor_and_tracker_axes_follow_patch():
     extra = 'at = [0.5, 0.0]\nturn_deg = 90\nmirrored = true\n[psn]\naxes = "-y x"\n'
     show = made_show(ANNA + extra)
@@ -144,6 +147,7 @@ def test_capture_floor_and_tracker_axes_follow_patch():
     np.testing.assert_allclose(seen[-1], (0.5 + 0.4, -1.0), atol=3 * MM)
 
 
+@pytest.mark.long
 def test_performer_without_tracker_returns_to_suit_position():
     show = made_show(ANNA)
     run(show, 1, 4 * 64, constant_place(0.0, 0.0), constant_place(1.0, -1.0))

@@ -51,6 +51,7 @@ def danced(loaded, *calls, seconds=4.0):
     return show, view, recorder.ratios()
 
 
+@pytest.mark.long
 def test_neighbours_keep_apart_unless_arms_are_left_as_danced(loaded):
     _, _, kept = danced(loaded)
     _, _, left = danced(loaded, ("/dance/motion/arm_clearance", (0.0,)))
@@ -59,6 +60,7 @@ def test_neighbours_keep_apart_unless_arms_are_left_as_danced(loaded):
     assert kept["self_contact_ratio"] <= 0.01
 
 
+@pytest.mark.long
 def test_a_group_leaves_its_arms_as_danced(loaded):
     whole, some, none = (
         danced(loaded, *calls, seconds=1.5)[1].joint_position

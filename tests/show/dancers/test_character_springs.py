@@ -84,6 +84,7 @@ def test_shows_without_springs_have_none():
     assert view_of(show).spring.shape == (0, 0, 4)
 
 
+@pytest.mark.long
 def test_frames_change_no_spring(loaded):
     plain, watched = loaded.start(), loaded.start()
     for tick in range(1, 200):
@@ -95,6 +96,7 @@ def test_frames_change_no_spring(loaded):
     assert np.array_equal(view_of(plain, 0.003).spring, view_of(watched, 0.003).spring)
 
 
+@pytest.mark.long
 def test_restored_show_swings_on_with_the_same_bits(loaded):
     show = loaded.start()
     run(show, 1, 150, {})
@@ -110,6 +112,7 @@ def test_springs_change_nothing_else(loaded):
     assert run(loaded.start(), 1, 200, {}) == run(replace(loaded, springs={}).start(), 1, 200, {})
 
 
+@pytest.mark.long
 def test_show_is_restored_where_the_file_is_gone_or_another(loaded, tmp_path):
     at, data = capture_from(ticked(loaded, 100), 100, {})
     bare = restore(replace(loaded, springs={}), data)
@@ -131,6 +134,7 @@ def test_springs_begin_at_rest_after_a_stall_of_ten_seconds(loaded):
         assert angles(springs_in(view_of(show))).max() < 2.0
 
 
+@pytest.mark.long
 def test_picture_between_ticks_is_between_their_springs(loaded):
     show = ticked(loaded, 250)
     first, middle, last = (view_of(show, share * TICK).spring for share in (0.0, 0.5, 1.0))
@@ -139,6 +143,7 @@ def test_picture_between_ticks_is_between_their_springs(loaded):
     assert np.abs(0.5 * (first + last) - middle).max() < 0.1 * whole
 
 
+@pytest.mark.long
 def test_nearest_dancers_swing_if_there_are_too_many_springs(loaded, monkeypatch):
     show = loaded.start()
     size = show.springs.bone_count

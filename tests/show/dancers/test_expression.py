@@ -100,6 +100,7 @@ def dance(head=1.0):
     return run(assemble(parse_patch(SALSA.format(head=head), "expression.toml"), graph()), 60.0)
 
 
+@pytest.mark.long
 def test_eyes_lids_and_mouths_keep_their_limits():
     face, hand = dance()["face"], dance()["hand"]
     assert np.abs(face[..., GAZE_YAW]).max() <= YAW_LIMIT + 1e-6
@@ -160,6 +161,7 @@ def test_eyes_hold_the_public_while_the_head_turns():
     assert np.percentile(off[steady], 50) < 2.0
 
 
+@pytest.mark.long
 def test_eyes_lead_the_head_in_turns():
     found = dance(head=0.0)
     w, x, y, z = found["head"].astype(np.float64).transpose(2, 0, 1)
@@ -297,6 +299,7 @@ size = [8.0, 3.0]
 """
 
 
+@pytest.mark.long
 def test_hands_close_round_the_partners_hand():
     walks = build_graph(build_library([c for c in load_folder(ROOT / "patches" / "steps") if c.step == "walk"]))
     show = assemble(parse_patch(PAIRS, "pairs.toml"), walks)

@@ -13,6 +13,7 @@ from live.show.dancers.garments import BUDGET, FEWEST_SUBSTEPS, SUBSTEPS
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
 from live.show.state.snapshot import SnapshotError, restore
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.cloth.cloth_bodies import grid, stretch
 from tests.show.made_show import GRAPH, PATCH
 from tests.show.state.test_snapshot import capture_from, run
@@ -65,6 +66,7 @@ def test_show_without_garments_has_none_and_its_hash_does_not_change():
     assert not show.garments.hashed()
 
 
+@pytest.mark.long
 def test_clothes_change_live():
     show = ticked(SHOW.start(), 100)
     assert show.garments.simulated["skirt/cotton"].count == 4
@@ -75,6 +77,7 @@ def test_clothes_change_live():
     assert {0, 1, 2, 3, 4} <= set(view.cloth_garment[:, 0].tolist())  # and drawn all the same
 
 
+@pytest.mark.long
 def test_two_runs_have_the_same_bits():
     assert run(SHOW.start(), 1, 400, SCRIPT) == run(SHOW.start(), 1, 400, SCRIPT)
 
@@ -89,7 +92,7 @@ def test_pictures_do_not_change_the_simulation():
     assert one.state_hash() == two.state_hash()
 
 
-@pytest.mark.parametrize("tick", [95, 270, *(pytest.param(one, marks=pytest.mark.long) for one in (20, 160, 201, 335))])
+@mostly_long("tick", [95, 270, *(pytest.param(one, marks=pytest.mark.long) for one in (20, 160, 201, 335))], quick=[0])
 def test_restored_show_goes_on_with_the_same_bits(tick):
     show = SHOW.start()
     run(show, 1, tick, SCRIPT)
@@ -108,6 +111,7 @@ def test_snapshot_with_arrays_of_another_size_is_refused():
         restore(SHOW, data)
 
 
+@pytest.mark.long
 def test_after_skipped_ticks_they_hang_again():
     show = ticked(SHOW.start(), 199)
     batch = show.garments.simulated["skirt/silk"]

@@ -13,6 +13,7 @@ from live.motion.quality.metrics import StandingFeet
 from live.motion.skeleton import SKELETON
 from live.show.assembly import assemble
 from live.show.patch.patch_reader import parse_patch
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.dancers.danced_step import GROUP, PATCH, danced_step, shipped
 
 HIPS = SKELETON.index("hips")
@@ -28,6 +29,7 @@ def mean_slide(position):
     return feet.speeds().mean()
 
 
+@pytest.mark.long
 def test_a_jump_flies_and_lands_at_every_end_of_every_mood():
     """The flight takes as long, the hips fly the same arc, and the feet land without sliding or going into the floor.
 
@@ -49,8 +51,9 @@ def test_a_jump_flies_and_lands_at_every_end_of_every_mood():
 ONE_PART = '[chest]\n"1" = "turn left 20"\n'
 
 
-@pytest.mark.parametrize("part", ['[chest]\n"1" = "turn left 20"', '[left_foot]\n"1" = "out 10"',
-                                  '[left_hand]\n"3" = "out 40, up 20"', '[pelvis]\n"2" = "down 10"'])  # fmt: skip
+@mostly_long("part", ['[chest]\n"1" = "turn left 20"', '[left_foot]\n"1" = "out 10"',
+                                  '[left_hand]\n"3" = "out 40, up 20"', '[pelvis]\n"2" = "down 10"'],
+    quick=[2])  # fmt: skip
 def test_a_sketch_of_one_key_is_danced_step(part):
     found = danced_step(f'name = "still"\n{part}\n', seconds=3.0)
     assert np.isfinite(found).all()
@@ -75,7 +78,7 @@ def test_hands_that_want_to_be_in_the_trunk_stay_outside():
     assert np.linalg.norm(np.diff(found, axis=0), axis=-1).max() / TICK < 9.0  # m/s
 
 
-@pytest.mark.parametrize("name", ["samba", "jump", "mambo", "turn"])
+@mostly_long("name", ["samba", "jump", "mambo", "turn"], quick=[3])
 def test_steps_at_200_bpm_stay_on_the_floor(name):
     found = danced_step(shipped(name), bpm=200, moods=["", "time = 1.0", "flow = 1.0, energy = 1.0"])
     assert found[:, :, FEET, 1].min() > -0.005

@@ -27,6 +27,7 @@ from live.show.dancers.variation import Variation, section_values
 from live.show.loader import load_from_patch, load_show
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import DEFAULT_PATCH
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import GRAPH, PATCH, made_show
 
 COUNT = 60
@@ -211,7 +212,7 @@ def neutral_rotations():
     return rotations("head", 0.0)[0]
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     "field",
     [
         *("warp", "arms", "face_average"),
@@ -220,6 +221,7 @@ def neutral_rotations():
             for one in ("amplitude", "mix", "head", "turn_on_support", "mirror")
         ),
     ],
+    quick=[1],
 )
 def test_each_control_changes_poses_of_its_group_only(field, neutral_rotations):
     """In the show: the events differ in one control, and only the poses of that group differ.
@@ -242,6 +244,7 @@ def test_unknown_groups_and_controls_are_refused_and_counted():
     assert show.apply(events.SetParameter(address="/dance/motion/head", value=(1.0,), group="*", **STAMP))
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("side", [-1.0, pytest.param(1.0, marks=pytest.mark.long)])
 def test_mirror_extremes_select_one_side_only(side):
     """T042: all steps of the first show have mirror images; from the second decided measure on one side is used."""

@@ -52,6 +52,7 @@ def varied():
     return danced(load())
 
 
+@pytest.mark.long
 def test_steps_places_and_feet_are_those_of_the_show_without(varied):
     nodes, joints, _ = varied
     plain_nodes, plain, _ = danced(load(re.sub("variations = 2|arms = 1", "", PATCH)))

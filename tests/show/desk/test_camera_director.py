@@ -14,6 +14,7 @@ from live.show.desk.camera_framing import Framing
 from live.show.desk.camera_kernels import HEIGHT, RADIUS, keep_clear
 from live.show.desk.camera_shots import FULL, KINDS, TOTAL, WAIST
 from live.show.state.snapshot import Snapshotter, restore
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.desk.desk_show import DeskSession
 from tests.show.desk.test_light_desk_state import LOADED
 
@@ -176,7 +177,7 @@ def test_top_is_that_of_the_highest_head_in_the_measure():
     assert top == pytest.approx(highest + 0.20, abs=0.03)
 
 
-@pytest.mark.parametrize("mood", ["calm", "lively", "cinematic", "still"])
+@mostly_long("mood", ["calm", "lively", "cinematic", "still"], quick=[0])
 def test_whole_show_is_framed_and_changes_on_phrases(mood):
     session, kinds, cuts = DeskSession(f'[camera]\nmood = "{mood}"\n'), {kind.name for kind in KINDS if kind.whole}, 0
     good, count, last = 0, 0, None

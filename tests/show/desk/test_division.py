@@ -16,6 +16,7 @@ from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
 from live.show.patch.patch_update import patch_version
 from live.show.state.snapshot import restore
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.desk.desk_show import DESK, DeskSession
 from tests.show.made_show import GRAPH, PATCH
 from tests.show.state.test_snapshot import capture_from, run
@@ -282,7 +283,7 @@ def test_music_moves_values_of_a_selection():
     assert not values[[1, 2, 3, 4, 6, 7, 8]].any()
 
 
-@pytest.mark.parametrize("tick", [100, 170, 280, 420, 520])
+@mostly_long("tick", [100, 170, 280, 420, 520], quick=[3, 4])
 def test_restored_parts_continue_bit_identically(tick):
     show = LOADED.start()
     run(show, 1, tick, SCRIPT)
@@ -306,7 +307,7 @@ def test_groups_leave_rows_for_parts():
     assert dancer_words([1, 2, 3, 5, 7, 8]) == "1-3 + 5 + 7-8"
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+@mostly_long("seed", [1, 2, 3], quick=[1])
 def test_random_edits_of_selections_undone_and_redone_in_order(seed):
     random = np.random.default_rng(seed)
     session = DeskSession(SCENES + DESK).run(4)

@@ -14,6 +14,7 @@ from live.show.desk.pad import KINDS
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
 from live.show.state.snapshot import restore
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.desk.desk_show import DeskSession
 from tests.show.made_show import GRAPH, PATCH, made_show
 from tests.show.state.test_snapshot import capture_from, run
@@ -230,7 +231,7 @@ def test_a_place_counts_once_when_it_is_launched():
     assert session.show.scheduler.subgroups.sequences == ()
 
 
-@pytest.mark.parametrize(("follow", "then"), [("again", "glide"), ("next", "spin"), ("first", "sway")])
+@mostly_long(("follow", "then"), [("again", "glide"), ("next", "spin"), ("first", "sway")], quick=[2])
 def test_what_follows(follow, then):
     session = Session().run(1)
     assert [pad.name for pad in session.show.launcher.pads.page("step")] == ["sway", "glide", "spin", "phrase"]
@@ -271,6 +272,7 @@ def test_a_step_that_cannot_follow_at_once_is_passed_over():
     assert list(session.waiting()) == [f"step {next(name for name in order if name in ready)}"]
 
 
+@pytest.mark.long
 def test_another_is_drawn_by_the_seed_and_never_itself():
     def danced(seed):
         session = Session()
@@ -289,6 +291,7 @@ def test_another_is_drawn_by_the_seed_and_never_itself():
     assert all(one != other for one, other in itertools.pairwise(first))
 
 
+@pytest.mark.long
 def test_own_pads_have_their_measures_and_follow_each_other():
     session = Session(OWN).run(1)
     session.say("/dance/launch", "own one", "front")
@@ -404,7 +407,7 @@ SCRIPT = {
 }
 
 
-@pytest.mark.parametrize("tick", [45, 130, 200, 333, 600])
+@mostly_long("tick", [45, 130, 200, 333, 600], quick=[0])
 def test_launches_continue_bit_identically_from_a_snapshot(tick):
     show = LOADED.start()
     run(show, 1, tick, SCRIPT)
@@ -417,6 +420,7 @@ def test_launches_continue_bit_identically_from_a_snapshot(tick):
     assert show.launcher.facts()["launched"] > 4
 
 
+@pytest.mark.long
 def test_launches_from_a_journal_are_the_same():
     written = {tick: json.loads(json.dumps(event_to_json(event))) for tick, event in SCRIPT.items()}
     read = {tick: event_from_json(event) for tick, event in written.items()}

@@ -7,6 +7,7 @@ from live.base import picture_parameters as pp
 from live.clock.ticks import TICK
 from live.control.events.audio import MusicHeard
 from live.show.desk.score_light import AMOUNT, BEAMS, KEY, LEVEL, PRESET, SPOTS
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.desk.desk_show import DeskSession
 
 ENDING = '[[section]]\nname = "all"\nmeasures = 4\nthen = "end"\n'
@@ -41,6 +42,7 @@ def test_show_begins_in_half_light_and_fades_up_within_a_measure():
     assert level(session.run(8)) == pytest.approx(1.0)
 
 
+@pytest.mark.long
 def test_piece_that_ends_fades_to_black_and_comes_back_when_it_goes_on():
     session = DeskSession(ENDING)
     while session.show.span.number < 2:
@@ -53,11 +55,13 @@ def test_piece_that_ends_fades_to_black_and_comes_back_when_it_goes_on():
     assert level(session.run(16)) > 0.9
 
 
+@pytest.mark.long
 def test_dark_end_is_only_that_of_the_score():
     session = DeskSession("").run(8)
     assert min(level(session.run(2)) for _ in range(40)) > 0.7
 
 
+@pytest.mark.long
 def test_loud_music_is_brighter_and_quiet_music_cooler():
     quiet = row_of(hear(DeskSession("").run(8), 24, loudness=0.05, density=0.2))[0]
     loud = row_of(hear(DeskSession("").run(8), 24, loudness=0.95, density=6.0))[0]
@@ -78,6 +82,7 @@ def test_build_up_raises_beams_and_a_drop_opens_them():
     assert row_of(hear(session, 24))[0][BEAMS] == pytest.approx(before[BEAMS], abs=0.05)
 
 
+@pytest.mark.long
 def test_only_dancer_is_lit_where_they_dance():
     session = DeskSession("").run(8)
     assert row_of(session)[0][list(SPOTS)].max() == 0.0
@@ -94,9 +99,10 @@ def test_only_dancer_is_lit_where_they_dance():
     assert row_of(session)[0][SPOTS[-1]] == 0.0
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("call", "place"),
     [(("/dance/light/level", 0.6), LEVEL), (("/dance/light/key", 0.7), KEY), (("/dance/light/beams", 0.2), BEAMS)],
+    quick=[1],
     ids=lambda one: str(one),
 )  # fmt: skip
 def test_touched_parameter_belongs_to_the_hand_until_it_is_released(call, place):
@@ -110,6 +116,7 @@ def test_touched_parameter_belongs_to_the_hand_until_it_is_released(call, place)
     assert row_of(session)[0][place] != pytest.approx(call[1], abs=1e-3)
 
 
+@pytest.mark.long
 def test_scene_claims_its_values_and_the_start_scene_gives_them_back():
     session = hear(DeskSession().run(8), 8, loudness=0.1)
     session.say("/dance/scene", "low", 0.0)
@@ -120,6 +127,7 @@ def test_scene_claims_its_values_and_the_start_scene_gives_them_back():
     assert row_of(session)[0][LEVEL] < 0.95
 
 
+@pytest.mark.long
 def test_panic_switches_it_off_until_the_show_goes_on():
     session = hear(DeskSession().run(8), 12, loudness=0.1)
     assert level(session) < 0.95
@@ -139,6 +147,7 @@ def test_amount_of_zero_changes_nothing():
     assert row[AMOUNT] == 0.0
 
 
+@pytest.mark.long
 def test_light_changes_slower_than_a_flash():
     """Even with a drop at every beat: never 10 % down and up again within a third of a second (WCAG 2.2, 2.3.1)."""
     session, levels = DeskSession("").run(8), []

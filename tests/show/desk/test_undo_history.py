@@ -6,6 +6,7 @@ from live.control.events.event import ControlEvent
 from live.control.events.events import EVENT_TYPES
 from live.control.registry.registry import REGISTRY
 from live.show.desk.undo_history import MAX_EDITS
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.desk.desk_show import DESK, DeskSession
 
 
@@ -33,7 +34,7 @@ CALLS = (
 )  # fmt: skip
 
 
-@pytest.mark.parametrize("call", CALLS, ids=lambda call: call[0])
+@mostly_long("call", CALLS, quick=[2, 3, 5, 6], ids=lambda call: call[0])
 def test_each_edit_can_be_undone_and_redone(session, call):
     before = editable_state(session)
     assert session.say(*call), session.words
@@ -59,6 +60,7 @@ def test_removed_obstacle_is_restored_by_undo(session):
     assert editable_state(session) == before
 
 
+@pytest.mark.long
 def test_edits_are_undone_in_reverse_order_and_new_edit_clears_redo(session):
     states = [editable_state(session)]
     for call in CALLS:

@@ -10,6 +10,7 @@ from live.show.desk.parameter_table import parse_value
 from live.show.desk.scenes import start_row
 from live.show.desk.worlds import BY_NAME, WORLD_PARAMETERS, WORLDS, is_drawing_style, world_values
 from live.show.patch.patch_search_path import PatchError
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.desk.desk_show import DeskSession
 from tests.show.made_show import made_show
 
@@ -28,7 +29,7 @@ def test_every_world_has_a_row_of_valid_defaults():
             assert all(row.low <= number <= row.high for number in numbers), address
 
 
-@pytest.mark.parametrize("name", WORLD_NAMES)
+@mostly_long("name", WORLD_NAMES, quick=[2, 3, 4])
 def test_show_that_begins_in_a_world_equals_one_that_has_faded_to_it(name):
     begun, faded = DeskSession(look(f'world = "{name}"')), DeskSession()
     assert faded.say("/dance/world", name.upper(), 1)

@@ -97,6 +97,7 @@ def test_mask_bits_are_reused_and_limited(casting):
     assert addressees.mask("right", PLACES, used & ~4) == 4
 
 
+@pytest.mark.long
 @given(st.text(max_size=60))
 def test_arbitrary_text_is_selected_or_refused(words):
     casting = Casting(parse_patch(PATCH, "test.toml"))

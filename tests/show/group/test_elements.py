@@ -26,6 +26,7 @@ def test_points_are_parsed_and_invalid_text_is_refused():
             parse_points(text)
 
 
+@pytest.mark.long
 @given(st.text(max_size=40))
 def test_arbitrary_text_is_parsed_or_refused(text):
     with contextlib.suppress(ValueError):

@@ -76,6 +76,7 @@ def test_scheduler_has_no_dead_ends_or_detours(experiment_run):
     assert show.graph.missing == ()
 
 
+@pytest.mark.long
 def test_dancers_stay_on_stage(experiment_run):
     _, show, hips, _, _, _ = experiment_run
     assert np.abs(hips[..., 0]).max() < show.patch.stage.width / 2
@@ -125,6 +126,7 @@ def test_contemporary_crosses_the_bar(experiment_run):
     assert np.abs(after).min() > 0.5
 
 
+@pytest.mark.long
 def test_repeated_show_is_bit_identical(experiment_run):
     """Rendering, as in the first run, does not change the state."""
     name, _, _, _, _, lines = experiment_run
@@ -173,6 +175,7 @@ def _pairs(library):
                 yield begins[first] + clip.measures - 1, begins[second]
 
 
+@pytest.mark.long
 def test_ballet_graph_connects_all_danceable_pairs():
     """T137: each pair of variations with matching poses is an edge; each step can follow each other step."""
     graph = load_show(find_patch("ballet")).graph

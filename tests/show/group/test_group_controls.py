@@ -59,6 +59,7 @@ def test_next_measure_formation_waits_for_measure_line():
     assert np.ptp(show.state.position[5:, 1]) < 0.05
 
 
+@pytest.mark.long
 def test_dancers_follow_their_agents_into_the_formation():
     show = made_show("""
 [[segment]]
@@ -93,6 +94,7 @@ group = "front"
 """
 
 
+@pytest.mark.long
 def test_score_segments_and_regroups_start_in_their_measures():
     show = made_show(SCORE)
     start = show.state.position.copy()
@@ -106,6 +108,7 @@ def test_score_segments_and_regroups_start_in_their_measures():
     assert np.abs(show.state.position[:5] - wedge - (0.0, 1.0)).max() < 0.06
 
 
+@pytest.mark.long
 def test_redefined_formation_moves_its_dancers():
     show = made_show()
     show.apply(make_event(events.DefineFormation, show, name="flower", formation="circle"))
@@ -128,6 +131,7 @@ def test_attractor_releases_its_group_from_formation():
     assert (near < before - 1.0).all()
 
 
+@pytest.mark.long
 def test_crossing_moves_all_dancers_to_other_side():
     show = made_show()
     run(show, 1.0)
@@ -137,6 +141,7 @@ def test_crossing_moves_all_dancers_to_other_side():
     assert (np.sign(show.state.position[:, 1]) == -side).all()
 
 
+@pytest.mark.long
 def test_dancers_enter_and_leave_through_gates_at_measure_lines():
     show = made_show(reserve=3)
     view = show.view()
@@ -161,6 +166,7 @@ def test_dancers_enter_and_leave_through_gates_at_measure_lines():
     assert "only 3 waited" in show.refusals.last_reason
 
 
+@pytest.mark.long
 def test_agents_avoid_obstacles_and_lost_performers_are_removed():
     show = made_show()
     show.apply(make_event(events.PlaceObstacle, show, name="box", x=0.0, z=0.0, radius=1.0))
@@ -232,6 +238,7 @@ def test_empty_group_does_not_stop_show():
     assert "nobody is 'back' now" in show.refusals.last_reason
 
 
+@pytest.mark.long
 def test_returning_dancer_rejoins_own_group():
     show = made_show()
     show.apply(make_event(events.Leave, show, dancers="9"))
@@ -277,6 +284,7 @@ def run_script(show):
     return hashes
 
 
+@pytest.mark.long
 def test_combined_script_is_deterministic():
     first, second = (run_script(made_show(reserve=2)) for _ in range(2))
     assert len(first) == len(set(first)) == 11

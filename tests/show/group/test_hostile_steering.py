@@ -13,6 +13,7 @@ from live.show.assembly import assemble
 from live.show.loader import load_from_patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PATCHES
+from tests.fixtures.mostly_long import mostly_long
 
 PATCH = """
 name = "hostile"
@@ -99,6 +100,7 @@ class MotionRecorder:
         assert jumped[there[1:] & there[:-1]].max() < 5.0  # m/s, at 240 bpm: hips go, they are not put elsewhere
 
 
+@pytest.mark.long
 def test_motion_holds_when_tempo_jumps_stops_and_doubles(show):
     """From 60 to 180 within one beat, to half and double repeatedly; then the clock source stops."""
     script = {
@@ -151,6 +153,7 @@ def test_motion_holds_when_500_attractors_change_each_tick(show):
     recorder.check_all()
 
 
+@pytest.mark.long
 def test_motion_holds_when_dancers_leave_mid_step_and_enter(show):
     """Leaving dancers walk to a gate and disappear; other dancers are not disturbed."""
     recorder = MotionRecorder(show)
@@ -167,6 +170,7 @@ def test_motion_holds_when_dancers_leave_mid_step_and_enter(show):
     recorder.check_all(staying=staying)
 
 
+@pytest.mark.long
 def test_dancers_stay_inside_closing_walls(show):
     """Walls move inward while all dance: each dancer ends between them."""
     recorder = MotionRecorder(show)
@@ -220,7 +224,7 @@ def resize_stage(show, width, depth):
     return show.apply(events.SetStage(time=show.time, source="test", width=width, depth=depth))
 
 
-@pytest.mark.parametrize("formation", [False, True])
+@mostly_long("formation", [False, True], quick=[1])
 def test_dancers_walk_inside_when_stage_shrinks(show, formation):
     """Dancers outside walk in with planted feet, and dancers that are inside stay inside."""
     recorder = MotionRecorder(show)
@@ -247,6 +251,7 @@ def test_dancers_walk_inside_when_stage_shrinks(show, formation):
     assert (np.abs(show.state.position[there]) <= half + 1e-4).all()
 
 
+@pytest.mark.long
 def test_motion_holds_when_stage_size_changes_repeatedly(show):
     """Sizes change faster than walking speed: all dancers stay within the largest of them."""
     chance, recorder = np.random.default_rng(4), MotionRecorder(show)
@@ -261,6 +266,7 @@ def test_motion_holds_when_stage_size_changes_repeatedly(show):
     assert recorder.beyond(show.motion.stage_area.largest)[np.array(recorder.there)].max() < BODY
 
 
+@pytest.mark.long
 def test_resize_is_deterministic_and_refused_sizes_change_nothing(loaded):
     """Too large, too narrow, no room for all: refused and counted, without effect on the state."""
     shows = [assemble(loaded.patch, loaded.graph) for _ in range(3)]
@@ -285,6 +291,7 @@ def test_stage_can_return_to_patch_size(show):
     assert [gate.x for gate in show.motion.gates][:2] == [-4.5, 4.5]
 
 
+@pytest.mark.long
 def test_motion_holds_at_slowest_and_fastest_tempo(loaded):
     """Planted feet hold at the tempo limits, 40 and 240 bpm."""
     for tempo in (40.0, 240.0):

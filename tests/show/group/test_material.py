@@ -57,6 +57,7 @@ def patch_file(tmp_path):
     return write
 
 
+@pytest.mark.long
 def test_a_show_dances_them_at_its_measures(patch_file):
     show, tick = load_show(patch_file()).start(), 0
     room = room_of((((-4.0, -3.0), (4.0, -3.0), (4.0, 0.0), (0.0, 0.0), (0.0, 3.0), (-4.0, 3.0)),))

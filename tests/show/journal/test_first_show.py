@@ -29,6 +29,7 @@ def first_show_run():
     return show, np.array(frames), report.result()
 
 
+@pytest.mark.long
 def test_joint_accelerations_have_no_pops(first_show_run):
     """Jumps reach 112 m/s², and 190 when danced up to a third faster; a joint that pops shows thousands."""
     _, frames, _ = first_show_run

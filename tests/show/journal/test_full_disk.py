@@ -81,6 +81,7 @@ def fill_disk(place):
         file.write(b"x")
 
 
+@pytest.mark.long
 def test_full_disk_leaves_gap_that_replay_reports_and_skips(small_disk):
     dance = JournaledShow(small_disk / "j", events_every=4)
     dance.run(3)
@@ -126,6 +127,7 @@ def test_journal_on_initially_full_disk_starts_with_header(small_disk):
     assert any("lines are missing" in problem for problem in found.problems)
 
 
+@pytest.mark.long
 def test_journal_restarts_with_gap_after_folder_is_removed(tmp_path):
     place = tmp_path / "night"
     place.mkdir()

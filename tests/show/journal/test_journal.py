@@ -69,6 +69,7 @@ def test_each_event_class_is_registered_for_reading():
     assert kinds == set(events.EVENT_TYPES)
 
 
+@pytest.mark.long
 def test_replay_detects_changed_event(tmp_path):
     path = tmp_path / "a.jsonl"
     record_show(path, seconds=6.0)
@@ -84,6 +85,7 @@ def test_replay_detects_changed_event(tmp_path):
     assert min(measure for measure, *_ in result.differences) >= 2
 
 
+@pytest.mark.long
 def test_truncated_journal_is_replayed_up_to_last_whole_line(tmp_path):
     path = tmp_path / "a.jsonl"
     record_show(path, seconds=8.0)
@@ -219,6 +221,7 @@ def old_form(event):
     return event
 
 
+@pytest.mark.long
 def test_journal_of_format_1_is_read(tmp_path):
     path = tmp_path / "a.jsonl"
     record_show(path, seconds=6.0)

@@ -22,6 +22,7 @@ from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_update import patch_version
 from live.show.state.snapshot import Snapshotter, snapshot_header
 from live.show.view.status import Status
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.journal.disk import wait_until_written
 from tests.show.made_show import GRAPH, PATCH
 
@@ -72,7 +73,7 @@ def journal_copy(recorded_journal, tmp_path):
     return tmp_path / "a.jsonl"
 
 
-@pytest.mark.parametrize("fps", [25, 60, 144])
+@mostly_long("fps", [25, 60, 144], quick=[1])
 def test_replay_has_same_hashes_at_any_frame_rate(recorded_journal, fps):
     path, last = recorded_journal
     journal = read_journal(path)
@@ -88,7 +89,7 @@ def test_replay_has_same_hashes_at_any_frame_rate(recorded_journal, fps):
     assert abs(frame - journal.last_tick * TICK * fps) <= fps * 0.6  # but for the stall, it is as long as the show
 
 
-@pytest.mark.parametrize("first", [2, 4, 6, 8])
+@mostly_long("first", [2, 4, 6, 8], quick=[3])
 def test_replay_from_measure_starts_at_previous_snapshot(recorded_journal, first):
     path, last = recorded_journal
     journal, problems = read_journal(path), []
@@ -118,6 +119,7 @@ def _damage(path, which):
     return number + 1
 
 
+@pytest.mark.long
 def test_damaged_line_is_reported_and_replay_resumes_at_next_snapshot(journal_copy, recorded_journal):
     number = _damage(journal_copy, '"StepNow"')
     journal = read_journal(journal_copy)
@@ -278,6 +280,7 @@ def test_long_journal_is_not_loaded_into_memory(tmp_path):
     assert peak < 1_000_000
 
 
+@pytest.mark.long
 def test_replay_starts_from_snapshot_after_patch_edit(tmp_path):
     show, clock, inbox = MADE.start(), ManualClock(), EventQueue()
     path = tmp_path / "a.jsonl"

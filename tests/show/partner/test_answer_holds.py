@@ -13,6 +13,7 @@ from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import PatchError, parse_patch
 from live.show.show import Show
 from live.show.state.snapshot import Snapshotter, restore
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import PATCH
 from tests.show.partner.answering_show import FILE, FOLLOWER, LEADER
 from tests.show.partner.holding_show import (
@@ -80,7 +81,7 @@ def set_hands_fader(show: Show, value: float) -> Show:
     return show
 
 
-@pytest.mark.parametrize("captured", [False, True])
+@mostly_long("captured", [False, True], quick=[0])
 def test_hands_are_held_within_reach_and_only_arms_move(captured: bool) -> None:
     extra = LIVE if captured else HELD
     held = ShowRecorder(holding_show(extra), 14.0, captured=captured)
@@ -97,6 +98,7 @@ def test_hands_are_held_within_reach_and_only_arms_move(captured: bool) -> None:
     assert speed < 1.5 * usual + 1.0 * TICK
 
 
+@pytest.mark.long
 def test_arms_out_of_reach_are_unchanged_and_misses_are_counted() -> None:
     far = HELD.replace("hold_distance = 0.4", "hold_distance = 1.0")
     held = ShowRecorder(holding_show(far, apart=1.7), 9.0)
@@ -109,6 +111,7 @@ def test_arms_out_of_reach_are_unchanged_and_misses_are_counted() -> None:
     assert held.bones() == pytest.approx(free.bones(), abs=1e-4)
 
 
+@pytest.mark.long
 def test_hands_fader_releases_hold_smoothly_and_rendering_changes_nothing() -> None:
     one, other = holding_show(), holding_show()
     drawn = ShowRecorder(other, 12.0, drawn=True)
@@ -122,6 +125,7 @@ def test_hands_fader_releases_hold_smoothly_and_rendering_changes_nothing() -> N
     assert gaps[-1] > 0.05
 
 
+@pytest.mark.long
 def test_snapshot_with_held_hands_continues_bit_identically() -> None:
     show = holding_show()
     ShowRecorder(show, 12.0)
@@ -137,6 +141,7 @@ def test_snapshot_with_held_hands_continues_bit_identically() -> None:
     assert again.state_hash() == show.state_hash()
 
 
+@pytest.mark.long
 def test_partners_without_hold_distance_do_not_hold_hands() -> None:
     plain = HELD.replace("hold_distance = 0.4\n", "")
     bank = holding_bank(plain)

@@ -44,6 +44,7 @@ def bone_lengths(position: np.ndarray) -> np.ndarray:
     return np.linalg.norm(position[..., 1:, :] - position[..., parents, :], axis=-1)
 
 
+@pytest.mark.long
 def test_follower_moves_to_leader_and_answers_on_beat() -> None:
     show = answering_show()
     answering = show.dancers.partner_response
@@ -73,6 +74,7 @@ def test_follower_moves_to_leader_and_answers_on_beat() -> None:
     assert np.hypot(*(show.state.position[FOLLOWER] - position[-1, FOLLOWER, 0, ::2])) < 0.05
 
 
+@pytest.mark.long
 def test_switching_and_repairing_cause_no_pop() -> None:
     show, quiet = answering_show(ON_PLACE), answering_show(ON_PLACE)
     set_answering(quiet, on=False)
@@ -117,6 +119,7 @@ def test_rendering_changes_nothing_and_snapshot_continues_bit_identically() -> N
     assert len(data) < 150_000
 
 
+@pytest.mark.long
 def test_follower_stops_answering_when_leader_leaves() -> None:
     show = answering_show(ON_PLACE)
     run(show, 3.5)
@@ -150,6 +153,7 @@ def test_several_followers_answer_one_leader_and_chains_work() -> None:
     assert gaps[~np.eye(4, dtype=bool)].min() > 0.5
 
 
+@pytest.mark.long
 def test_danced_units_are_reported_and_trigger_reactions() -> None:
     extra = (
         ON_PLACE + '[[react]]\non = "unit:glide"\nwhen = "now"\ncall = "/dance/facing"\nvalues = ["centre", "back"]\n'
@@ -242,6 +246,7 @@ steps = ["glide"]
 """
 
 
+@pytest.mark.long
 def test_walkers_follow_drawn_path_and_stop_at_end() -> None:
     show = answering_show(WALKERS)
     answering = show.dancers.partner_response
@@ -265,6 +270,7 @@ def test_walkers_follow_drawn_path_and_stop_at_end() -> None:
     assert not answering_show().apply(events.WalkOn(x=0.0, z=0.0, **STAMP))
 
 
+@pytest.mark.long
 def test_edited_patch_applies_except_example_bank_changes() -> None:
     show = answering_show(ON_PLACE)
     run(show, 3.0)
@@ -286,6 +292,7 @@ def test_edited_patch_applies_except_example_bank_changes() -> None:
     assert split_deferred(other, patch_of(ON_PLACE))[1] == ("partner",)
 
 
+@pytest.mark.long
 def test_live_motion_leader_can_stop_and_resume() -> None:
     show = answering_show(DUET + 'place = "own"\n[[mocap]]\nname = "live"\ndancer = "1"\ndelay_ms = 0.0\n')
     answering = show.dancers.partner_response
@@ -313,6 +320,7 @@ def test_live_motion_leader_can_stop_and_resume() -> None:
     assert speed < 12.0
 
 
+@pytest.mark.long
 def test_lost_leader_pose_is_held_then_released_and_resumed() -> None:
     show = answering_show(ON_PLACE)
     run(show, 3.2)

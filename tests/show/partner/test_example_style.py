@@ -80,6 +80,7 @@ def set_style(show: Show, style: str, partner: str = "*") -> bool:
     return show.apply(events.StylePartner(style=style, partner=partner, **STAMP))
 
 
+@pytest.mark.long
 def test_a_style_has_its_pairs_and_those_without_one(folder: Path) -> None:
     bank = bank_in(folder)
     (lore,) = bank.example_sets
@@ -109,6 +110,7 @@ def test_a_style_with_too_little_is_refused_at_the_start(folder: Path) -> None:
         bank_in(folder)
 
 
+@pytest.mark.long
 def test_a_patch_says_the_style_of_the_beginning_and_an_edit_changes_it() -> None:
     with pytest.raises(PersonError, match="style without examples"):
         parse_patch(PATCH + PARTNER.replace('examples = "pairs.toml"', 'style = "soft"'), "test.toml")
@@ -129,6 +131,7 @@ def test_a_patch_says_the_style_of_the_beginning_and_an_edit_changes_it() -> Non
     assert told.value.key_path == ("partner", 0, "style")
 
 
+@pytest.mark.long
 def test_the_style_changes_while_the_follower_dances_and_the_follower_does_not_jump() -> None:
     show, plain = styled_show(), styled_show()
     read = reader_of(show)
@@ -157,6 +160,7 @@ def test_the_style_changes_while_the_follower_dances_and_the_follower_does_not_j
     assert np.sort(known)[-3:] == pytest.approx(np.sort(posterior)[-3:], abs=0.02)
 
 
+@pytest.mark.long
 def test_a_change_of_style_is_the_same_in_every_run_and_in_a_snapshot() -> None:
     shows = [styled_show() for _ in range(2)]
     hashes = []

@@ -90,6 +90,7 @@ def _night(tmp_path: Path) -> WatchedNight:
     return WatchedNight(path)
 
 
+@pytest.mark.long
 def test_a_pair_that_is_added_is_danced_from_the_next_measure_line_on_and_in_a_replay(night: WatchedNight) -> None:
     night.run(4.5)
     assert night.names() == {"a_follower", "c_follower"}
@@ -113,6 +114,7 @@ def test_a_pair_that_is_added_is_danced_from_the_next_measure_line_on_and_in_a_r
     assert found.different == 0
 
 
+@pytest.mark.long
 def test_a_spare_engine_that_has_loaded_the_new_file_reaches_the_same_state(night: WatchedNight) -> None:
     night.run(2.5)
     assert night.edit(night.pairs + ADDED)
@@ -128,6 +130,7 @@ def test_a_spare_engine_that_has_loaded_the_new_file_reaches_the_same_state(nigh
     assert show.hot_swap.answers.digest() == night.show.hot_swap.answers.digest() != night.loaded.answers.digest()
 
 
+@pytest.mark.long
 def test_a_snapshot_of_the_new_examples_needs_them(night: WatchedNight) -> None:
     night.run(2.5)
     assert night.edit(night.pairs + ADDED)
@@ -149,6 +152,7 @@ def test_a_snapshot_of_the_new_examples_needs_them(night: WatchedNight) -> None:
     assert found.measures > 0
 
 
+@pytest.mark.long
 def test_examples_that_cannot_be_danced_are_refused_and_the_present_ones_stay(night: WatchedNight) -> None:
     night.run(2.5)
     for text, words in (
@@ -170,6 +174,7 @@ def test_examples_that_cannot_be_danced_are_refused_and_the_present_ones_stay(ni
     assert night.watch.problem == ""
 
 
+@pytest.mark.long
 def test_a_style_that_the_new_examples_have_not_is_left_and_told(night: WatchedNight) -> None:
     answering = night.show.dancers.partner_response
     assert answering is not None
@@ -190,6 +195,7 @@ def test_an_event_whose_examples_nobody_has_is_refused(night: WatchedNight) -> N
     assert night.show.hot_swap.at_rest
 
 
+@pytest.mark.long
 def test_a_replay_with_other_recordings_is_refused(night: WatchedNight) -> None:
     night.run(2.5)
     assert night.edit(night.pairs + ADDED)

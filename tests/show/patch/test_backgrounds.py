@@ -27,6 +27,7 @@ def test_selected_background_fades_in_and_others_fade_out():
     assert "sea, town, none" in str(hands.words)
 
 
+@pytest.mark.long
 def test_missing_and_broken_files_are_reported_with_file_and_line(tmp_path):
     patch = tmp_path / "my.toml"
     text = DEFAULT_PATCH.read_text(encoding="utf-8")

@@ -14,6 +14,7 @@ from live.show.assembly import assemble
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import PatchError
 from tests.fixtures.made_steps import made_steps
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import PATCH, made_show
 
 PLAIN = "[motion]\nwarp_beats = 0\namplitude = 0\nfoot_lock = false\narm_clearance = 0\n"
@@ -48,7 +49,7 @@ def joint_heights(show, seconds, script=()):
     return np.array(rows), steps
 
 
-@pytest.mark.parametrize("beats", [1, 2, 5])
+@mostly_long("beats", [1, 2, 5], quick=[0])
 def test_canon_repeats_each_pose_after_given_beats(beats):
     show = made_show(PLAIN + follower_group(beats))
     rows, _ = joint_heights(show, 24.0)

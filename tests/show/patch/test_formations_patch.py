@@ -36,6 +36,7 @@ def test_each_formation_is_reached_on_its_measure_line(measure_lines, line):
     assert off.max() < 0.35
 
 
+@pytest.mark.long
 def test_dancers_stay_half_a_meter_apart(measure_lines):
     assert min(nearest for _, _, nearest in measure_lines.values()) > 0.5
 

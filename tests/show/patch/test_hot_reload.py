@@ -12,6 +12,7 @@ from live.control.events.events import GiveCue, PatchChanged
 from live.show.journal.journal import read_journal
 from live.show.journal.replay import first_start, load_journal, replay, run_from, start_before
 from live.show.patch.hot_reload import PatchWatch
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.patch import edited_night
 from tests.show.patch.edited_night import STEPS, write_patch_folder
 
@@ -114,6 +115,7 @@ sets = "amplitude"
     assert result.differences == ()
 
 
+@pytest.mark.long
 def test_dancers_in_formation_move_to_its_edited_positions(patch):
     night = WatchedShow(patch)
     ring = '[[formation]]\nname = "ring"\nshape = "circle"\nsize = [2, 2]\n'
@@ -129,7 +131,7 @@ def test_dancers_in_formation_move_to_its_edited_positions(patch):
     assert abs(night.show.state.position).max() > small + 1.0
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("old", "new", "where"),
     [
         ('["groove"]', '["grove"]', "show.toml, line 9: group.1.steps"),
@@ -147,6 +149,7 @@ def test_dancers_in_formation_move_to_its_edited_positions(patch):
             "line 11: group.1.steps: group 'all': step 'groove' connects to no other",
         ),
     ],
+    quick=[1, 5],
 )
 def test_invalid_edit_is_reported_and_last_valid_patch_continues(patch, old, new, where):
     night = WatchedShow(patch)
@@ -266,6 +269,7 @@ def test_damaged_patch_event_is_refused_without_effect(patch):
     assert night.show.patch is before
 
 
+@pytest.mark.long
 def test_step_added_later_makes_waiting_patch_valid(patch):
     night = WatchedShow(patch)
     assert not night.edit('["groove"]', '["new bow"]')
@@ -333,6 +337,7 @@ def test_unset_group_keys_stay_unset_in_the_journal(patch):
     assert night.replayed().differences == ()
 
 
+@pytest.mark.long
 def test_added_sections_scenes_cues_and_signals_take_effect(patch):
     night = WatchedShow(patch)
     night.run(2.5)

@@ -2,6 +2,8 @@
 
 from dataclasses import replace
 
+import pytest
+
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.graph.motion_graph import build_graph
@@ -25,6 +27,7 @@ def dance(show, measures, first_tick=1):
     return danced, tick
 
 
+@pytest.mark.long
 def test_live_sequence_changes_one_group_only():
     show, other = made_show(), made_show()
     before, tick = dance(show, 3)

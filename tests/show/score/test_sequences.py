@@ -5,6 +5,7 @@ import pytest
 from live.base.errors import PersonError
 from live.clock.ticks import TICK
 from live.control.events import events
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import made_show
 
 
@@ -56,7 +57,7 @@ SECTIONS = (
 )
 
 
-@pytest.mark.parametrize("beat", [4.5, 5.9, 6.3, 6.7])
+@mostly_long("beat", [4.5, 5.9, 6.3, 6.7], quick=[3])
 def test_a_jump_before_the_decision_changes_the_coming_measure(beat):
     """Measure 2 is decided at beat 7; its planning starts at beat 6.25 and is then restarted."""
     jump = {round(32 * beat): lambda time: events.JumpTo(time=time, source="osc", section="b")}

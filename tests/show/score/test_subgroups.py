@@ -15,6 +15,7 @@ from live.show.score.score_sheet import build_sheet
 from live.show.score.subgroups import MAX_REQUESTED, MAX_SELECTIONS
 from live.show.state.snapshot import restore
 from live.show.view.status import Status
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import GRAPH, PATCH, made_show
 from tests.show.patch.test_score_edited import patch_edit
 from tests.show.state.test_snapshot import capture_from, run
@@ -82,6 +83,7 @@ def test_place_counts_when_the_entry_begins():
             assert spins[chosen].all()
 
 
+@pytest.mark.long
 def test_random_sequence_and_improvisation_of_a_part_use_their_own_steps():
     score = sequence("1-2", 1, "spin", "glide", choose="random", measures=8)
     score += '[[improvise]]\ngroup = "6 + 7"\nmeasures = 8\nsteps = {sway = 1, spin = 1}\n'
@@ -92,6 +94,7 @@ def test_random_sequence_and_improvisation_of_a_part_use_their_own_steps():
     assert steps[3][:6] == OWN
 
 
+@pytest.mark.long
 def test_part_keeps_its_random_steps_wherever_it_stands_in_the_score():
     part = sequence("1-2", 1, "spin", "glide", "sway", choose="random", measures=8)
     first = dances(made_show(part + sequence("6", 1, "spin")), 15)[1]
@@ -297,7 +300,7 @@ SCRIPT = {
 }
 
 
-@pytest.mark.parametrize("tick", [40, 110, 233, 310, 420, 600, 720])
+@mostly_long("tick", [40, 110, 233, 310, 420, 600, 720], quick=[0, 1])
 def test_restored_subgroups_continue_bit_identically(tick):
     show = LOADED.start()
     run(show, 1, tick, SCRIPT)

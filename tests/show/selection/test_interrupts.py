@@ -12,6 +12,7 @@ from live.show.assembly import assemble
 from live.show.loader import load_show
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_search_path import find_patch
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import GRAPH, PATCH, made_show
 
 BEAT = 0.5  # s at 120 bpm
@@ -66,7 +67,7 @@ def test_cue_acts_at_next_half_beat_on_its_group_only():
     assert show.interrupts.cue_count == 1
 
 
-@pytest.mark.parametrize("time", [4.02, 4.6, 5.2, 5.55, 5.8, 5.98])
+@mostly_long("time", [4.02, 4.6, 5.2, 5.55, 5.8, 5.98], quick=[0, 1, 4])
 def test_joints_stay_continuous_and_dance_follows_graph_after_cue(time):
     """For cues anywhere in the measure, with the next one planned or not: joint speeds stay continuous, and
     every measure is a valid successor.
@@ -201,6 +202,7 @@ def test_no_clip_is_cut_without_events():
     assert show.interrupts.clip_cutter.cuts == show.interrupts.avoidance_count == 0
 
 
+@pytest.mark.long
 def test_frames_between_ticks_do_not_change_state():
     """A cut dancer settles for about 26 ticks; a frame drawn late in the last of them must not end that early."""
     loaded = load_show(find_patch("score"))

@@ -173,6 +173,7 @@ def change_step(patch, name="groove"):
     path.write_text(changed)
 
 
+@pytest.mark.long
 def test_changed_step_is_danced_and_replayed_without_its_file(patch):
     night = FullLibraryShow(patch)
     night.run(3)

@@ -112,6 +112,7 @@ def dance(show, seconds, tempo=None):
     return begun
 
 
+@pytest.mark.long
 def test_dancers_choose_the_form_that_fits_the_present_tempo():
     clips = tempo_forms([recorded("sway", 90), recorded("spin", 90, turn=2 * np.pi)], (90.0, 180.0)).clips
     show = show_of(clips)
@@ -122,6 +123,7 @@ def test_dancers_choose_the_form_that_fits_the_present_tempo():
     assert show.scheduler.tempo_report(show.follower.tempo) == []
 
 
+@pytest.mark.long
 def test_chance_prefers_steps_near_the_present_tempo():
     show = show_of([recorded("sway", 90), recorded("spin", 160, turn=2 * np.pi)])
     assert {clip.step for clip in dance(show, 16.0)} == {"sway"}

@@ -21,6 +21,7 @@ from live.show.patch.patch_search_path import PatchError
 from live.show.sound.clock_commands import CLOCK_EVENTS
 from live.show.view.status import Status
 from tests.control.waiting import wait_for
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import PATCH, made_show
 
 
@@ -44,7 +45,7 @@ def run(show, ticks, *, script=None):
     return fastest
 
 
-@pytest.mark.parametrize("start", [2.03, 2.4, 2.71, 3.97])
+@mostly_long("start", [2.03, 2.4, 2.71, 3.97], quick=[0])
 def test_midi_start_moves_beat_without_joint_jump(start):
     show = made_show()
     fastest = run(show, round(start / TICK))
@@ -123,6 +124,7 @@ def analysis_factory(show):
 SLOW = "music = {one_at_s = 2.763, bpm = 64}\n"
 
 
+@pytest.mark.long
 @pytest.mark.parametrize(
     "begin", [pytest.param(0.0, marks=pytest.mark.long), pytest.param(0.21, marks=pytest.mark.long), 0.7]
 )
@@ -159,6 +161,7 @@ class AutoAdvanceClock:
         return self.time
 
 
+@pytest.mark.long
 def test_music_player_announces_downbeat_once_before_beats():
     inbox = EventQueue()
     player = MusicPlayer(synthesize_song(64.0, 2.763, 8.0), inbox, AutoAdvanceClock(), output=False, one_at=2.763)

@@ -59,6 +59,7 @@ def energy(samples, begin, end):
     return float((part.astype(np.float64) ** 2).mean())
 
 
+@pytest.mark.long
 def test_click_sounds_only_on_beats_with_accented_downbeat():
     samples, _, _ = run(tap_show(), 5.0, click=True, taps=False)
     expected = np.zeros_like(samples)
@@ -87,6 +88,7 @@ def test_every_footfall_sounds_on_its_count():
     assert {BALL, HEEL} <= {fall.part for fall in falls}
 
 
+@pytest.mark.long
 def test_footfalls_are_independent_of_frame_rate():
     many, few = (run(tap_show(), 4.0, fps=fps, click=False, taps=True)[1] for fps in (120, 30))
     landings = [{(round(f.time / BEAT * 3), f.foot) for f in falls if 0.5 < f.time < 3.8} for falls in (many, few)]

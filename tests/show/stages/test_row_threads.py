@@ -83,6 +83,7 @@ def test_forked_process_does_all_rows_without_the_threads_it_lost():
     runner.close()
 
 
+@pytest.mark.long
 def test_show_has_the_same_bits_for_any_number_of_threads():
     hashes = []
     for threads in (1, 2, 3):

@@ -189,6 +189,7 @@ def test_cyclic_keys_and_deep_values_are_refused(tick_and_snapshot, fresh):
     assert refusal_text(pack_snapshot(join_payload(tree, content), facts), fresh)
 
 
+@pytest.mark.long
 def test_mutated_snapshots_are_refused_or_restored(tick_and_snapshot, fresh):
     """The seed advances with the number of mutations, so a longer run begins with these."""
     at, data = tick_and_snapshot

@@ -18,6 +18,7 @@ from live.show.state.kind import NUMBERS, parse_type
 from live.show.state.kinds import BY_CLASS, BY_NAME, CONSTANT_KINDS, METHODS
 from live.show.state.snapshot import SnapshotError, Snapshotter, at_rest, index_limits, restore
 from live.show.state.type_check import check_state
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.desk.desk_show import DESK
 from tests.show.made_show import GRAPH, PATCH
 from tests.show.state.hostile import unpack_snapshot
@@ -144,7 +145,7 @@ def test_shared_arrays_and_views_are_restored():
     assert restored.graph is not None
 
 
-@pytest.mark.parametrize("tick", [1, 60, 150, 300, 460, 640])
+@mostly_long("tick", [1, 60, 150, 300, 460, 640], quick=[0, 1, 2, 3])
 def test_show_state_matches_its_listed_types(tick):
     for loaded in (MADE, LoadedShow(Path("desk.toml"), parse_patch(PATCH + DESK, "desk.toml"), GRAPH)):
         show = loaded.start()

@@ -2,13 +2,12 @@
 
 from pathlib import Path
 
-import pytest
-
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.show.loader import LoadedShow
 from live.show.patch.patch_reader import parse_patch
 from live.show.state.snapshot import restore
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import GRAPH, PATCH
 from tests.show.state.test_snapshot import capture_from, run
 
@@ -29,7 +28,7 @@ SCRIPT = {
 }
 
 
-@pytest.mark.parametrize("tick", [40, 220, 320, 560, 640, 905])
+@mostly_long("tick", [40, 220, 320, 560, 640, 905], quick=[0])
 def test_restored_score_continues_bit_identically(tick):
     show = LOADED.start()
     run(show, 1, tick, SCRIPT)

@@ -15,6 +15,7 @@ from live.show.patch.patch_search_path import find_patch
 from live.show.patch.patch_update import patch_version, split_deferred
 from live.show.patch.table_batches import patch_json
 from live.show.state.snapshot import FORMAT, SnapshotError, Snapshotter, at_rest, restore, snapshot, snapshot_header
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.desk.desk_show import DESK
 from tests.show.made_show import GRAPH, PATCH
 from tests.show.patch.test_custom_passes import PICTURE, WAVES
@@ -62,7 +63,7 @@ def capture_from(show, tick, script=SCRIPT):
     return tick, taken.seal()
 
 
-@pytest.mark.parametrize("tick", [10, 137, 216, 262, 290, 304, 350, 410, 480, 530, 600, 703, 770])
+@mostly_long("tick", [10, 137, 216, 262, 290, 304, 350, 410, 480, 530, 600, 703, 770], quick=[10, 11])
 def test_restored_show_continues_bit_identically(tick):
     """During fades, cuts, taps, evolutions, entrances, a count-in and drawn flows."""
     show = MADE.start()
@@ -162,7 +163,7 @@ def test_other_patch_steps_or_version_is_refused_by_name():
         restore(MADE, strange)
 
 
-@pytest.mark.parametrize("tick", [70, 100, 131, 190, 230])
+@mostly_long("tick", [70, 100, 131, 190, 230], quick=[2, 3])
 def test_fades_count_ins_jumps_and_undo_continue_after_restore(tick):
     desk = LoadedShow(Path("desk.toml"), parse_patch(PATCH + DESK, "desk.toml"), GRAPH)
     script = {
