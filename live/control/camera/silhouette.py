@@ -47,7 +47,7 @@ def pixels_per_metre(pose: ModelPose) -> float:
 def draw_silhouette(pose: ModelPose, scale: float, picture: UInt8) -> None:
     """Draw a person's silhouette, white on black, over a `picture` (480, 400, 3).
 
-    `scale`: pixels of the camera's picture per metre, more than 0. The silhouette is upright as the camera's picture is,
+    `scale`: pixels of the camera's picture per metre, more than 0. The silhouette is upright as the camera's picture,
     whatever the region's rotation was; the middle of the hips is at `HIPS`, and a metre takes `PIXELS_PER_METRE`.
     """
     region = pose.region
