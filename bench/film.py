@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
+from live.base.system.picture_ring import FrameRing
 from live.cli.bench import Row
 from live.render.film.film_writer import FilmWriter, PictureWriter
 from live.render.film.image_sequence import ImageSequenceWriter
 from live.render.film.network_stream import NetworkStream
-from live.render.film.shared_memory import FrameRing
 from live.render.headless import OffscreenTarget, create_headless_context
 
 SIZE = (1280, 720)

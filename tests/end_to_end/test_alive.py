@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from live.app.machine.systemd_unit import SystemdService
-from live.render.film.shared_memory import ring_path
+from live.base.system.picture_ring import ring_path
 from live.show.patch.patch_search_path import PATCHES
 from tests.cli.command import run_live
 from tests.control.waiting import BUSY, wait_for

@@ -8,11 +8,11 @@ from rich.console import Console
 
 from live.app.launch_options import LaunchOptions
 from live.base.errors import PersonError
+from live.base.system.picture_ring import FrameRing
 from live.control.audio.music_file import Music
 from live.render.film.film_writer import FilmError, FilmWriter, PictureWriter
 from live.render.film.image_sequence import ImageSequenceWriter
 from live.render.film.network_stream import NetworkStream
-from live.render.film.shared_memory import FrameRing
 from live.render.film.streams import FilmSound
 from live.render.headless import FrameReader, Picture, is_software
 from live.render.outputs.projection import PictureSampler

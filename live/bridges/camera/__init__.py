@@ -25,6 +25,10 @@ class CameraOptions:
     camera_model: str = option(
         "full", "How carefully cameras look: full, or lite, which takes half the processor time.", metavar="full|lite"
     )
+    camera_silhouette: bool = option(
+        False, "Publish the silhouettes of those whom cameras see as shm:camera-NAME, for looks.",
+        flags=("--camera-silhouette",),
+    )  # fmt: skip
 
 
 def venue_tables() -> "type[CameraTables]":
@@ -40,7 +44,8 @@ def services(context: ServiceContext[CameraOptions]) -> Mapping[str, Service]:
 
     options = context.options
     tables = () if context.venue is None else context.venue.read_tables(CameraTables).stage_camera
-    if not options.camera and not tables and context.phones is None and options.camera_model == "full":
+    asked = options.camera or tables or options.camera_silhouette or options.camera_model != "full"
+    if not asked and context.phones is None:
         return {}  # most shows have no camera, and need not wait for its modules
     from live.bridges.camera.camera_service import make_camera_service
 

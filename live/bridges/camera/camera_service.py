@@ -42,9 +42,13 @@ def make_camera_service(context: "ServiceContext[Any]", tables: tuple[StageCamer
     PersonError, with the remedy, if a camera, the models or the extra `camera` are missing.
     """
     options = context.options
-    plans = camera_plans(options.camera, tables)
+    plans = camera_plans(options.camera, tables, silhouette=options.camera_silhouette)
     if options.camera_model not in ("full", "lite"):
         raise PersonError(f"--camera-model {options.camera_model!r}: full or lite expected", "--camera-model lite")
+    if options.camera_silhouette and not plans:
+        raise PersonError(
+            "--camera-silhouette: there is no camera whose silhouettes could be published", "--camera any"
+        )
     if plans:
         check_installed()
     elif context.phones is None:
@@ -56,8 +60,13 @@ def make_camera_service(context: "ServiceContext[Any]", tables: tuple[StageCamer
     return service
 
 
-def camera_plans(named: tuple[str, ...], tables: tuple[StageCamera, ...]) -> list[CameraPlan]:
-    """Return the cameras of the command line, or those of the venue; PersonError if there is none like that."""
+def camera_plans(
+    named: tuple[str, ...], tables: tuple[StageCamera, ...], *, silhouette: bool = False
+) -> list[CameraPlan]:
+    """Return the cameras of the command line, or those of the venue; PersonError if there is none like that.
+
+    `silhouette`: whether all of them publish silhouettes, not only those that the venue says.
+    """
     if OFF in named:
         return []
     wanted = [StageCamera(name=f"camera {number}", source=each) for number, each in enumerate(named, start=1)]
@@ -78,7 +87,7 @@ def camera_plans(named: tuple[str, ...], tables: tuple[StageCamera, ...]) -> lis
         plans.append(
             CameraPlan(
                 name=each.name, kind=address.kind, place=address.place, turn_deg=each.turn_deg,
-                marks=each.marks, screen=each.screen,
+                marks=each.marks, screen=each.screen, silhouette=silhouette or each.silhouette,
             )
         )  # fmt: skip
     return plans
@@ -185,14 +194,16 @@ class CameraService:
         """Return the overlay's line while a camera is open."""
         if not self._cameras:
             return ""
-        facts = self._helper.status().get("cameras")
+        status = self._helper.status()
+        facts = status.get("cameras")
         if not facts:
             return "● CAMERA: opens"
         told = []
         for each in facts:
             problem = each.get("problem") or each.get("light")
             told.append(f"{each['name']} sees {each.get('people', 0)}" + (f", {problem}" if problem else ""))
-        return "● CAMERA OPEN: " + "; ".join(told)
+        shared = status.get("silhouette_problem") or ("silhouettes published" if status.get("silhouettes") else "")
+        return "● CAMERA OPEN: " + "; ".join([*told, shared] if shared else told)
 
     def refused(self) -> Counter[str]:
         """Return the number of refused packets by reason."""

@@ -31,6 +31,8 @@ class StageCamera(Section):
     screen: Annotated[tuple[Corner, ...], Field(max_length=4)] = ()
     """Where the camera sees the projected picture: its upper left, upper right, lower right, lower left corner, in
     shares of the camera's picture. Drawn dancers there are not taken for people."""
+    silhouette: bool = False
+    """Whether the silhouettes of those whom it sees are published on this machine, as `shm:camera-NAME`."""
 
     @model_validator(mode="after")
     def _counts_fit(self) -> "StageCamera":

@@ -74,6 +74,20 @@ def test_a_venues_cameras_are_opened_unless_they_are_switched_off(tmp_path):
     assert (plan.name, plan.place, plan.marks) == ("front", other, MARKS), "another source, the venue's marks"
 
 
+def test_silhouettes_are_published_only_by_cameras_that_were_asked_to(tmp_path):
+    film = str(made_film(tmp_path / "a.mp4", 3))
+    asked = StageCamera(name="front", source=film, marks=MARKS, silhouette=True)
+    tables = (asked, StageCamera(name="side", source=film, marks=MARKS))
+    assert [each.silhouette for each in camera_plans((film,), ())] == [False]
+    assert [each.silhouette for each in camera_plans((film,), (), silhouette=True)] == [True]
+    assert [each.silhouette for each in camera_plans((), tables)] == [True, False]
+    assert [each.silhouette for each in camera_plans((), tables, silhouette=True)] == [True, True]
+    assert camera_plans((film,), (asked,))[0].silhouette, "the venue's camera with another source"
+    with pytest.raises(PersonError, match="no camera whose silhouettes") as refused:
+        make_service(CameraOptions(camera_silhouette=True))
+    assert refused.value.remedy == "--camera any"
+
+
 def test_several_cameras_need_marks(tmp_path):
     film = str(made_film(tmp_path / "a.mp4", 3))
     with pytest.raises(PersonError, match="several cameras need marks") as refused:

@@ -90,6 +90,8 @@ class CameraPlan:
     """Floor marks: x, z on the stage [m], and the place in the picture (fractions)."""
     screen: tuple[tuple[float, float], ...] = ()
     """Corners of the projected picture in the camera's picture, none or four."""
+    silhouette: bool = False
+    """Whether the silhouettes of the performers whom it sees are published."""
 
     def as_packet(self) -> dict[str, Any]:
         """Return it as values for the channel."""

@@ -1,7 +1,7 @@
 """The process that sees: all cameras of a show, and the phones' landmarks, as poses of the show's performers.
 
-Pictures stay in this process. It sends the show `MocapFrame` events, and facts for the status. A crash of a decoder or
-a model ends this process only; the show starts another.
+Pictures stay in this process. It sends the show `MocapFrame` events, and facts for the status; if it was asked to, it
+publishes silhouettes on this machine. A crash of a decoder or a model ends this process only; the show starts another.
 """
 
 import select
@@ -9,7 +9,7 @@ import sys
 import threading
 import time
 from collections import deque
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -18,6 +18,7 @@ from live.control.camera.camera_eye import CameraEye
 from live.control.camera.camera_plan import CameraAddress, CameraPlan
 from live.control.camera.frame_source import Frame, FrameSource
 from live.control.camera.model_files import DETECTOR, FULL, LITE, checked_model
+from live.control.camera.people_tracker import Person
 from live.control.camera.performers import PerformerPose, Performers
 from live.control.camera.phone_landmarks import decode_landmarks
 from live.control.camera.pose_models import LandmarkModel, PersonDetector
@@ -26,6 +27,9 @@ from live.control.events.events import MocapFrame
 from live.control.helper_process import HelperChannel
 from live.control.worker_thread import WorkerThread
 from live.motion.capture.camera_view import CameraView, calibrate
+
+if TYPE_CHECKING:
+    from live.control.camera.silhouette import SilhouetteRings
 
 FACTS_INTERVAL_S: Final = 0.5
 _WAIT_S: Final = 0.25
@@ -79,6 +83,7 @@ class CameraWorker:
         )  # fmt: skip
         last = 0
         while not self._worker.stopping.is_set():
+            seer.darken_unseen()
             frame = self.source.newest(last, _WAIT_S)
             if frame is None:
                 continue
@@ -94,6 +99,8 @@ class CameraWorker:
         seen = self.eye.look(frame.picture, self._seer.show_time(frame.time))
         self.looked += 1
         self._seer.pass_on(self, seen)
+        if self.plan.silhouette:
+            self._seer.publish(self, self.eye.people)
         now = time.perf_counter()
         self._spent.append(now - begin)
         self._delay.append(now - frame.time)
@@ -139,6 +146,7 @@ class CameraProcess:
         half = plan.get("half")
         self.performers = Performers(plan["performers"], None if half is None else (half[0], half[1]))
         self.workers = [CameraWorker(index, each, self) for index, each in enumerate(cameras)]
+        self._silhouettes = _open_rings(cameras, plan["performers"])
         self._lock = threading.Lock()
         self._phones: dict[str, int] = {}
         self._refused = 0
@@ -155,6 +163,21 @@ class CameraProcess:
         """Send the show the poses of people whom a camera has seen. Thread: any."""
         with self._lock:
             self._send(self.performers.update(worker.index, worker.view, seen, self._clock.now()))
+
+    def publish(self, worker: CameraWorker, people: list[Person]) -> None:
+        """Publish the silhouettes of people whom a camera has just seen. Thread: any."""
+        if self._silhouettes is None:
+            return
+        with self._lock:
+            names = [self.performers.name_of(worker.index, each.number, each.time) for each in people]
+        for name, person in zip(names, people, strict=True):
+            if name is not None:
+                self._silhouettes.show(name, worker.index, person, self._clock.now())
+
+    def darken_unseen(self) -> None:
+        """Make the silhouettes black of those whom no camera sees any more. Thread: any."""
+        if self._silhouettes is not None:
+            self._silhouettes.darken_unseen(self._clock.now())
 
     def _send(self, poses: list[PerformerPose]) -> None:
         events = tuple(
@@ -177,10 +200,13 @@ class CameraProcess:
                 if now - told >= FACTS_INTERVAL_S:
                     told = now
                     self._channel.send_facts(self.facts())
+                    self.darken_unseen()
                 select.select([self._channel.socket], [], [], FACTS_INTERVAL_S)
         finally:
             for worker in self.workers:
                 worker.stop()
+            if self._silhouettes is not None:
+                self._silhouettes.close()
 
     def take(self, packet: Any) -> None:
         """Take a packet of the show: a kind and its values."""
@@ -188,6 +214,8 @@ class CameraProcess:
             case ("names", tuple() | list() as names):
                 with self._lock:
                     self.performers.rename([str(each) for each in names])
+                if self._silhouettes is not None:
+                    self._silhouettes.rename([str(each) for each in names])
             case ("exchange", str() as first, str() as second):
                 with self._lock:
                     self.performers.exchange(first, second)
@@ -227,11 +255,22 @@ class CameraProcess:
         with self._lock:
             seen = {name: round(now - last, 2) for name, last in self.performers.seen.items()}
             outside, nameless = self.performers.outside, self.performers.without_name
-        return {
+        shared = self._silhouettes
+        published = {} if shared is None else {"silhouettes": shared.names, "silhouette_problem": shared.problem}
+        return published | {
             "cameras": [worker.facts(now) for worker in self.workers], "phones": len(self._phones),
             "poses": self.poses, "unsent": self.unsent, "seen_s_ago": seen, "outside": outside,
             "without_name": nameless, "refused": self._refused,
         }  # fmt: skip
+
+
+def _open_rings(cameras: list[CameraPlan], performers: list[str]) -> "SilhouetteRings | None":
+    """Open the rings for silhouettes if a camera is to publish any: only then is their kernel loaded."""
+    if not any(each.silhouette for each in cameras):
+        return None
+    from live.control.camera.silhouette import SilhouetteRings
+
+    return SilhouetteRings(performers)
 
 
 def main() -> None:

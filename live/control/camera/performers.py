@@ -89,6 +89,15 @@ class Performers:
         """When each performer was last seen [s]; only those who were."""
         return {seat.name: seat.last for seat in self._seats if np.isfinite(seat.last)}
 
+    def name_of(self, camera: int, number: int, time: float) -> str | None:
+        """Return as which performer a camera saw a person at `time` [s]; None if as nobody: they have no name, or were
+        off the performers' floor."""
+        for seat in self._seats:
+            view = seat.views.get(camera)
+            if seat.owners.get(camera) == number and view is not None and view.time == time:
+                return seat.name
+        return None
+
     def update(
         self, camera: int, view: CameraView | None, sightings: Sequence[Sighting], now: float
     ) -> list[PerformerPose]:

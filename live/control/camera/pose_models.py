@@ -98,8 +98,10 @@ class ModelPose:
     """Probability that there is a person, 0 to 1."""
     next_region: Region
     """The region around the person."""
+    region: Region
+    """The region that was looked at."""
     mask: Float32
-    """Logits of the person's silhouette in the region, (256, 256)."""
+    """Logits of the person's silhouette in `region`, (256, 256)."""
 
 
 def _interpreter(file: Path) -> Any:
@@ -213,6 +215,7 @@ class LandmarkModel:
             visibility=1.0 / (1.0 + np.exp(-np.clip(points[:LANDMARK_COUNT, 3], -50.0, 50.0))),
             presence=float(self._tensor("presence")[0, 0]),
             next_region=region_around((x, y), (tip_x, tip_y)),
+            region=region,
             mask=self._tensor("mask")[0, :, :, 0],
         )
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from live.base.stage_snapshot import parse_input
 from live.base.system.features import capture_device
-from live.render.film.shared_memory import FrameRingReader
+from live.base.system.picture_ring import FrameRingReader
 from live.render.media.media_files import Picture
 
 INPUT_SIZE: Final = (1280, 720)
@@ -107,8 +107,11 @@ class LiveInput:
         reader = FrameRingReader(self._name)
         try:
             silent = 0.0
-            while not self._closing.is_set() and reader.is_open:
+            while not self._closing.is_set():
+                is_open = reader.is_open
                 picture = reader.read()
+                if picture is None and not is_open:  # after its end the last picture was read, too
+                    return
                 silent = 0.0 if picture is not None else silent + _POLL_S
                 if picture is not None:
                     yield av.VideoFrame.from_ndarray(picture, format="rgb24")

@@ -98,4 +98,5 @@ class PaintedPeople:
 
 def _pose(picture: Float64, region: Region, presence: float) -> ModelPose:
     body = np.zeros((LANDMARK_COUNT, 3))
-    return ModelPose(picture, body, np.full(LANDMARK_COUNT, 0.95), presence, region, np.zeros((256, 256), np.float32))
+    seen = np.full(LANDMARK_COUNT, 0.95)
+    return ModelPose(picture, body, seen, presence, region, region, np.zeros((256, 256), np.float32))

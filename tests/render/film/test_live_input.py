@@ -8,8 +8,8 @@ import pytest
 
 from live.base.errors import PersonError
 from live.base.stage_snapshot import parse_input
+from live.base.system.picture_ring import FrameRing, FrameRingReader, ring_path
 from live.render.film.network_stream import NetworkStream
-from live.render.film.shared_memory import FrameRing, FrameRingReader, ring_path
 from live.render.media.live_input import INPUT_SIZE, LiveInput
 from tests.control.waiting import wait_for
 from tests.render.film.test_network_stream import free_port

@@ -11,10 +11,10 @@ from PIL import Image
 
 from live.base.picture_parameters import BY_ADDRESS, picture_row
 from live.base.stage_snapshot import Background, StageView
+from live.base.system.picture_ring import FrameRing
 from live.motion.skeleton import JOINT_COUNT
 from live.render.adaptive_quality import HARDWARE, SOFTWARE
 from live.render.camera import project_points
-from live.render.film.shared_memory import FrameRing
 from live.render.pass_context import PassSetup
 from live.render.passes.background_pass import BackgroundPass, plane_of, video_position
 from live.render.renderer import Renderer

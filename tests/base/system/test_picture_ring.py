@@ -11,7 +11,7 @@ from types import ModuleType
 import numpy as np
 import pytest
 
-from live.render.film.shared_memory import HEADER_SIZE, SLOTS, FrameRing, ring_path
+from live.base.system.picture_ring import HEADER_SIZE, SLOTS, FrameRing, ring_path
 from tests.places import ROOT
 
 SIZE = (40, 24)

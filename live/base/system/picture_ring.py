@@ -11,12 +11,14 @@ All numbers are little-endian. The file begins with a header of 4096 bytes:
 | 24 | uint32 | slots for frames: 4 |
 | 28 | uint32 | 1 while the show runs, 0 when it has ended |
 | 32 | uint64 | number of the newest complete frame, from 1; 0: none yet |
+| 40 | uint32 | 1 if the writer locks the file (flock, exclusive) for as long as it lives |
 | 64 + 64 i | uint64 | number of the frame in slot i; 0 while it is written |
 | 72 + 64 i | float64 | when it was drawn [s of the show] |
 
 Frame n is in slot (n - 1) mod 4, which begins at byte 4096 + ((n - 1) mod 4) * width * height * 3, top row first.
 A reader copies the newest frame and then checks that the number of its slot is still n: if not, the reader was too slow
-and reads the newest frame again. Writer and readers never wait for each other.
+and reads the newest frame again. Writer and readers never wait for each other. A writer that was killed leaves its
+file with 1 at byte 28; where byte 40 is 1, too, a reader that gets the lock knows that nobody writes any more.
 """
 
 import contextlib
@@ -29,7 +31,8 @@ from typing import Final
 import numpy as np
 import numpy.typing as npt
 
-from live.base.system.files import memory_folder
+from live.base.system.file_lock import lock_file
+from live.base.system.files import create_private, memory_folder
 
 Picture = npt.NDArray[np.uint8]
 
@@ -39,7 +42,7 @@ SLOTS: Final = 4
 _HEADER_TYPE: Final = np.dtype(
     [
         ("magic", "S8"), ("header", "<u4"), ("width", "<u4"), ("height", "<u4"), ("channels", "<u4"),
-        ("places", "<u4"), ("open", "<u4"), ("newest", "<u8"),
+        ("places", "<u4"), ("open", "<u4"), ("newest", "<u8"), ("locked", "<u4"),
     ]
 )  # fmt: skip
 _SLOT_TYPE: Final = np.dtype(
@@ -58,25 +61,38 @@ def ring_path(name: str) -> Path:
 class FrameRing:
     """Writes frames of one size into a ring buffer that other programs read. Thread: one.
 
-    An existing ring buffer of this name is replaced: its readers see that it has ended and open the new one. Raises
-    ValueError for an invalid name or an existing file that is no ring buffer, OSError if it cannot be created.
+    `private`: only programs of this user may read it. An existing ring buffer of this name is replaced: its readers see
+    that it has ended and open the new one. Raises ValueError for an invalid name or an existing file that is no ring
+    buffer, OSError if it cannot be created.
     """
 
-    def __init__(self, name: str, size: tuple[int, int]) -> None:
+    def __init__(self, name: str, size: tuple[int, int], *, private: bool = False) -> None:
         self.path, self.size = ring_path(name), size
         self.frames = 0
         if self.path.exists() and not _mark_ended(self.path):
             raise ValueError(f"{self.path} exists and is no ring buffer of frames")
         width, height = size
         fresh = self.path.with_name(f"{self.path.name}.{os.getpid()}.new")
-        with fresh.open("w+b") as file:
-            file.truncate(HEADER_SIZE + SLOTS * width * height * 3)
-            self._memory = mmap.mmap(file.fileno(), 0)
-            self._inode = os.fstat(file.fileno()).st_ino
+        if private:
+            fresh.unlink(missing_ok=True)
+            os.close(create_private(fresh))
+        self._file = fresh.open("r+b" if private else "w+b")
+        try:
+            length = HEADER_SIZE + SLOTS * width * height * 3
+            self._file.truncate(length)
+            if hasattr(os, "posix_fallocate"):  # else a full memory would kill the writer later
+                os.posix_fallocate(self._file.fileno(), 0, length)
+            self._memory = mmap.mmap(self._file.fileno(), 0)
+            lock_file(self._file)
+        except OSError:
+            self._file.close()
+            fresh.unlink(missing_ok=True)
+            raise
+        self._inode = os.fstat(self._file.fileno()).st_ino
         self._header = np.frombuffer(self._memory, _HEADER_TYPE, 1)
         self._slots = np.frombuffer(self._memory, _SLOT_TYPE, SLOTS, 64)
         self._pixels = np.frombuffer(self._memory, np.uint8, offset=HEADER_SIZE).reshape(SLOTS, height, width, 3)
-        self._header[0] = (MAGIC, HEADER_SIZE, width, height, 3, SLOTS, 1, 0)
+        self._header[0] = (MAGIC, HEADER_SIZE, width, height, 3, SLOTS, 1, 0, 1)
         fresh.replace(self.path)
 
     def write(self, picture: Picture, time: float) -> None:
@@ -96,6 +112,7 @@ class FrameRing:
         self._header["open"][0] = 0
         del self._header, self._slots, self._pixels  # a mapping with views on it cannot be closed
         self._memory.close()
+        self._file.close()
         with contextlib.suppress(OSError):
             if self.path.stat().st_ino == self._inode:
                 self.path.unlink()
@@ -104,13 +121,17 @@ class FrameRing:
 class FrameRingReader:
     """Reads the newest frames of a ring buffer that another program writes. Thread: one.
 
-    Raises OSError if there is none of this name, or if it is no ring buffer of frames.
+    Raises OSError if there is none of this name, if it is no ring buffer of frames, or if its writer was killed.
     """
 
     def __init__(self, name: str) -> None:
         self._memory: mmap.mmap | None = None
-        with ring_path(name).open("rb") as file:
-            self._memory = mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ)
+        self._file = ring_path(name).open("rb")
+        try:
+            self._memory = mmap.mmap(self._file.fileno(), 0, access=mmap.ACCESS_READ)
+        except (OSError, ValueError):  # ValueError: an empty file
+            self._file.close()
+            raise OSError(f"{name} is no ring buffer of frames") from None
         size = len(self._memory)
         if size < HEADER_SIZE or self._memory[: len(MAGIC)] != MAGIC:
             self.close()
@@ -124,11 +145,21 @@ class FrameRingReader:
         self.size = width, height
         """Width and height of the frames [pixels]."""
         self._read_number = 0
+        self._is_left = False
+        if self._number(28, 4) == 1 and not self.is_open:
+            self.close()
+            raise OSError(f"{name} was left by a program that was killed")
 
     @property
     def is_open(self) -> bool:
         """Whether the writer still runs."""
-        return self._memory is not None and self._number(28, 4) == 1
+        if self._memory is None or self._is_left or self._number(28, 4) != 1:
+            return False
+        if self._number(40, 4) == 1:
+            with contextlib.suppress(BlockingIOError):
+                lock_file(self._file, shared=True)
+                self._is_left = True
+        return not self._is_left
 
     def _number(self, at: int, length: int) -> int:
         assert self._memory is not None
@@ -151,6 +182,7 @@ class FrameRingReader:
 
     def close(self) -> None:
         """Free the memory."""
+        self._file.close()
         if self._memory is not None:
             self._memory.close()
             self._memory = None
