@@ -102,6 +102,8 @@ class Bridge:
     """Makes the clocks of one MIDI input for a patch and its beats per measure, by the clock source that each is."""
     commands: "Callable[[], Mapping[str, Command]]" = dict
     """Returns the commands that it adds to the command line."""
+    calibrations: "Callable[[], Mapping[str, Command]]" = dict
+    """Returns the commands that it adds below `live calibrate`."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,6 +22,17 @@ def parse_size(text: str) -> tuple[int, int]:
     return int(match[1]), int(match[2])
 
 
+def parse_stage(text: str) -> tuple[float, float]:
+    """Parse a stage's width and depth [m] such as 12x8; raise PersonError for anything else."""
+    try:
+        width, depth = (float(each) for each in text.lower().replace("×", "x").split("x"))
+    except ValueError:
+        width = depth = 0.0
+    if not (2 <= width <= 200 and 2 <= depth <= 200):
+        raise PersonError(f"--stage {text[:80]!r}: width and depth from 2 to 200 m expected", "--stage 12x8")
+    return width, depth
+
+
 def parse_endpoint(text: str, name: str = "--osc") -> tuple[str, int]:
     """Parse HOST:PORT, PORT or [IPV6]:PORT; raise PersonError for anything else."""
     match = re.fullmatch(r"(?:(\[[0-9A-Fa-f:.]+\]|[^:\s]+):)?(\d{1,5})", text.strip())

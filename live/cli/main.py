@@ -123,7 +123,7 @@ PANELS: Final[Mapping[str, Mapping[str, Registered]]] = {
     HALL: {
         "doctor": doctor.doctor,
         "devices": devices.devices,
-        "calibrate": calibrate.calibrate,
+        "calibrate": calibrate.app,
         "pair": pair.pair,
         "gateway": gateway.gateway,
         "node": node.node,
@@ -139,14 +139,14 @@ PANELS: Final[Mapping[str, Mapping[str, Registered]]] = {
         "simulate": simulate.simulate,
     },
 }
-"""All commands, by whom they are for. Those of bridges are added to HALL."""
+"""All commands, by whom they are for. Those of bridges are added to HALL, their calibrations to `live calibrate`."""
 
 
-def _register(name: str, command: Registered, panel: str) -> None:
+def _register(name: str, command: Registered, panel: str | None, group: typer.Typer = app) -> None:
     if isinstance(command, typer.Typer):
-        app.add_typer(command, name=name, rich_help_panel=panel)
+        group.add_typer(command, name=name, rich_help_panel=panel)
     else:
-        app.command(name, rich_help_panel=panel)(command)
+        group.command(name, rich_help_panel=panel)(command)
 
 
 for _panel, _commands in PANELS.items():
@@ -155,6 +155,8 @@ for _panel, _commands in PANELS.items():
 for _bridge in installed_bridges().bridges:
     for _name, _command in _bridge.commands().items():
         _register(_name, _command, HALL)
+    for _name, _command in _bridge.calibrations().items():
+        _register(_name, _command, None, calibrate.app)
 
 
 def _print_version(wanted: bool) -> None:

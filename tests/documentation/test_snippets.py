@@ -43,6 +43,9 @@ def parse_command(typed):
     words = expand_optional_values(shlex.split(typed)[1:])
     command = typer.main.get_command(app)
     while hasattr(command, "commands") and words:
+        if words[0].startswith("-"):
+            assert command.invoke_without_command, f"{command.name} needs one of its commands"
+            break
         name, *words = words
         assert name in command.commands, f"there is no command {name}"
         command = command.commands[name]

@@ -18,10 +18,10 @@ def listening_socket(where: tuple[str, int], backlog: int, *, resumes: bool) -> 
     return create_server(where, family=family, backlog=backlog)
 
 
-def page_socket(where: tuple[str, int], backlog: int) -> socket.socket:
-    """Return a listening socket for a page of the studio; PersonError if nobody can listen there."""
+def page_socket(where: tuple[str, int], backlog: int, option: str = "--web") -> socket.socket:
+    """Return a listening socket for a page; PersonError, which names the `option`, if nobody can listen there."""
     try:
         return listening_socket(where, backlog, resumes=False)
     except (OSError, OverflowError) as error:
-        words = f"--web {where[0]}:{where[1]}: nobody can listen there: {error}"
-        raise PersonError(words, "another port: --web 8011") from None
+        words = f"{option} {where[0]}:{where[1]}: nobody can listen there: {error}"
+        raise PersonError(words, f"another port: {option} 8011") from None

@@ -1,4 +1,5 @@
-"""Bridge to cameras that see performers: `--camera`, `[[stage_camera]]` of the venue, `live camera`."""
+"""Bridge to cameras that see performers: `--camera`, `[[stage_camera]]` of the venue, `live camera`, and
+`live calibrate camera`."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -67,4 +68,14 @@ def commands() -> Mapping[str, Command]:
     return {"camera": app}
 
 
-BRIDGE = Bridge(name="camera", options=CameraOptions, venue_tables=venue_tables, services=services, commands=commands)
+def calibrations() -> Mapping[str, Command]:
+    """`live calibrate camera`."""
+    from live.bridges.camera.calibrate_command import calibrate_camera
+
+    return {"camera": calibrate_camera}
+
+
+BRIDGE = Bridge(
+    name="camera", options=CameraOptions, venue_tables=venue_tables, services=services, commands=commands,
+    calibrations=calibrations,
+)  # fmt: skip

@@ -47,13 +47,13 @@ def formation(
         report_json,
         write_svg,
     )
-    from live.app.option_values import check_range
+    from live.app.option_values import check_range, parse_stage
     from live.base.errors import PersonError
 
     check_range(dancers, "--dancers", 0, 10_000)
     if not 0 <= seed < 2**31:
         raise PersonError(f"--seed {seed}: 0 to {2**31 - 1} expected")
-    floor = _parse_stage(stage)
+    floor = parse_stage(stage)
     wished = read_spec(spec)
     count = dancers if dancers is not None else default_count(wished)
     made = formation_of(wished, count, seed)
@@ -68,15 +68,3 @@ def formation(
     console = Console(highlight=False)
     for line in describe(made, fit, floor, svg):
         console.print(line, soft_wrap=True, markup=False)
-
-
-def _parse_stage(text: str) -> tuple[float, float]:
-    from live.base.errors import PersonError
-
-    try:
-        width, depth = (float(each) for each in text.lower().replace("×", "x").split("x"))
-    except ValueError:
-        width = depth = 0.0
-    if not (2 <= width <= 200 and 2 <= depth <= 200):
-        raise PersonError(f"--stage {text!r}: width and depth from 2 to 200 m expected", "--stage 12x8")
-    return width, depth

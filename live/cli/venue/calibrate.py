@@ -1,14 +1,18 @@
-"""Command `live calibrate`: measures audio and display latency in a hall and writes them to the venue's file."""
+"""Command `live calibrate`: measures audio and display latency in a hall and writes them to the venue's file.
 
-from typing import TYPE_CHECKING, Annotated, Any
+Below it are commands of bridges, which measure what belongs to them.
+"""
+
+from typing import Annotated, Any
 
 import typer
 
-if TYPE_CHECKING:
-    pass
+app = typer.Typer(invoke_without_command=True)
 
 
+@app.callback()
 def calibrate(
+    context: typer.Context,
     venue: Annotated[
         str | None, typer.Option(help="The venue to write to. Default: nothing is written.", metavar="NAME")
     ] = None,
@@ -24,7 +28,7 @@ def calibrate(
     monitor: Annotated[str | None, typer.Option(help="The monitor that flashes.", metavar="N|NAME")] = None,
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
 ) -> None:
-    """Measure latency: of audio with sweeps that are played and recorded, of the display with claps.
+    """Measure latency (of audio with sweeps that are played and recorded, of the display with claps), or a camera.
 
     First without --claps: the loudspeakers play sweeps, and the show's microphone records them. Then with --claps: the
     projector flashes, and people at the audience's place clap with the flashes.
@@ -34,6 +38,9 @@ def calibrate(
     from live.base.errors import PersonError
     from live.show.venue.venue import Venue, read_venue, user_venue_folder, venue_path
 
+    if context.invoked_subcommand is not None:
+        _check_no_options(context)
+        return
     check_range(repeats, "--repeats", 8, 200)
     there = read_venue(venue) if venue is not None and venue_path(venue).is_file() else Venue()
     microphone, channels = find_input(audio, audio_channel, there)
@@ -53,6 +60,17 @@ def calibrate(
     if not found:
         raise PersonError("nothing was measured")
     _print(found, as_json)
+
+
+def _check_no_options(context: typer.Context) -> None:
+    """Raise PersonError for options before the command below, which would not be used."""
+    from live.base.errors import PersonError
+
+    for each in context.command.params:
+        source = None if each.name is None else context.get_parameter_source(each.name)
+        if source is not None and source.name == "COMMANDLINE":
+            below = f"live calibrate {context.invoked_subcommand}"
+            raise PersonError(f"{each.opts[0]} stands before {context.invoked_subcommand}", f"{below} {each.opts[0]} …")
 
 
 def _print(found: dict[str, Any], as_json: bool) -> None:

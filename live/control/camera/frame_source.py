@@ -46,9 +46,10 @@ class Frame:
 class FrameSource:
     """Reads one camera. Thread: its own reads; `newest` is for one other."""
 
-    def __init__(self, address: CameraAddress, *, loop: bool = True, rate: float = RATE,
+    def __init__(self, address: CameraAddress, *, loop: bool = True, rate: float = RATE, edge: int = MOST_EDGE,
                  now: Callable[[], float] = time.perf_counter) -> None:  # fmt: skip
-        """`loop`: whether a film begins again at its end. `rate` [1/s]: the most pictures that are used."""
+        """`loop`: whether a film begins again at its end. `rate` [1/s]: the most pictures that are used. `edge`
+        [pixels]: the longer edge to which larger pictures are reduced."""
         self.address = address
         self.problem = ""
         """Why there are no pictures; empty while there are."""
@@ -62,7 +63,7 @@ class FrameSource:
         """How often it was opened."""
         self.is_over = False
         """Whether a film that does not loop has ended."""
-        self._loop, self._interval, self._now = loop, 1.0 / rate, now
+        self._loop, self._interval, self._edge, self._now = loop, 1.0 / rate, edge, now
         self._changed = threading.Condition()
         self._frame: Frame | None = None
         self._last = -math.inf
@@ -142,14 +143,16 @@ class FrameSource:
             with self._changed:
                 self.is_over = True
                 self._changed.notify_all()
-        elif not is_film:
+        elif is_film:
+            stopping.wait(self._interval)  # for as long as its last picture stands; a still one is not read without end
+        else:
             self.problem = "it sends no pictures any more"
             stopping.wait(OPEN_AGAIN_S)
 
     def _take(self, picture: Any, when: float) -> None:
         """Keep a decoded picture as the newest."""
         self.size = (picture.width, picture.height)
-        factor = min(1.0, MOST_EDGE / max(picture.width, picture.height))
+        factor = min(1.0, self._edge / max(picture.width, picture.height))
         width, height = max(round(picture.width * factor), 16), max(round(picture.height * factor), 16)
         pixels = picture.to_ndarray(format="rgb24", width=width, height=height, interpolation="AREA")
         turned = np.ascontiguousarray(np.rot90(pixels, round(getattr(picture, "rotation", 0) / 90)))

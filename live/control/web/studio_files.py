@@ -1,4 +1,5 @@
-"""Files of the studio, a page of several files: kept in memory, compressed once, with a policy that runs only them.
+"""Files of a page of several files, such as the studio: kept in memory, compressed once, with a policy that runs only
+them.
 
 They contain no data of the show and no key, so anybody at an accepted address may read them.
 """
@@ -29,17 +30,18 @@ class _File:
 
 
 class StudioFiles:
-    """The studio's files by path. Thread: the loop's."""
+    """The files of a page by path. Thread: the loop's."""
 
-    def __init__(self, folder: Path = FOLDER) -> None:
-        """Read the files; without them there is no studio."""
+    def __init__(self, folder: Path = FOLDER, root: str = ROOT) -> None:
+        """Read the files in `folder`; `root`: path of its page. Without files there is no page."""
+        self.root = root
         self._files: dict[str, _File] = {}
         for file in sorted(folder.iterdir()) if folder.is_dir() else ():
             if (kind := TYPES.get(file.suffix)) is not None:
                 data = file.read_bytes()
                 tag = f'"{hashlib.sha256(data).hexdigest()[:24]}"'
                 kept = _File(kind, data, gzip.compress(data, 9, mtime=0), tag)
-                self._files[ROOT if file.name == "index.html" else f"{ROOT}/{file.name}"] = kept
+                self._files[root if file.name == "index.html" else f"{root}/{file.name}"] = kept
 
     def __contains__(self, path: object) -> bool:
         return path in self._files

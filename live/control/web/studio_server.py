@@ -1,4 +1,4 @@
-"""Web server of the studio where no show runs: serves its files, facts of what there is to do, and one WebSocket.
+"""Web server of a page where no show runs, such as the studio: its files, facts of what there is to do, one WebSocket.
 
 `/surface.json` has the facts; the WebSocket takes messages of pages and answers them. Keys, names and limits are those
 of a show's page.
@@ -38,12 +38,14 @@ class StudioServer:
         take: Callable[[str], Awaitable[Frames]],
         *,
         max_bytes: int,
+        files: StudioFiles | None = None,
     ) -> None:
         """`facts`: of `/surface.json`; `path` of the WebSocket, whose messages of at most `max_bytes` go to `take`,
-        which returns the frames of the answer. A loop must be running."""
+        which returns the frames of the answer; `files`: of the page, by default the studio's. A loop must be running.
+        """
         self._socket, self._key, self._facts = listening, key.encode(), facts
         self._path, self._take, self._max_bytes = path, take, max_bytes
-        self._files = StudioFiles()
+        self._files = StudioFiles() if files is None else files
         self._failed = FailedKeys(asyncio.get_running_loop().time)
         self._server = BoundedServer(self._answer)
         self._pages: set[web.WebSocketResponse] = set()
@@ -61,7 +63,7 @@ class StudioServer:
         if not is_same_origin(request):
             return web.Response(status=403, headers=SECURITY_HEADERS)
         if request.path == "/" and request.method in ("GET", "HEAD"):
-            return web.Response(status=302, headers={**SECURITY_HEADERS, "Location": "/studio"})
+            return web.Response(status=302, headers={**SECURITY_HEADERS, "Location": self._files.root})
         if request.path not in ("/surface.json", self._path) and request.path not in self._files:
             return web.Response(status=404, headers=SECURITY_HEADERS)
         if request.method not in ("GET", "HEAD"):

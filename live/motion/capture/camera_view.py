@@ -138,30 +138,35 @@ def _check_marks(floor: Float64, places: Float64) -> None:
         raise PersonError("a mark's position is not a finite number", "give x and z in metres")
     if np.abs(floor).max() > 1000.0 or np.abs(places - 0.5).max() > 2.0:
         raise PersonError("a mark is over 1000 m from the stage's centre, or far out of the picture", "check the marks")
-    turns = []
-    for name, points in (("on the stage", floor), ("in the picture", places)):
-        size = float(np.ptp(points, axis=0).max()) ** 2
-        count = len(points)
-        for i in range(count):
-            for j in range(i + 1, count):
-                for k in range(j + 1, count):
-                    if abs(_area(points[i], points[j], points[k])) <= _FLAT * size:
-                        raise PersonError(
-                            f"the marks {i + 1}, {j + 1} and {k + 1} are on a line {name}",
-                            "mark the corners of a rectangle that is as large as the dance floor",
-                        )
-        corners = [_area(points[n], points[(n + 1) % count], points[(n + 2) % count]) for n in range(count)]
-        if min(corners) < 0.0 < max(corners):
-            raise PersonError(
-                f"the marks are not the corners of a convex shape {name}, one after the other",
-                "list and click them in the order in which one walks around them",
-            )
-        turns.append(corners[0] > 0.0)
-    if turns[0] != turns[1]:
+    if check_shape(floor, "on the stage") != check_shape(places, "in the picture"):
         raise PersonError(
             "the marks run clockwise in one list and anticlockwise in the other",
             "click them in the same order as their positions are listed; +x is the audience's right, +z towards it",
         )
+
+
+def check_shape(points: Float64, where: str) -> bool:
+    """Return whether marks at `points` (n, 2) turn from the first axis to the second one.
+
+    PersonError, which says `where`, unless they are the corners of a convex shape, one after the other.
+    """
+    size = float(np.ptp(points, axis=0).max()) ** 2
+    count = len(points)
+    for i in range(count):
+        for j in range(i + 1, count):
+            for k in range(j + 1, count):
+                if abs(_area(points[i], points[j], points[k])) <= _FLAT * size:
+                    raise PersonError(
+                        f"the marks {i + 1}, {j + 1} and {k + 1} are on a line {where}",
+                        "mark the corners of a rectangle that is as large as the dance floor",
+                    )
+    corners = [_area(points[n], points[(n + 1) % count], points[(n + 2) % count]) for n in range(count)]
+    if min(corners) < 0.0 < max(corners):
+        raise PersonError(
+            f"the marks are not the corners of a convex shape {where}, one after the other",
+            "list and click them in the order in which one walks around them",
+        )
+    return corners[0] > 0.0
 
 
 def _area(a: Float64, b: Float64, c: Float64) -> float:
