@@ -12,6 +12,7 @@ from PIL import Image
 from live.app.bridges import ServiceContext
 from live.base.errors import PersonError
 from live.base.event_queue import EventQueue
+from live.base.system.picture_ring import FrameRingReader, ring_path
 from live.bridges.camera import CameraOptions, services
 from live.bridges.camera.camera_service import camera_plans, drawn_joints
 from live.bridges.camera.stage_camera import CameraTables, StageCamera
@@ -206,3 +207,33 @@ def test_a_dancer_is_seen_a_crash_is_survived_and_names_are_exchanged(tmp_path):
         assert wait_for(lambda: hear("anna") is not None and len(told) > before + 5, 15.0)
     finally:
         service.stop()
+
+
+@pytest.mark.skipif(model_folder() is None, reason="needs the pose models: live camera models gets them once")
+@pytest.mark.skipif(not Path("/dev/shm").is_dir(), reason="memory files are at another place here")
+def test_a_dancers_silhouette_is_published_while_the_show_runs(tmp_path):
+    pytest.importorskip("ai_edge_litert", reason="needs the extra camera")
+    name = f"test-{os.getpid()}"
+    film = str(made_film(tmp_path / "a.mp4"))
+    options = CameraOptions(camera=(film,), camera_silhouette=True)
+    service, _ = make_service(options, made_show(f'[[mocap]]\nname = "{name}"\n'))
+    path = ring_path(f"camera-{name}")
+    seen = []
+
+    def look(reader):
+        service.before_frame()
+        picture = reader.read()
+        if picture is not None:
+            seen.append(float((picture > 127).mean()))
+        return bool(seen) and 0.08 < seen[-1] < 0.4
+
+    try:
+        service.start()
+        assert wait_for(path.exists, 15.0)
+        reader = FrameRingReader(path.name)
+        assert wait_for(lambda: look(reader), 15.0), seen
+        assert wait_for(lambda: look(reader) and "silhouettes published" in service.lamp(), 10.0)
+        reader.close()
+    finally:
+        service.stop()
+    assert not path.exists()
