@@ -313,6 +313,7 @@ def check_venue(tmp_path: Path, told: dict[str, Any]) -> None:
     assert np.abs(np.array(told["screen"]) - SCREEN).max() < 1.5 / 800
 
 
+@pytest.mark.long
 @pytest.mark.browser
 @needs_browser
 def test_bad_marks_are_explained_dragged_right_and_nudged_by_keys(film: Path, tmp_path: Path) -> None:
@@ -371,6 +372,7 @@ def test_bad_marks_are_explained_dragged_right_and_nudged_by_keys(film: Path, tm
     assert not (tmp_path / "settings" / "venues").exists()
 
 
+@pytest.mark.long
 @pytest.mark.browser
 @needs_browser
 def test_the_page_asks_for_the_link_and_says_when_the_program_ends(film: Path, tmp_path: Path) -> None:
@@ -388,6 +390,7 @@ def test_the_page_asks_for_the_link_and_says_when_the_program_ends(film: Path, t
         page.get_by_text("Is the command still running?").wait_for()
 
 
+@pytest.mark.long
 @pytest.mark.browser
 @needs_browser
 @pytest.mark.skipif(not AXE.is_file(), reason="needs the packages of studio/ (make test installs them where npm is)")
