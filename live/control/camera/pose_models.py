@@ -1,7 +1,7 @@
 """BlazePose's two models, run by LiteRT: where people are in a picture, and the 33 landmarks of one of them.
 
-After Bazarevsky et al. 2020, "BlazePose: On-device Real-time Body Pose Tracking", and the graphs `pose_detection_cpu`
-and `pose_landmark_by_roi_cpu` of MediaPipe 0.10 (Apache-2.0), with which the tests compare them. Decoding is our own.
+After Bazarevsky et al. 2020, "BlazePose: On-device Real-time Body Pose Tracking", and MediaPipe 0.10 (Apache-2.0), with
+whose landmarks the tests compare them. Decoding is our own.
 """
 
 import math
