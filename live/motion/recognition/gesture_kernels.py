@@ -98,8 +98,8 @@ def measure_body(
     value there. `rate`: moments a second; `key` (KEY_JOINTS,): the key joints; `heading` [rad]: the last one, kept
     while hips and shoulders point nowhere, as of a lying body.
     """
-    joint = np.empty((before.shape[0], 3))
-    for j in range(before.shape[0]):
+    joint = np.empty((len(before), 3))
+    for j in range(len(before)):
         for c in range(3):
             raw = since[j, c] + part * (until[j, c] - since[j, c])
             joint[j, c] = before[j, c] + share * (raw - before[j, c])

@@ -98,10 +98,11 @@ def step_motions(library: StepLibrary, clips: int) -> list[Float64]:
             found.setdefault(clip.step, clip)
     steps = list(found.values())
     every = max(len(steps) / MAX_STEPS, 1.0)
-    return [_step_features(steps[int(number * every)]) for number in range(min(len(steps), MAX_STEPS))]
+    return [step_features(steps[int(number * every)]) for number in range(min(len(steps), MAX_STEPS))]
 
 
-def _step_features(step: StepClip) -> Float64:
+def step_features(step: StepClip) -> Float64:
+    """Return the features of a step, (M, FEATURES)."""
     samples = step.samples_per_measure * step.measures
     moments = min(max(round(samples / step.clip.sample_rate * EXAMPLE_RATE), 1), MAX_STEP_MOMENTS)
     at = step.first + np.arange(moments) * (step.clip.sample_rate / EXAMPLE_RATE)
