@@ -113,7 +113,7 @@ def assemble(
     expression = Expression(dancers, motion, seed=seed)
     mocap = CaptureManager(patch, motion, dancers, scheduler)
     seen_steps = SeenSteps(patch, motion, dancers, refusals, seed=seed)
-    gestures = Gestures(patch, mocap, reactions, score_runner, motion)
+    gestures = Gestures(patch, mocap, reactions, score_runner, motion, dancers)
     launcher = Launcher(
         patch, Pads(patch, dancers, motion.evolutions), refusals, seed=seed, casting=casting,
         playhead=score_runner.playhead, dancers=dancers, scheduler=scheduler,

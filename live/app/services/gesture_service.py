@@ -6,7 +6,7 @@ from typing import Any
 
 from live.base.errors import PersonError
 from live.base.fault_isolation import FAULTS
-from live.show.capture.gestures import LearnedGesture
+from live.show.capture.gesture_learning import LearnedGesture
 from live.show.show import Show
 
 

@@ -101,8 +101,8 @@ class ExchangeSeen(ControlEvent):
 
 @command("/dance/gesture/learn", "operator")
 class LearnGesture(ControlEvent):
-    """The last beats of a captured performer become an example of this gesture, usable at once and saved with the
-    patch."""
+    """The last beats of a captured performer become an example of this gesture, found about a second later and
+    saved with the patch."""
 
     name: Annotated[str, Argument.label("the gesture's name, that of its signal", "gesture")]
     beats: Annotated[float, Argument.number("how many beats it took", 1, 16, "beats")] = 4.0

@@ -23,7 +23,6 @@ MAX_COORDINATE: Final = 1000.0
 _HIPS_BYTES: Final = 12
 _KEPT_COMPONENTS: Final = np.array([(1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2)], np.intp)
 """The components that are kept when the first, second, … is omitted."""
-_ROWS: Final = np.arange(JOINT_COUNT)
 
 
 def pack_pose(hips: npt.ArrayLike, rotation: npt.ArrayLike) -> str:
@@ -34,14 +33,21 @@ def pack_pose(hips: npt.ArrayLike, rotation: npt.ArrayLike) -> str:
     root, turned = np.asarray(hips, np.float64), np.asarray(rotation, np.float64)
     if root.shape != (3,) or turned.shape != (JOINT_COUNT, 4):
         raise ValueError(f"hips {root.shape} and rotation {turned.shape}: (3,) and ({JOINT_COUNT}, 4) expected")
-    length = np.linalg.norm(turned, axis=1, keepdims=True)
+    return pack_poses(root[None], turned[None])[0]
+
+
+def pack_poses(hips: npt.NDArray[np.floating], rotation: npt.NDArray[np.floating]) -> list[str]:
+    """Pack P poses, hips (P, 3) and rotations (P, J, 4), each as `pack_pose` does, in less time."""
+    root, turned = hips.astype(np.float64), rotation.astype(np.float64)
+    length = np.linalg.norm(turned, axis=-1, keepdims=True)
     if not (np.abs(root) <= MAX_COORDINATE).all() or not ((length > 1e-3) & (length < 1e3)).all():
         raise ValueError("the pose contains an invalid position or rotation")
-    turned = turned / length
+    turned = (turned / length).reshape(-1, 4)
+    rows = np.arange(len(turned))
     left_out = np.abs(turned).argmax(axis=1)
     kept = (
         np.take_along_axis(turned, _KEPT_COMPONENTS[left_out], axis=1)
-        * np.where(turned[_ROWS, left_out] < 0.0, -1.0, 1.0)[:, None]
+        * np.where(turned[rows, left_out] < 0.0, -1.0, 1.0)[:, None]
     )
     steps = (np.rint(kept * (np.sqrt(2.0) * QUANTIZATION_STEPS)).astype(np.int64) + QUANTIZATION_STEPS).astype(
         np.uint64
@@ -49,8 +55,9 @@ def pack_pose(hips: npt.ArrayLike, rotation: npt.ArrayLike) -> str:
     bits = left_out.astype(np.uint64) << np.uint64(45)
     for place, shift in enumerate((30, 15, 0)):
         bits |= steps[:, place] << np.uint64(shift)
-    letters = root.astype("<f4").tobytes() + bits.astype(">u8").view(np.uint8).reshape(-1, 8)[:, 2:].tobytes()
-    return base64.b64encode(letters).decode("ascii")
+    letters = bits.astype(">u8").view(np.uint8).reshape(len(root), JOINT_COUNT, 8)[:, :, 2:].reshape(len(root), -1)
+    places = root.astype("<f4").view(np.uint8).reshape(len(root), -1)
+    return [base64.b64encode(row.tobytes()).decode("ascii") for row in np.concatenate([places, letters], axis=1)]
 
 
 def unpack_pose(text: str) -> tuple[Float32, Float32]:

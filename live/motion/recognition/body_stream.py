@@ -73,19 +73,20 @@ class BodyStream:
         if passed > GAP_S:
             self.count = 0
             self._joint[:] = self._smooth[:] = joint
-            self._heading = self._measure(joint)
+            self._measure(joint, 1.0, 1.0)
             self.feature[:] = 0.0  # else the change of heading over the gap would be a turn
-            self._measure(joint)
+            self._measure(joint, 1.0, 1.0)
             return
         first = math.floor(since * RATE) + 1
         for moment in range(first, math.floor(time * RATE) + 1):
             share = (moment / RATE - since) / passed
-            there = self._smooth + _SHARE * (self._joint + share * (joint - self._joint) - self._smooth)
-            self._heading = self._measure(there)
-            self._smooth[:] = there
+            self._measure(joint, share, _SHARE)
             self.count += 1
             yield moment / RATE
         self._joint[:] = joint
 
-    def _measure(self, joint: Float64) -> float:
-        return measure_body(self.measure, self.feature, joint, self._smooth, KEY_JOINT, self._heading, RATE)
+    def _measure(self, joint: Float64, part: float, share: float) -> None:
+        """Measure the moment at `part` of the way from the last pose to `joint` (J, 3)."""
+        self._heading = measure_body(
+            self.measure, self.feature, self._smooth, self._joint, joint, part, share, KEY_JOINT, self._heading, RATE
+        )

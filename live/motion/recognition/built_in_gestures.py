@@ -10,8 +10,6 @@ import math
 from collections.abc import Callable, Container
 from typing import Final
 
-import numpy as np
-
 from live.base.arrays import Float64
 from live.motion.recognition import gesture_kernels as body
 from live.motion.recognition.body_stream import RATE
@@ -126,10 +124,12 @@ class BuiltInGestures:
 
     def __init__(self) -> None:
         count = len(GESTURE_NAMES)
-        self._inside: Float64 = np.zeros(count)
+        self._inside = [0.0] * count
         """For how long [s] the body has been inside each posture; negative after it was told, until it has left."""
-        self._since: Float64 = np.full(count, 1e6)
-        """Time since each was told [s]."""
+        self._moment = 0
+        """Number of moments so far."""
+        self._told = [-1_000_000] * count
+        """The moment when each was told last."""
         self._floor, self._hips, self._flight = math.inf, 0.0, 0
         self._lift, self._rise = 0.0, 0.0
         self._turned, self._pause = 0.0, 0.0
@@ -137,14 +137,14 @@ class BuiltInGestures:
 
     def reset(self) -> None:
         """Begin anew after a gap: the floor and what was told last stay."""
-        self._inside[:] = 0.0
+        self._inside = [0.0] * len(GESTURE_NAMES)
         self._flight, self._turned, self._pause = 0, 0.0, 0.0
         self._apart, self._closing, self._open = 0.0, 0.0, False
 
     def follow(self, measure: Float64, wanted: Container[str] = GESTURE_NAMES) -> list[str]:
         """Return the names of the `wanted` gestures that are made at this moment, see `BodyStream.measure`."""
         m = measure.tolist()
-        self._since += 1.0 / RATE
+        self._moment += 1
         made = []
         for index, (name, (margin, held)) in enumerate(POSTURES.items()):
             if name not in wanted:
@@ -169,9 +169,9 @@ class BuiltInGestures:
     def _tell(self, name: str) -> list[str]:
         index = GESTURE_NAMES.index(name)
         wait = 0.25 if name == CLAP else REFRACTORY_S
-        if self._since[index] < wait:
+        if self._moment - self._told[index] < wait * RATE:
             return []
-        self._since[index] = 0.0
+        self._told[index] = self._moment
         return [name]
 
     def _jumps(self, m: list[float]) -> bool:

@@ -35,29 +35,37 @@ class ExampleFollower:
         """Its beginning, when its best end was, and when it was first found [moments], (3, G)."""
         self._ended: Int64 = np.full(count, -1000, np.int64)
         """When the last told match of each gesture ended [moment], (G,)."""
+        self._waiting = 0
+        """Number of gestures with a waiting match."""
 
     def reset(self) -> None:
         """Begin anew after a gap."""
         self._matcher.reset()
         self._best[:] = NONE_WAITS
+        self._waiting = 0
 
     def step(self, feature: Float64) -> list[int]:
         """Take the features (F,) of the next moment, at `EXAMPLE_RATE`; return the gestures that are told now."""
         matcher = self._matcher
         matcher.step(feature)
-        now, told = matcher.now, []
+        now, told = matcher.now, list[int]()
+        if not (matcher.near or self._waiting):
+            return told
         for example in np.flatnonzero(matcher.mean <= self._bank.threshold).tolist():
             gesture, begun = int(self._gesture[example]), int(matcher.begun[example])
             if begun < self._ended[gesture] - OVERLAP * (now - begun):
                 continue
             share = float(matcher.mean[example] / self._bank.threshold[example])
             if share < self._best[gesture]:
-                first = now if self._best[gesture] == NONE_WAITS else int(self._times[2, gesture])
+                is_first = self._best[gesture] == NONE_WAITS
+                self._waiting += int(is_first)
+                first = now if is_first else int(self._times[2, gesture])
                 self._best[gesture], self._times[:, gesture] = share, (begun, now, first)
         for gesture in np.flatnonzero(self._best < NONE_WAITS).tolist():
             begun, end, first = self._times[:, gesture].tolist()
             if now - end < _WAIT and now - first < _LONGEST_WAIT:
                 continue
+            self._waiting -= 1
             if self._is_better_elsewhere(gesture, begun, end):
                 self._best[gesture] = NONE_WAITS
                 continue

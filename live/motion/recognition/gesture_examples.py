@@ -3,13 +3,14 @@
 An example is the features of a body (`body_stream`) 16 times a second, so its place, heading and body do not matter.
 The joints that move in it, or are away from a standing body's, count more (weighted dynamic time warping, Celebi et al.
 2013); `follow_examples` matches all of them at once, at half to twice their speed. The threshold of an example follows
-from itself (how far it is from standing still in its middle), from the other examples of the same gesture, and from
-background motion in which the gesture is not made.
+from itself (how far it is from standing still in its middle), from the other examples of the same gesture, from
+background motion in which the gesture is not made, and for a single example from the steps of the library: how near
+other dance comes to it.
 """
 
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -41,6 +42,16 @@ BACKGROUND_FACTOR: Final = 0.75
 """A threshold is at most this share of the best match in the background …"""
 BACKGROUND_LIMIT: Final = 0.6
 """… but not lowered beyond this share of itself, because the gesture may be in the background after all."""
+SAME_STEP: Final = 0.6
+"""A step of the library that is nearer than this share of a threshold is taken for the gesture itself …"""
+LIBRARY_FACTOR: Final = 0.7
+"""… and the threshold is this share of the best match of all others, …"""
+LIBRARY_LIMITS: Final = (0.9, 1.4)
+"""… within these shares of itself, because the performer does not dance what the library has."""
+CELLS_PER_PIECE: Final = 3000
+"""Work of a piece, in moments of an example that are compared with one moment of a motion: about 0.1 ms."""
+STEP_CELLS: Final = 60
+"""What a further moment of a motion costs besides, in the same unit."""
 FAR: Final = 1e6
 """A sum that no match has."""
 
@@ -84,13 +95,33 @@ def check_length(moments: int) -> None:
         raise ValueError(f"{moments / EXAMPLE_RATE:.2g} s; an example has {shortest:.2g} to {longest:g} s")
 
 
-def make_examples(
-    takes: Sequence[npt.NDArray[np.floating]], background: Sequence[npt.NDArray[np.floating]] = ()
-) -> list[GestureExample]:
-    """Return the examples of one gesture, from the features `takes` of each, (M, F) at `EXAMPLE_RATE`.
+Made = TypeVar("Made")
+Motions = Sequence[npt.NDArray[np.floating]]
+"""Features of motions, (M, F) each, at `EXAMPLE_RATE`."""
 
-    `background`: features of motions in which the gesture is not made, (M, F) each. Raises ValueError, in words, for a
-    take that is too short or too long.
+
+def make_examples(takes: Motions, background: Motions = (), library: Motions = ()) -> list[GestureExample]:
+    """Return the examples of one gesture, see `example_work`, at once."""
+    return at_once(example_work(takes, background, library))
+
+
+def at_once(work: Generator[None, None, Made]) -> Made:
+    """Do all pieces of work; return what it makes."""
+    while True:
+        try:
+            next(work)
+        except StopIteration as over:
+            made: Made = over.value
+            return made
+
+
+def example_work(
+    takes: Motions, background: Motions = (), library: Motions = ()
+) -> Generator[None, None, list[GestureExample]]:
+    """Make the examples of one gesture from the features `takes` of each, in pieces of about `CELLS_PER_PIECE`.
+
+    `background`: motions in which the gesture is not made; `library`: steps, each repeated without end, of which one
+    may be the gesture. Raises ValueError, in words, for a take that is too short or too long.
     """
     rest = rest_features()
     made: list[GestureExample] = []
@@ -107,10 +138,23 @@ def make_examples(
         threshold = example.threshold
         others = [take for number, take in enumerate(takes) if number != index]
         if others:
-            near = min(_best_match(example, _padded(other)) for other in others)
+            near = FAR
+            for other in others:
+                near = min(near, (yield from _best_match(example, _padded(other))))
             threshold = min(max(threshold, SPREAD_FACTOR * near), MOST_THRESHOLD)
-        if background:
-            best = min(_best_match(example, motion) for motion in background)
+        else:
+            nearest = FAR
+            for step in library:
+                match = yield from _best_match(example, repeated(step, len(example.moment)))
+                if match > SAME_STEP * threshold:
+                    nearest = min(nearest, match)
+            if nearest < FAR:
+                low, high = LIBRARY_LIMITS
+                threshold *= min(max(LIBRARY_FACTOR * nearest / threshold, low), high)
+        best = FAR
+        for motion in background:
+            best = min(best, (yield from _best_match(example, motion)))
+        if best < FAR:
             threshold = min(threshold, max(BACKGROUND_FACTOR * best, BACKGROUND_LIMIT * threshold))
         found.append(GestureExample(example.moment, example.weight, threshold))
     return found
@@ -121,13 +165,22 @@ def _padded(take: npt.NDArray[np.floating]) -> npt.NDArray[np.floating]:
     return np.concatenate([take, np.repeat(take[-1:], 4, axis=0)])
 
 
-def _best_match(example: GestureExample, motion: npt.NDArray[np.floating]) -> float:
-    """Return the mean cost of the best match of an example in a motion (M, F)."""
+def repeated(step: npt.NDArray[np.floating], moments: int) -> npt.NDArray[np.floating]:
+    """Return a step that goes on for so many moments more, at most three times."""
+    return np.take(step, np.arange(len(step) + min(moments, 3 * len(step))) % len(step), axis=0)
+
+
+def _best_match(example: GestureExample, motion: npt.NDArray[np.floating]) -> Generator[None, None, float]:
+    """Find the mean cost of the best match of an example in a motion (M, F)."""
     matcher = ExampleMatcher(ExampleBank.of([example]))
     best = FAR
-    for moment in np.ascontiguousarray(motion, np.float64):
+    every = max(CELLS_PER_PIECE // (len(example.moment) + STEP_CELLS), 1)
+    for number, moment in enumerate(np.ascontiguousarray(motion, np.float64), 1):
         matcher.step(moment)
         best = min(best, float(matcher.mean[0]))
+        if number % every == 0:
+            yield
+    yield
     return best
 
 
@@ -178,14 +231,17 @@ class ExampleMatcher:
         self._begun: Int64 = np.zeros((2, moments), np.int64)
         self.now = 0
         """Number of moments so far."""
+        self.near = 0
+        """How many examples have a match within their threshold that ends now."""
 
     def step(self, feature: Float64) -> None:
         """Take the features (F,) of the next moment."""
         self.now += 1
         bank = self._bank
-        follow_examples(
-            self.mean, self.begun, self._memory, self._begun, feature, bank.moment, bank.weight, bank.first, self.now
-        )
+        self.near = follow_examples(
+            self.mean, self.begun, self._memory, self._begun, feature, bank.moment, bank.weight, bank.first,
+            bank.threshold, self.now,
+        )  # fmt: skip
 
     def reset(self) -> None:
         """Begin anew after a gap."""

@@ -86,17 +86,23 @@ def _speed(joint: Float64, before: Float64, j: int, rate: float) -> float:
     return rate * math.sqrt(x * x + y * y + z * z)
 
 
-@kernel("f8(f8[::1], f8[::1], f8[:,::1], f8[:,::1], i8[::1], f8, f8)")
+@kernel("f8(f8[::1], f8[::1], f8[:,::1], f8[:,::1], f8[:,::1], f8, f8, i8[::1], f8, f8)")
 def measure_body(
-    measure: Float64, feature: Float64, joint: Float64, before: Float64, key: Int64, heading: float, rate: float
-) -> float:
-    """Write `measure` (MEASURES,) and `feature` (FEATURES,) of the joints `joint` (J, 3) [m]; return the new heading
-    [rad].
+    measure: Float64, feature: Float64, before: Float64, since: Float64, until: Float64, part: float, share: float,
+    key: Int64, heading: float, rate: float,
+) -> float:  # fmt: skip
+    """Write `measure` (MEASURES,) and `feature` (FEATURES,) of the next moment; return the new heading [rad].
 
-    The turning in `feature` is smoothed from its last value there. `before` (J, 3): the joints a
-    moment earlier, at `rate` moments a second; `key` (KEY_JOINTS,): the key joints;
-    `heading` [rad]: the last one, kept while hips and shoulders point nowhere, as of a lying body.
+    Its joints lie between the poses `since` and `until` (J, 3) [m], by `part`, and are smoothed from those a moment
+    earlier, `before` (J, 3), by `share`; `before` then holds them. The turning in `feature` is smoothed from its last
+    value there. `rate`: moments a second; `key` (KEY_JOINTS,): the key joints; `heading` [rad]: the last one, kept
+    while hips and shoulders point nowhere, as of a lying body.
     """
+    joint = np.empty((len(before), 3))
+    for j in range(len(before)):
+        for c in range(3):
+            raw = since[j, c] + part * (until[j, c] - since[j, c])
+            joint[j, c] = before[j, c] + share * (raw - before[j, c])
     across_x = joint[LEFT_LEG, 0] - joint[RIGHT_LEG, 0] + joint[LEFT_ARM, 0] - joint[RIGHT_ARM, 0]
     across_z = joint[LEFT_LEG, 2] - joint[RIGHT_LEG, 2] + joint[LEFT_ARM, 2] - joint[RIGHT_ARM, 2]
     new = heading
@@ -153,7 +159,28 @@ def measure_body(
     feature[3 * KEY_JOINTS] = joint[HIPS, 1] - lowest
     turning = TURN_SECONDS * rate * ARM_LENGTH * turned
     feature[3 * KEY_JOINTS + 1] += TURN_SHARE * (turning - feature[3 * KEY_JOINTS + 1])
+    before[:] = joint
     return new
+
+
+@kernel("void(f8[::1], f8[::1], f8[::1], f8[:,::1], f8[::1], i8, f8, f8, f8)")
+def follow_movement(
+    level: Float64, smooth: Float64, drift: Float64, signal: Float64, measure: Float64, newest: int,
+    level_share: float, jitter_share: float, drift_share: float,
+) -> None:  # fmt: skip
+    """Take the next moment `measure` (MEASURES,) into what a movement is told by.
+
+    `level` (4,): energy, size, speed and height of the hands, smoothed. `signal` (3, M): rings of the speed of the
+    feet, the bounce and the speed of the hands, written at `newest`: smoothed (`smooth`), without their `drift`.
+    """
+    now = (measure[ENERGY], measure[SIZE], measure[SPEED], measure[HANDS_HEIGHT])
+    for row in range(4):
+        level[row] += level_share * (now[row] - level[row])
+    heard = (measure[FEET_SPEED], measure[BOUNCE], measure[HANDS_SPEED])
+    for row in range(3):
+        smooth[row] += jitter_share * (heard[row] - smooth[row])
+        drift[row] += drift_share * (smooth[row] - drift[row])
+        signal[row, newest] = smooth[row] - drift[row]
 
 
 COST, TWO, ONE = range(3)
@@ -161,12 +188,13 @@ COST, TWO, ONE = range(3)
 Each has a value for every moment of every example."""
 
 
-@kernel("void(f8[::1], i8[::1], f8[:,::1], i8[:,::1], f8[::1], f4[:,::1], f4[:,::1], i8[::1], i8)")
+@kernel("i8(f8[::1], i8[::1], f8[:,::1], i8[:,::1], f8[::1], f4[:,::1], f4[:,::1], i8[::1], f8[::1], i8)")
 def follow_examples(
     end_sum: Float64, end_start: Int64, memory: Float64, begun: Int64, feature: Float64,
-    moment: Float32, weight: Float32, first: Int64, now: int,
-) -> None:  # fmt: skip
-    """Match all examples with the motion up to the moment number `now`, whose features are `feature` (F,).
+    moment: Float32, weight: Float32, first: Int64, threshold: Float64, now: int,
+) -> int:  # fmt: skip
+    """Match all examples with the motion up to the moment number `now`, whose features are `feature` (F,); return how
+    many end now within their `threshold` (E,).
 
     Subsequence matching as in SPRING (Sakurai et al. 2007): a match may begin at any moment, and each cell keeps the
     moment at which its own began. The step pattern is that of Sakoe and Chiba (1978, slope constraint 1): the motion
@@ -175,7 +203,7 @@ def follow_examples(
     `COST`. Examples are rows `first[e]` to `first[e + 1]` of `moment` (N, F); `weight` (E, F). Written: `end_sum` (E,)
     the mean cost of the best match that ends now, and `end_start` (E,) when it began.
     """
-    features = feature.shape[0]
+    features, near = feature.shape[0], 0
     for e in range(end_sum.shape[0]):
         start, end = first[e], first[e + 1]
         # sums of the two moments before, of the example's moments before; the example's moment before the first is free
@@ -183,8 +211,14 @@ def follow_examples(
         one_a, one_b, two_a = 0.0, 0.0, 0.0  # one: a moment ago, of the example's last moment and the last but one
         begun_one_a, begun_one_b, begun_two_a = now, now, now - 1
         for row in range(start, end):
-            cost = 0.0
-            for f in range(features):
+            cost, cost_b, cost_c, cost_d = 0.0, 0.0, 0.0, 0.0  # four sums, because an addition waits for the last one
+            for f in range(0, features - 3, 4):
+                way, way_b = feature[f] - moment[row, f], feature[f + 1] - moment[row, f + 1]
+                way_c, way_d = feature[f + 2] - moment[row, f + 2], feature[f + 3] - moment[row, f + 3]
+                cost, cost_b = cost + weight[e, f] * way * way, cost_b + weight[e, f + 1] * way_b * way_b
+                cost_c, cost_d = cost_c + weight[e, f + 2] * way_c * way_c, cost_d + weight[e, f + 3] * way_d * way_d
+            cost = (cost + cost_b) + (cost_c + cost_d)
+            for f in range(features // 4 * 4, features):
                 way = feature[f] - moment[row, f]
                 cost += weight[e, f] * way * way
             best, began = one_a + cost, begun_one_a
@@ -204,6 +238,8 @@ def follow_examples(
             memory[ONE, row], begun[1, row] = best, began
         end_sum[e] = memory[ONE, end - 1] / (end - start)
         end_start[e] = begun[1, end - 1]
+        near += end_sum[e] <= threshold[e]
+    return near
 
 
 @kernel("void(f8[::1], f8[:,::1], i8, f8[::1], f8[::1])")
@@ -217,22 +253,25 @@ def rate_periods(score: Float64, signal: Float64, newest: int, period: Float64, 
     kinds, size = signal.shape
     lags = size // 2 + 1
     repeat = np.zeros(lags + 1)
+    line = np.zeros(2 * size)  # zeros follow, so that neighbouring lags are summed together
     for k in range(kinds):
         mean = 0.0
         for n in range(size):
             mean += signal[k, n]
         mean /= size
-        line = np.empty(size)
-        for n in range(size):
-            line[n] = signal[k, (newest + 1 + n) % size] - mean
         power = 1e-9
         for n in range(size):
+            line[n] = signal[k, (newest + 1 + n) % size] - mean
             power += line[n] * line[n]
-        for lag in range(lags + 1):
-            total = 0.0
+        for lag in range(0, lags + 1, 4):
+            total, total_b, total_c, total_d = 0.0, 0.0, 0.0, 0.0
             for n in range(size - lag):
-                total += line[n] * line[n + lag]
-            repeat[lag] += total / power * size / (size - lag)
+                here = line[n]
+                total, total_b = total + here * line[n + lag], total_b + here * line[n + lag + 1]
+                total_c, total_d = total_c + here * line[n + lag + 2], total_d + here * line[n + lag + 3]
+            sums_of_lags = (total, total_b, total_c, total_d)
+            for more in range(min(4, lags + 1 - lag)):
+                repeat[lag + more] += sums_of_lags[more] / power * size / (size - lag - more)
     for p in range(period.shape[0]):
         total, sums = 0.0, 0.0
         for r in range(4):

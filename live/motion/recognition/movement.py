@@ -16,7 +16,6 @@ from live.motion.recognition import gesture_kernels as body
 from live.motion.recognition.body_stream import RATE
 from live.motion.recognition.recognition_names import LEVELS
 
-_COLUMNS: Final = (body.ENERGY, body.SIZE, body.SPEED, body.HANDS_HEIGHT)
 SMOOTHING_S: Final = 0.4
 """Time constant of these numbers [s]."""
 WINDOW_S: Final = 12.0
@@ -38,7 +37,8 @@ DRIFT_S: Final = 1.0
 """Time constant of what is subtracted: slower changes are no beats [s]."""
 STANDING: Final = 0.06
 """Energy below which there is no tempo [m/s]."""
-_SIGNALS: Final = (body.FEET_SPEED, body.BOUNCE, body.HANDS_SPEED)
+_SIGNALS: Final = 3
+"""Signals that are rated: speed of the feet, bounce of the hips, speed of the hands."""
 _PERIOD: Final = RATE * 60.0 / np.exp(np.linspace(math.log(BPM_RANGE[0]), math.log(BPM_RANGE[1]), 301))
 _OCTAVE: Final = np.log2(RATE * 60.0 / _PERIOD)
 _REPEATS: Final = np.array([0.6, 1.0, 1.0, 1.0])
@@ -58,9 +58,9 @@ class Movement:
         """The numbers of `LEVELS`, smoothed, (4,)."""
         self.tempo = 0.0
         """Tempo [bpm]; 0 while none is known."""
-        self._signal: Float64 = np.zeros((len(_SIGNALS), round(WINDOW_S * RATE)))
-        self._smooth: Float64 = np.zeros(len(_SIGNALS))
-        self._drift: Float64 = np.zeros(len(_SIGNALS))
+        self._signal: Float64 = np.zeros((_SIGNALS, round(WINDOW_S * RATE)))
+        self._smooth: Float64 = np.zeros(_SIGNALS)
+        self._drift: Float64 = np.zeros(_SIGNALS)
         self._rating: Float64 = np.zeros(len(_PERIOD))
         self._count = 0
 
@@ -71,14 +71,9 @@ class Movement:
 
     def follow(self, measure: Float64, likely_bpm: float = LIKELY_BPM) -> None:
         """Take the next moment, see `BodyStream.measure`; `likely_bpm`: that of the music to which she may dance."""
-        now = measure[list(_COLUMNS)]
-        self.level += (_LEVEL_SHARE if self._count else 1.0) * (now - self.level)
-        share = 1.0 if not self._count else _JITTER_SHARE
-        self._smooth += share * (measure[list(_SIGNALS)] - self._smooth)
-        heard = self._smooth
-        self._drift += (_DRIFT_SHARE if self._count else 1.0) * (heard - self._drift)
         newest = self._count % self._signal.shape[1]
-        self._signal[:, newest] = heard - self._drift
+        shares = (_LEVEL_SHARE, _JITTER_SHARE, _DRIFT_SHARE) if self._count else (1.0, 1.0, 1.0)
+        body.follow_movement(self.level, self._smooth, self._drift, self._signal, measure, newest, *shares)
         self._count += 1
         if self._count % round(INTERVAL_S * RATE) == 0 and self._count >= LEAST_S * RATE:
             self._rate(newest, likely_bpm)

@@ -1,12 +1,11 @@
 """Gestures and movement of captured performers: signals, and numbers that values follow (`[[gesture]]`, `[[react]]`).
 
-Everything follows from MocapFrame and LearnGesture events, so a replay gives the same signals. Examples are learned
-within a tick: an example of 16 beats takes a few milliseconds, once.
+Everything follows from MocapFrame and LearnGesture events, so a replay gives the same signals. Examples are learned in
+pieces, one in a tick (`gesture_learning`): four beats can be found about a second later.
 """
 
 from collections import deque
-from collections.abc import Container, Mapping
-from dataclasses import dataclass
+from collections.abc import Container, Mapping, Sequence
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -17,7 +16,6 @@ from live.clock.energy.energy_frames import AdaptiveRange
 from live.control.events.capture import LearnGesture
 from live.control.events.event import ControlEvent
 from live.control.events.events import Signal
-from live.motion.capture.packed_pose import pack_pose
 from live.motion.recognition.body_stream import BodyStream
 from live.motion.recognition.built_in_gestures import BuiltInGestures
 from live.motion.recognition.example_follower import ExampleFollower
@@ -25,13 +23,22 @@ from live.motion.recognition.gesture_examples import (
     EXAMPLE_RATE,
     MOMENTS_PER_EXAMPLE_MOMENT,
     ExampleBank,
+    GestureExample,
     check_length,
     make_examples,
 )
 from live.motion.recognition.movement import Movement
 from live.motion.recognition.recognition_names import LEVELS, MAX_MOMENTS, MIN_MOMENTS
 from live.motion.skeleton import JOINT_COUNT
-from live.show.patch.gesture_files import beats_to_moments, pose_features
+from live.show.capture.gesture_learning import (
+    MAX_LESSONS,
+    LearnedGesture,
+    Lesson,
+    Lessons,
+    lesson_work,
+    step_motions,
+)
+from live.show.patch.gesture_files import GUARD_S, beats_to_moments, pose_features
 from live.show.patch.patch import Patch
 from live.show.patch.section_capture import MAX_GESTURES
 from live.show.patch.section_music import PERFORMER_PREFIX
@@ -40,6 +47,7 @@ from live.show.stages.now import Now
 if TYPE_CHECKING:
     from live.show.capture.capture_manager import CaptureManager
     from live.show.capture.performer import CapturedPerformer
+    from live.show.dancers.dancers import Dancers
     from live.show.group.group_motion import GroupMotion
     from live.show.score.music_reactions import Reactions
     from live.show.score.score_runner import ScoreRunner
@@ -57,26 +65,11 @@ KEPT: Final = 8
 """Last gestures in the status."""
 ANYBODY: Final = ""
 MAX_BACKGROUND: Final = 64
-"""Poses of the background of a learned example: four seconds, so that learning takes a few milliseconds."""
+"""Poses of the background of a learned example: four seconds."""
+MAX_PIECES: Final = 1 << 16
+"""More pieces than any lesson has."""
 Takes = tuple[list[Float64], list[Float64]]
 """Features of the examples of a gesture, and of what is not it."""
-
-
-@dataclass(frozen=True, slots=True)
-class LearnedGesture:
-    """An example that was learned in this show."""
-
-    name: str
-    poses: tuple[str, ...]
-    """Packed poses at `EXAMPLE_RATE`."""
-    background: tuple[str, ...]
-    """What she did before it."""
-
-    @property
-    def table(self) -> dict[str, Any]:
-        """As a `[[gesture]]` of the patch."""
-        rows = {"name": self.name, "poses": list(self.poses)}
-        return rows | ({"background": list(self.background)} if self.background else {})
 
 
 class PerformerMovement:
@@ -118,19 +111,19 @@ class PerformerMovement:
             self._kept = 0
         return known, told
 
-    def last_poses(self, moments: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Return the last so many poses, packed, and the kept ones before them; PersonError if there are fewer."""
+    def lesson(self, name: str, moments: int) -> Lesson:
+        """Return a lesson of the last so many poses and the kept ones before them; PersonError if there are fewer."""
         kept = min(self._kept, MAX_MOMENTS)
         if kept < max(moments, MIN_MOMENTS):
             raise PersonError(
                 f"the performer was seen for {kept / EXAMPLE_RATE:.1f} s only", "show the gesture first, then learn it"
             )
-        rows = [number % MAX_MOMENTS for number in range(self._kept - kept, self._kept)]
-        rows = rows[-(moments + MAX_BACKGROUND + round(0.5 * EXAMPLE_RATE)) :]
-        kept = len(rows)
-        packed = [pack_pose(self._hips[row], self._rotation[row]) for row in rows]
-        before = packed[: max(kept - moments - round(0.5 * EXAMPLE_RATE), 0)][-MAX_BACKGROUND:]
-        return tuple(packed[kept - moments :]), tuple(before if len(before) > moments else ())
+        before = min(max(kept - moments - round(GUARD_S * EXAMPLE_RATE), 0), MAX_BACKGROUND)
+        before = before if before > moments else 0
+        first = self._kept - moments - round(GUARD_S * EXAMPLE_RATE) - before
+        numbers = np.concatenate([np.arange(first, first + before), np.arange(self._kept - moments, self._kept)])
+        rows = numbers % MAX_MOMENTS
+        return Lesson(name, self._hips[rows], self._rotation[rows], before)
 
     def values(self) -> dict[str, float]:
         """Return the numbers of the movement, 0 to 1."""
@@ -161,7 +154,9 @@ class Gestures:
         reactions: "Reactions",
         score_runner: "ScoreRunner",
         motion: "GroupMotion",
+        dancers: "Dancers",
     ) -> None:
+        self._dancers = dancers
         self._mocap, self._reactions = mocap, reactions
         self._score_runner, self._motion = score_runner, motion
         self._patch = patch
@@ -178,6 +173,16 @@ class Gestures:
         self._known: dict[str, list[tuple[str, str]]] = {}
         self._gesture: list[int] = []
         self._bank = ExampleBank.of([])
+        self._clips_read = 0
+        """Clips of the library with which examples are compared: those at the last start or edit of the patch."""
+        self._library: list[Float64] = []
+        if patch.mocap or patch.gesture:
+            self._clips_read = len(dancers.graph.library.clips)
+        self._lessons: list[Lesson] = []
+        self._pieces = 0
+        """Pieces of the first lesson that are done."""
+        self._work: Lessons | None = None
+        self.repeat_work()
         self._prepare()
 
     def _prepare(self) -> None:
@@ -203,56 +208,109 @@ class Gestures:
         self._names, self._performers = [name for name, _ in takes], [performer for _, performer in takes]
         examples, self._gesture = [], []
         for number, (found, back) in enumerate(takes.values()):
-            made = make_examples(found, back)
+            made = make_examples(found, back, self._library)
             examples += made
             self._gesture += [number] * len(made)
         self._bank = ExampleBank.of(examples)
 
-    def _add(self, name: str) -> None:
-        """Prepare the examples of one gesture of anybody anew; those of the others stay, because that takes long."""
-        if (name, ANYBODY) not in zip(self._names, self._performers, strict=True):
+    def _examples_of(self, name: str) -> list[LearnedGesture]:
+        """Return the known examples of a gesture of anybody: those of the patch, then those learned since."""
+        written = [one for one in self._patch.gesture if one.poses and not one.performer]
+        every = [*(LearnedGesture(one.name, one.poses, one.background) for one in written), *self.learned]
+        return [one for one in every if one.name == name]
+
+    def _replace(self, name: str, made: Sequence[GestureExample]) -> None:
+        """Use these examples of a gesture of anybody; those of the others stay."""
+        keys = list(zip(self._names, self._performers, strict=True))
+        if (name, ANYBODY) not in keys:
+            keys.append((name, ANYBODY))
             self._names.append(name)
             self._performers.append(ANYBODY)
-        number = list(zip(self._names, self._performers, strict=True)).index((name, ANYBODY))
-        written = [one for one in self._patch.gesture if one.poses and not one.performer]
-        takes = [(one.name, one.poses, one.background) for one in written]
-        takes += [(one.name, one.poses, one.background) for one in self.learned]
-        back = [pose_features(background) for known, _, background in takes if known == name and background]
-        made = make_examples([pose_features(poses) for known, poses, _ in takes if known == name], back)
+        number = keys.index((name, ANYBODY))
         kept = [example for example, of in zip(self._bank.examples(), self._gesture, strict=True) if of != number]
         self._gesture = [of for of in self._gesture if of != number] + [number] * len(made)
         self._bank = ExampleBank.of([*kept, *made])
 
+    def _present(self, name: str) -> list[GestureExample]:
+        """Return the examples of a gesture of anybody that are in use."""
+        keys = list(zip(self._names, self._performers, strict=True))
+        return [
+            example for example, of in zip(self._bank.examples(), self._gesture, strict=True)
+            if keys[of] == (name, ANYBODY)
+        ]  # fmt: skip
+
     def apply_patch(self, fresh: "Gestures") -> None:
-        """Adopt the gestures of an edited patch; what was learned and is not in it stays."""
+        """Adopt the gestures of an edited patch; what was learned and is not in it stays, and lessons begin anew."""
         written = {(one.name, one.poses) for one in fresh._patch.gesture}
         self.learned = [one for one in self.learned if (one.name, one.poses) not in written]
-        for one in self.learned:
-            self._score_runner.add_signal(one.name)
-        if fresh._patch.gesture == self._patch.gesture:
+        kept = {one.name: self._present(one.name) for one in self.learned}
+        same = fresh._patch.gesture == self._patch.gesture
+        self._patch, self._library, self._clips_read = fresh._patch, fresh._library, fresh._clips_read
+        self._pieces, self._work = 0, None
+        for name in dict.fromkeys([*kept, *(lesson.name for lesson in self._lessons if lesson.is_new)]):
+            self._score_runner.add_signal(name)
+        if same:
             return
-        self._patch = fresh._patch
-        self._prepare()
+        self._known, self._bank = fresh._known, fresh._bank
+        self._names, self._performers = list(fresh._names), list(fresh._performers)
+        self._gesture = list(fresh._gesture)
+        for name, examples in kept.items():
+            self._replace(name, examples)
+        none = np.zeros((0, 3), np.float32), np.zeros((0, JOINT_COUNT, 4), np.float32)
+        new = [lesson for lesson in self._lessons if lesson.is_new]
+        self._lessons = new + [Lesson(name, *none, 0) for name in kept]
         self._restart()
 
     def _restart(self) -> None:
         for each in self._followers.values():
             each.examples = ExampleFollower(self._bank, self._gesture)
 
+    def repeat_work(self) -> None:
+        """Read the library's steps, and do the pieces of the first lesson again, after a snapshot was read."""
+        self._library, self._work = [], None
+        if self._clips_read:
+            self._library = step_motions(self._dancers.graph.library, self._clips_read)
+        if self._pieces:
+            self._work = self._new_work()
+            for _ in range(self._pieces):
+                next(self._work)
+
+    def _new_work(self) -> Lessons:
+        lesson = self._lessons[0]
+        return lesson_work(lesson, self._examples_of(lesson.name), self._library)
+
+    def _go_on_learning(self) -> None:
+        """Do the next piece of the first lesson."""
+        if self._work is None:
+            self._work = self._new_work()
+        try:
+            next(self._work)
+        except StopIteration as over:
+            learned, examples = over.value
+            lesson = self._lessons.pop(0)
+            self._pieces, self._work = 0, None
+            if learned is not None:
+                self.learned.append(learned)
+                self.learned_count += 1
+            self._replace(lesson.name, examples)
+            self._restart()
+        else:
+            self._pieces += 1
+
     def handle(self, event: LearnGesture, now: Now) -> None:
-        """Learn the last beats of a performer as an example; PersonError if there is no such performer or motion."""
+        """Begin to learn the last beats of a performer as an example; PersonError if there is no such performer or
+        motion."""
         follower = self._follower(event.performer)
-        if len(self._patch.gesture) + len(self.learned) >= MAX_GESTURES:
+        lessons = sum(lesson.is_new for lesson in self._lessons)
+        if len(self._patch.gesture) + len(self.learned) + lessons >= MAX_GESTURES:
             raise PersonError(f"there are {MAX_GESTURES} gestures already", "take some out of the patch")
-        poses, before = follower.last_poses(beats_to_moments(event.beats, now.timeline.tempo))
+        if lessons >= MAX_LESSONS:
+            raise PersonError(f"{MAX_LESSONS} gestures are being learned", "wait until they can be found")
         name = event.name.strip()
         if not name:
             raise PersonError("the gesture has no name", "/dance/gesture/learn NAME")
-        self.learned.append(LearnedGesture(name, poses, before))
-        self.learned_count += 1
+        self._lessons.append(follower.lesson(name, beats_to_moments(event.beats, now.timeline.tempo)))
         self._score_runner.add_signal(name)
-        self._add(name)
-        self._restart()
 
     def _follower(self, name: str) -> PerformerMovement:
         seen = {key.casefold(): each for key, each in self._followers.items()}
@@ -267,6 +325,8 @@ class Gestures:
     def tick(self, now: Now) -> list[ControlEvent]:
         """Follow all performers to this tick; return the signals of their gestures, and values that follow them."""
         self._ticks += 1
+        if self._lessons:
+            self._go_on_learning()
         signals: list[str] = []
         for name, captured in self._mocap.performers.items():
             if not captured.poses.count:
@@ -310,6 +370,7 @@ class Gestures:
                 {"name": name, "performer": who, "time": round(time, 2)} for name, who, time in reversed(self.last)
             ],
             "learned": self.learned_count,
+            "learning": [lesson.name for lesson in self._lessons if lesson.is_new],
             "movement": {
                 name: {"bpm": round(each.movement.tempo, 1)}
                 | {key: round(value, 2) for key, value in each.values().items()}

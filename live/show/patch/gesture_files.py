@@ -4,7 +4,7 @@ The patch gets the poses themselves, so that its journal has all that a replay n
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterable, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -20,7 +20,9 @@ from live.motion.recognition.body_stream import BodyStream
 from live.motion.recognition.gesture_examples import (
     EXAMPLE_RATE,
     MOMENTS_PER_EXAMPLE_MOMENT,
+    at_once,
 )
+from live.motion.recognition.gesture_kernels import FEATURES
 from live.motion.recognition.recognition_names import MAX_MOMENTS, MIN_MOMENTS
 from live.show.patch.patch_search_path import PatchError, find_resource, gestures_path, is_file
 from live.show.patch.toml_model import read_text
@@ -28,6 +30,8 @@ from live.show.patch.toml_model import read_text
 HEAD: Final = "# Gestures learned while the show ran (/dance/gesture/learn); a part of {patch}.\n"
 GUARD_S: Final = 0.5
 """Motion [s] on both sides of an example that is not its background."""
+POSES_PER_PIECE: Final = 6
+"""Poses of which features are found in a piece of work: about 0.1 ms."""
 
 
 def add_gesture_poses(data: dict[str, Any], path: Path) -> None:
@@ -82,19 +86,33 @@ def _packed(clip: Clip, rows: range) -> list[str]:
 
 def pose_features(poses: Sequence[str]) -> Float64:
     """Return the features of packed poses, (M, FEATURES), M of them at `EXAMPLE_RATE`; ValueError for a damaged one."""
-    return features_of(unpack_pose(pose) for pose in poses)
+    return at_once(feature_work(poses))
 
 
-def features_of(poses: Iterator[tuple[Float32, Float32]]) -> Float64:
+def feature_work(poses: Sequence[str]) -> Generator[None, None, Float64]:
+    """Find the features of packed poses as `pose_features` does, in pieces of `POSES_PER_PIECE`."""
+    stream, rows = BodyStream(), list[Float64]()
+    for number, pose in enumerate(poses):
+        _add_features(rows, stream, unpack_pose(pose), number)
+        if (number + 1) % POSES_PER_PIECE == 0:
+            yield
+    return np.array(rows).reshape(-1, FEATURES)
+
+
+def features_of(poses: Iterable[tuple[Float32, Float32]]) -> Float64:
     """Return the features of poses, hips (3,) [m] and rotation (J, 4) each, at `EXAMPLE_RATE`, (M, FEATURES)."""
-    stream, rows = BodyStream(), []
-    for number, (hips, rotation) in enumerate(poses):
-        for _ in stream.feed(hips, rotation, 1.0 + number / EXAMPLE_RATE):
-            if stream.count % MOMENTS_PER_EXAMPLE_MOMENT == 0:
-                rows.append(stream.feature.copy())
-        if not number:
+    stream, rows = BodyStream(), list[Float64]()
+    for number, pose in enumerate(poses):
+        _add_features(rows, stream, pose, number)
+    return np.array(rows).reshape(-1, FEATURES)
+
+
+def _add_features(rows: list[Float64], stream: BodyStream, pose: tuple[Float32, Float32], number: int) -> None:
+    for _ in stream.feed(*pose, 1.0 + number / EXAMPLE_RATE):
+        if stream.count % MOMENTS_PER_EXAMPLE_MOMENT == 0:
             rows.append(stream.feature.copy())
-    return np.array(rows).reshape(-1, len(stream.feature))
+    if not number:
+        rows.append(stream.feature.copy())
 
 
 def updated_gestures_text(patch: Path, tables: Sequence[dict[str, Any]]) -> str:

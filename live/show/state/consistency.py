@@ -23,13 +23,14 @@ from live.base.element_kinds import FLOW_NAMES, KIND_COUNT, MAX_POINTS, MAX_VERT
 from live.motion.partner_live.hand_holds import LiveHandHolds
 from live.motion.partner_live.stage_partner import LeaderReader
 from live.motion.recognition.body_stream import BodyStream
-from live.motion.recognition.example_follower import ExampleFollower
+from live.motion.recognition.example_follower import NONE_WAITS, ExampleFollower
 from live.motion.recognition.gesture_examples import ExampleBank, ExampleMatcher
 from live.motion.recognition.gesture_kernels import FEATURES, MEASURES
 from live.motion.recognition.movement import Movement
-from live.motion.recognition.recognition_names import GESTURE_NAMES, LEVELS, MAX_MOMENTS
+from live.motion.recognition.recognition_names import GESTURE_NAMES, LEVELS, MAX_MOMENTS, MIN_MOMENTS
 from live.motion.skeleton import JOINT_COUNT
-from live.show.capture.gestures import Gestures, PerformerMovement
+from live.show.capture.gesture_learning import Lesson
+from live.show.capture.gestures import MAX_BACKGROUND, MAX_PIECES, Gestures, PerformerMovement
 from live.show.capture.performer import CapturedPerformer
 from live.show.capture.pose_buffer import CANON_CAPACITY, POSE_CAPACITY, PoseBuffer
 from live.show.group.division import FREE, Division
@@ -173,6 +174,7 @@ def gesture_matcher(value: ExampleMatcher) -> bool:
 def gesture_examples(value: ExampleFollower) -> bool:
     """Whether each example has a gesture."""
     gesture, best = attribute_at(value, "_gesture"), attribute_at(value, "_best")
+    waiting = (best < NONE_WAITS).sum()
     return (
         gesture.shape == (len(attribute_at(value, "_bank.threshold")),)
         and attribute_at(value, "_matcher._bank") is attribute_at(value, "_bank")
@@ -181,6 +183,7 @@ def gesture_examples(value: ExampleFollower) -> bool:
         and gesture.max(initial=-1) < len(best)
         and attribute_at(value, "_times").shape == (3, len(best))
         and attribute_at(value, "_ended").shape == (len(best),)
+        and attribute_at(value, "_waiting") == waiting
     )
 
 
@@ -202,17 +205,27 @@ def performer_movement(value: PerformerMovement) -> bool:
     """Whether the kept poses have their places, and each number its range."""
     hips, rotation = attribute_at(value, "_hips"), attribute_at(value, "_rotation")
     shapes = hips.shape == (MAX_MOMENTS, 3) and rotation.shape == (MAX_MOMENTS, JOINT_COUNT, 4)
-    built_in = attribute_at(value, "built_in._inside"), attribute_at(value, "built_in._since")
-    known = all(each.shape == (len(GESTURE_NAMES),) for each in built_in)
+    built_in = attribute_at(value, "built_in._inside"), attribute_at(value, "built_in._told")
+    known = all(len(each) == len(GESTURE_NAMES) for each in built_in)
     return shapes and known and attribute_at(value, "_kept") >= 0 and len(value.ranges) == len(LEVELS)
 
 
+def gesture_lesson(value: Lesson) -> bool:
+    """Whether it has as many poses as an example and its background may have, or none."""
+    count, moments = len(value.hips), len(value.hips) - value.background
+    shapes = value.hips.shape == (count, 3) and value.rotation.shape == (count, JOINT_COUNT, 4)
+    lengths = 0 <= value.background <= MAX_BACKGROUND and MIN_MOMENTS <= moments <= MAX_MOMENTS
+    return shapes and (lengths or not (count or value.background))
+
+
 def gestures(value: Gestures) -> bool:
-    """Whether all numbers of gestures are those of names."""
+    """Whether all numbers of gestures are those of names, and no more pieces are done than a lesson has."""
     names, whose, of = (attribute_at(value, name) for name in ("_names", "_performers", "_gesture"))
     followers = attribute_at(value, "_followers").values()
     numbers = [*of, *(number for each in followers for number in attribute_at(each, "examples._gesture").tolist())]
-    return len(names) == len(whose) and all(0 <= number < len(names) for number in numbers)
+    pieces, lessons = attribute_at(value, "_pieces"), attribute_at(value, "_lessons")
+    learning = 0 <= pieces <= MAX_PIECES and (bool(lessons) or not pieces) and attribute_at(value, "_clips_read") >= 0
+    return learning and len(names) == len(whose) and all(0 <= number < len(names) for number in numbers)
 
 
 def holding(value: LiveHandHolds) -> bool:

@@ -12,7 +12,8 @@ from live.motion.recognition.movement import Movement
 from live.show.background_work import TaskQueue
 from live.show.capture.capture_manager import CaptureManager
 from live.show.capture.danced_poses import DancedPoses, Take
-from live.show.capture.gestures import Gestures, LearnedGesture, PerformerMovement
+from live.show.capture.gesture_learning import LearnedGesture, Lesson
+from live.show.capture.gestures import Gestures, PerformerMovement
 from live.show.capture.performer import CapturedPerformer
 from live.show.capture.performer_forces import PerformerForces
 from live.show.capture.pose_buffer import DriftCorrection, PoseBuffer
@@ -177,15 +178,18 @@ KINDS: Final = [
     Kind("gesture-bank", ExampleBank, "moment:f4* weight:f4* first:i8* threshold:f8*",
          is_consistent=whole.gesture_bank),
     Kind("gesture-built-in", BuiltInGestures, """
-        _inside:f8 _since:f8 _floor:float _hips:float _flight:int _lift:float _rise:float _turned:float _pause:float
-        _apart:float _closing:float _open:bool
+        _inside:list[float] _moment:int _told:list[int] _floor:float _hips:float _flight:int _lift:float _rise:float
+        _turned:float _pause:float _apart:float _closing:float _open:bool
     """),
     Kind("gesture-examples", ExampleFollower, """
-        _bank:gesture-bank _gesture:i8* _matcher:gesture-matcher _best:f8* _times:i8* _ended:i8*
+        _bank:gesture-bank _gesture:i8* _matcher:gesture-matcher _best:f8* _times:i8* _ended:i8* _waiting:int
     """, is_consistent=whole.gesture_examples),
     Kind("gesture-learned", LearnedGesture, "name:str poses:row[str] background:row[str]"),
-    Kind("gesture-matcher", ExampleMatcher, "_bank:gesture-bank mean:f8* begun:i8* _memory:f8* _begun:i8* now:int",
-         is_consistent=whole.gesture_matcher),
+    Kind("gesture-lesson", Lesson, "name:str hips:f4* rotation:f4* background:int",
+         is_consistent=whole.gesture_lesson),
+    Kind("gesture-matcher", ExampleMatcher, """
+        _bank:gesture-bank mean:f8* begun:i8* _memory:f8* _begun:i8* now:int near:int
+    """, is_consistent=whole.gesture_matcher),
     Kind("gesture-movement", Movement, "level:f8 tempo:float _signal:f8 _smooth:f8 _drift:f8 _rating:f8 _count:int",
          is_consistent=whole.movement),
     Kind("gesture-performer", PerformerMovement, """
@@ -202,7 +206,9 @@ KINDS: Final = [
         learned:list[gesture-learned] learned_count:int _followers:dict[str,gesture-performer] _ticks:int
         last:deque[tuple[str,str,float]] _names:list[str] _performers:list[str]
         _known:dict[str,list[tuple[str,str]]] _gesture:list[int] _bank:gesture-bank
-    """, is_consistent=whole.gestures),
+        _dancers:dancers _clips_read:int _lessons:list[gesture-lesson] _pieces:int
+    """, factories={"_library": list, "_work": no_value}, after_read=Gestures.repeat_work,
+         is_consistent=whole.gestures),
     Kind("interrupts", Interrupts, """
         _dancers:dancers _motion:group-motion _scheduler:scheduler clip_cutter:cutting _cues:list[interrupts.cue]
         _half:tuple[int,int]|none _decided:bool _step:i4(step) _unplanned:b1 _collision_avoidance:avoiding cue_count:int

@@ -135,6 +135,19 @@ def test_background_lowers_a_threshold_and_never_raises_it():
     assert 0.5 * alone.threshold < beside.threshold < alone.threshold
 
 
+def test_a_step_of_the_library_that_is_near_lowers_a_threshold_and_the_gesture_itself_does_not():
+    times = np.arange(0.0, 2.0, 1.0 / 32.0)
+    example = features([body(DOWN, wave(t, 0.0)) for t in times])
+    own = features([body(DOWN, wave(t, 0.0, 1.0, 1.05)) for t in times])
+    far = features([body(wave(t, 0.0), DOWN) for t in times])
+    (alone,), (itself,), (apart,) = (make_examples([example], [], steps) for steps in ([], [own], [own, far]))
+    assert itself.threshold == alone.threshold
+    assert apart.threshold > 1.2 * alone.threshold
+    near = features([body(DOWN, wave(t, 0.0, 1.0, 0.55)) for t in times])
+    (beside,) = make_examples([example], [], [near, far])
+    assert 0.85 * alone.threshold < beside.threshold < apart.threshold
+
+
 @pytest.mark.parametrize("bpm", [84.0, 110.0, 138.0])
 def test_tempo_follows_a_dance_within_three_percent(bpm):
     stream, movement = BodyStream(), Movement()
