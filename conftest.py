@@ -1,5 +1,8 @@
 """Shared test setup: fixed seeds, strict floating point, parallel processes, test data."""
 
+import contextlib
+import gc
+import importlib
 import os
 import random
 import sys
@@ -62,13 +65,31 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
             pytest.skip(f"{budget:g} s are over: `make check` runs this test, too")
 
 
+def _is_whole(config: pytest.Config) -> bool:
+    return {(config.invocation_params.dir / argument).resolve() for argument in config.args} <= WHOLE
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection(session: pytest.Session) -> None:
+    """With several processes, each imports its share of the tests first: in a new checkout, where importing compiles
+    them, which takes longer than most tests, they would otherwise all compile the same.
+    """
+    there = getattr(session.config, "workerinput", None)
+    if there is None or not _is_whole(session.config):
+        return
+    number, count = int(there["workerid"].removeprefix("gw")), there["workercount"]
+    files = sorted(path.relative_to(ROOT) for part in ("tests", "live") for path in (ROOT / part).rglob("test_*.py"))
+    for path in files[number::count]:
+        with contextlib.suppress(Exception, pytest.skip.Exception):  # collecting tells
+            importlib.import_module(".".join(path.with_suffix("").parts))
+
+
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_auto_num_workers(config: pytest.Config) -> int:
     """One process more than cores for the whole suite, since some tests wait for a device or another process;
     otherwise only this one: starting more takes longer than it saves.
     """
-    asked = {(config.invocation_params.dir / argument).resolve() for argument in config.args}
-    if not asked <= WHOLE:
+    if not _is_whole(config):
         return 0
     return 1 + min(len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1, 7)
 
@@ -104,6 +125,13 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
 
     if not config.getoption("--budget"):  # else they come in the order asked for, the nearest first
         items.sort(key=rank)
+
+
+@pytest.hookimpl(trylast=True)
+def pytest_collection_finish(session: pytest.Session) -> None:
+    """What was imported and collected stays: to look for garbage in it again and again takes a seventh of the time."""
+    gc.collect()
+    gc.freeze()
 
 
 @pytest.fixture(autouse=True)

@@ -6,11 +6,13 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 
 import pytest
 
+from tests.fixtures.source_trees import no_collection, parse
 from tests.places import ROOT
 
 SITE = ROOT / "live" / "site"
@@ -22,16 +24,28 @@ def _identify(path: Path) -> str:
     return path.relative_to(ROOT).as_posix()
 
 
+@pytest.fixture(scope="module", autouse=True)
+def trees_of_this_file_only() -> Iterator[None]:
+    """The trees are more than a million objects: they are forgotten before the tests of other files run."""
+    with no_collection():
+        yield
+        for known in (_tree, _nodes, _imports, _modules_imported, _import_graph):
+            known.cache_clear()
+
+
+_tree = cache(parse)
+
+
 @cache
-def _tree(path: Path) -> ast.Module:
-    return ast.parse(path.read_text(encoding="utf-8"))
+def _nodes(path: Path) -> tuple[ast.AST, ...]:
+    return tuple(ast.walk(_tree(path)))
 
 
 @cache
 def _imports(path: Path) -> frozenset[str]:
     """Top-level names of all imports of a file, at module level and inside functions."""
     found: set[str] = set()
-    for node in ast.walk(_tree(path)):
+    for node in _nodes(path):
         if isinstance(node, ast.Import):
             found.update(alias.name.partition(".")[0] for alias in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module is not None and node.level == 0:
@@ -145,7 +159,7 @@ def test_core_imports_neither_disk_nor_clock_modules() -> None:
 def test_random_generators_are_seeded() -> None:
     seedless = {"seed", "rand", "randn", "random", "normal", "uniform", "choice", "shuffle"}
     for path in MODULES:
-        for node in ast.walk(_tree(path)):
+        for node in _nodes(path):
             if isinstance(node, ast.Attribute) and node.attr in seedless:
                 assert ast.unparse(node.value) not in ("np.random", "numpy.random"), f"{_identify(path)}:{node.lineno}"
             if isinstance(node, ast.Call) and ast.unparse(node.func).endswith("random.default_rng"):
@@ -180,7 +194,7 @@ def _makes_code(node: ast.Call, path: str) -> bool:
 def test_no_module_unpickles_evaluates_or_imports_bytes() -> None:
     """Files and sockets contain data only: no function that makes code or objects from bytes is used."""
     assert [_identify(path) for path in MODULES if _imports(path) & _CODE_FROM_BYTES] == []
-    calls = ((path, node) for path in MODULES for node in ast.walk(_tree(path)) if isinstance(node, ast.Call))
+    calls = ((path, node) for path in MODULES for node in _nodes(path) if isinstance(node, ast.Call))
     found = [
         f"{_identify(path)}:{node.lineno}: {ast.unparse(node)[:80]}"
         for path, node in calls
@@ -218,7 +232,8 @@ def _modules_imported(path: Path, *, lazy: bool) -> frozenset[str]:
                 found |= {name if name in known else node.module for name in names}
             elif isinstance(node, ast.Import):
                 found |= {alias.name for alias in node.names}
-            waiting.append(node)
+            if not isinstance(node, ast.expr):
+                waiting.append(node)
     return frozenset(found & known - {_module_name(path)})
 
 

@@ -7,6 +7,7 @@ import json
 import re
 import shlex
 import tomllib
+from functools import cache
 
 import pytest
 import typer
@@ -38,10 +39,16 @@ OTHER_FILES = ("step", "venue", "pairs", "take", "character", "excerpt")
 _ADDRESS = re.compile(r"(?<![\w.])/dance/[a-z_/0-9]+")
 
 
+@cache
+def whole_program():
+    """The command `live` with all of its commands."""
+    return typer.main.get_command(app)
+
+
 def parse_command(typed):
     """Parse a command line as `live` does, without running it."""
     words = expand_optional_values(shlex.split(typed)[1:])
-    command = typer.main.get_command(app)
+    command = whole_program()
     while hasattr(command, "commands") and words:
         if words[0].startswith("-"):
             assert command.invoke_without_command, f"{command.name} needs one of its commands"
