@@ -103,14 +103,13 @@ class JointRotations:
         self.world = np.zeros((JOINT_COUNT, 4))
         """World rotations of all joints (J, 4) after `find`."""
 
-    def find(self, points: Float64, lengths: Float64, depth: Float64) -> Float64:
+    def find(self, points: Float64) -> Float64:
         """Return the world rotations (J, 4) of all joints from landmarks (L, 3) in stage axes.
 
         Pelvis and chest turn with the lines through hips and shoulders and lean with the trunk; spine, chest and neck
         share what is between. Knees and elbows bend about their hinge, one way only; where they are straight, foot and
-        neighbours tell the twist. `lengths` (2,) [m] are those of a stretched leg and a stretched arm; `depth` (3,) is
-        the direction in which the points are least sure, the ray of the only camera, or zero.
+        neighbours tell the twist.
         """
-        find_directions(self._along, self._side, points, lengths, depth)
+        find_directions(self._along, self._side, points)
         pose_joints(self.world, self._along, self._side, INVERSE_REST, POSED, _MIXES, _SAME)
         return self.world

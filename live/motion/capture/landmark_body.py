@@ -11,6 +11,7 @@ from live.motion.capture.captured_body import FloorEstimator
 from live.motion.capture.joint_rotations import SEEN_BY, JointRotations
 from live.motion.capture.landmark_kernels import ANKLE, ELBOW, HEEL, HIP, KNEE, SHOULDER, TOE, WRIST
 from live.motion.capture.landmarks import LANDMARK_NAMES, Landmarks
+from live.motion.capture.limb_depth import LimbDepth
 from live.motion.capture.one_euro import MAX_LEAD, PlaceFilter, RotationFilter
 from live.motion.capture.stage_points import StagePoints, ViewedPerson
 from live.motion.capture.standing_feet import SOLE_HEIGHTS, SOLES, StandingFeet, lowest_sole
@@ -100,6 +101,7 @@ class LandmarkBody:
         self._rise = PlaceFilter(*_RISE_FILTER)
         self._feet = StandingFeet()
         self._joints = JointRotations()
+        self._limbs = LimbDepth()
         self._floor = FloorEstimator()
         self._unseen = np.zeros(JOINT_COUNT)
         self._points: Float64 | None = None
@@ -159,12 +161,14 @@ class LandmarkBody:
         dt = 0.0 if self._points is None else gap
         self._time, self.lost = points.time, False
         position, weight = self._sorted(points.position, points.weight, dt)
-        world = self._joints.find(position, points.lengths, points.depth)
+        seen = position
+        position = self._limbs.fit(seen, points.eye, points.depth, points.size)
+        world = self._joints.find(position)
         if dt > 0.0 and self._flipped(world, dt):
             if self._odd <= _REFUSED:
                 return self._shown
             self._before, self._caught, self._odd, dt = self._shown, 0.0, 0.0, 0.0
-        self._points = position
+        self._points = seen
         self._filter(world, weight, dt)
         self._place_hips(points, position, world, dt)
         ahead = min(max(lead, 0.0), MAX_LEAD)

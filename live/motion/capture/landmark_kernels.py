@@ -24,9 +24,6 @@ WRONG_WAY = -0.2
 """Cosine between a bend's hinge and that which the neighbours tell, under which the limb is bent the wrong way."""
 STRAIGHT = 0.4
 """Sine of a bend under which a limb's hinge comes more and more from its neighbours instead of from the bend."""
-LEG_SHARE, LEG_DEPTH_SHARE, ARM_SHARE, ARM_DEPTH_SHARE = 0.3, 0.7, 0.1, 0.9
-"""How far a bend is taken from how short a limb of known length appears, instead of from the model's points: the first
-of each pair for a bend across the camera's ray, both together for one along it."""
 HIPS, CHEST, HEAD, UPPER, LOWER, END, FRAMES = 0, 1, 2, 3, 7, 11, 15
 """Rows of the frames: pelvis, chest, head; four limbs' upper and lower bones and ends (left and right arm, left and
 right leg)."""
@@ -36,12 +33,12 @@ SHOULDER, ELBOW, WRIST, PINKY, INDEX, HIP, KNEE, ANKLE, HEEL, TOE = 11, 13, 15, 
 
 
 @inline_kernel
-def _row(points: Any, n: int) -> Vector:
+def row(points: Any, n: int) -> Vector:
     return points[n, 0], points[n, 1], points[n, 2]
 
 
 @inline_kernel
-def _middle(points: Any, n: int) -> Vector:
+def middle(points: Any, n: int) -> Vector:
     """Return the middle between a left landmark and the right one after it."""
     return (
         0.5 * (points[n, 0] + points[n + 1, 0]),
@@ -51,30 +48,30 @@ def _middle(points: Any, n: int) -> Vector:
 
 
 @inline_kernel
-def _less(a: Vector, b: Vector) -> Vector:
+def less(a: Vector, b: Vector) -> Vector:
     return a[0] - b[0], a[1] - b[1], a[2] - b[2]
 
 
 @inline_kernel
-def _mixed(a: Vector, s: float, b: Vector, t: float) -> Vector:
+def mixed(a: Vector, s: float, b: Vector, t: float) -> Vector:
     """Return s a + t b."""
     return s * a[0] + t * b[0], s * a[1] + t * b[1], s * a[2] + t * b[2]
 
 
 @inline_kernel
-def _dot(a: Vector, b: Vector) -> float:
+def dot(a: Vector, b: Vector) -> float:
     product: float = a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
     return product
 
 
 @inline_kernel
-def _cross(a: Vector, b: Vector) -> Vector:
+def cross(a: Vector, b: Vector) -> Vector:
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
 
 
 @inline_kernel
-def _unit(a: Vector) -> Vector:
-    scale = 1.0 / max(math.sqrt(_dot(a, a)), 1e-9)
+def unit(a: Vector) -> Vector:
+    scale = 1.0 / max(math.sqrt(dot(a, a)), 1e-9)
     return a[0] * scale, a[1] * scale, a[2] * scale
 
 
@@ -90,13 +87,13 @@ def frame_rotation(rotation: Float64, along: Float64, side: Float64) -> None:
 
     Where that is nothing, y goes to any normal (Shepperd's method).
     """
-    x = _unit((along[0], along[1], along[2]))
+    x = unit((along[0], along[1], along[2]))
     y = (side[0], side[1], side[2])
-    y = _mixed(y, 1.0, x, -_dot(x, y))
-    if _dot(y, y) < 1e-12:
-        y = _cross(x, (0.0, 0.0, 1.0)) if abs(x[2]) < 0.9 else _cross(x, (1.0, 0.0, 0.0))
-    y = _unit(y)
-    z = _cross(x, y)
+    y = mixed(y, 1.0, x, -dot(x, y))
+    if dot(y, y) < 1e-12:
+        y = cross(x, (0.0, 0.0, 1.0)) if abs(x[2]) < 0.9 else cross(x, (1.0, 0.0, 0.0))
+    y = unit(y)
+    z = cross(x, y)
     trace = x[0] + y[1] + z[2]
     if trace > max(x[0], y[1], z[2]):
         w, i, j, k = 1.0 + trace, y[2] - z[1], z[0] - x[2], x[1] - y[0]
@@ -118,64 +115,56 @@ def _limb_sides(points: Float64, m: int, aside: Vector, forward: Vector, upper: 
     """
     if m < 2:
         sign = -1.0 if m == 0 else 1.0
-        across = _cross(forward, _mixed(upper, -sign, upper, 0.0))
-        return _mixed(across, sign, (0.0, 1.0, 0.0), 0.15 * sign)
-    foot = _unit(_less(_row(points, TOE + m - 2), _row(points, HEEL + m - 2)))
-    across = _cross(foot, lower)
-    return _mixed(across, 1.0 if _dot(across, aside) >= 0.0 else -1.0, aside, 0.7)
+        across = cross(forward, mixed(upper, -sign, upper, 0.0))
+        return mixed(across, sign, (0.0, 1.0, 0.0), 0.15 * sign)
+    foot = unit(less(row(points, TOE + m - 2), row(points, HEEL + m - 2)))
+    across = cross(foot, lower)
+    return mixed(across, 1.0 if dot(across, aside) >= 0.0 else -1.0, aside, 0.7)
 
 
-@kernel("void(f8[:,::1], f8[:,::1], f8[:,::1], f8[::1], f8[::1])")
-def find_directions(along: Float64, side: Float64, points: Float64, lengths: Float64, depth: Float64) -> None:
-    """Write the two axes of each frame, `along` and `side` (15, 3), from landmarks `points` (33, 3) in stage axes.
-
-    `lengths` (2,) [m] of a stretched leg and arm; `depth` (3,): where the landmarks are least sure, or zero.
-    """
-    hips, top = _middle(points, HIP), _middle(points, SHOULDER)
-    trunk = _less(top, hips)
-    aside = _unit(_less(_row(points, HIP), _row(points, HIP + 1)))
-    forward = _cross(aside, _unit(trunk))
-    ears = _middle(points, LEFT_EAR)
+@kernel("void(f8[:,::1], f8[:,::1], f8[:,::1])")
+def find_directions(along: Float64, side: Float64, points: Float64) -> None:
+    """Write the two axes of each frame, `along` and `side` (15, 3), from landmarks `points` (33, 3) in stage axes."""
+    hips, top = middle(points, HIP), middle(points, SHOULDER)
+    trunk = less(top, hips)
+    aside = unit(less(row(points, HIP), row(points, HIP + 1)))
+    forward = cross(aside, unit(trunk))
+    ears = middle(points, LEFT_EAR)
     _write(along, HIPS, aside)
     _write(side, HIPS, trunk)
-    _write(along, CHEST, _less(_row(points, SHOULDER), _row(points, SHOULDER + 1)))
+    _write(along, CHEST, less(row(points, SHOULDER), row(points, SHOULDER + 1)))
     _write(side, CHEST, trunk)
-    _write(side, HEAD, _less(_row(points, LEFT_EAR), _row(points, RIGHT_EAR)))
+    _write(side, HEAD, less(row(points, LEFT_EAR), row(points, RIGHT_EAR)))
     for c in range(3):
         eyes = points[LEFT_EYE, c] + points[RIGHT_EYE, c]
         mouth = points[LEFT_MOUTH, c] + points[RIGHT_MOUTH, c]
         along[HEAD, c] = 0.2 * (points[NOSE, c] + eyes + mouth) - ears[c]
     for m in range(4):
         first = SHOULDER + m if m < 2 else HIP + m - 2
-        begin, joint, end = _row(points, first), _row(points, first + 2), _row(points, first + 4)
-        upper, lower = _unit(_less(joint, begin)), _unit(_less(end, joint))
+        begin, joint, end = row(points, first), row(points, first + 2), row(points, first + 4)
+        upper, lower = unit(less(joint, begin)), unit(less(end, joint))
         sides = _limb_sides(points, m, aside, forward, upper, lower)
-        sides = _unit(_mixed(sides, 1.0, upper, -_dot(sides, upper)))
-        normal = _cross(upper, lower)
-        size = math.sqrt(_dot(normal, normal))
+        sides = unit(mixed(sides, 1.0, upper, -dot(sides, upper)))
+        normal = cross(upper, lower)
+        size = math.sqrt(dot(normal, normal))
         trust = min(size / STRAIGHT, 1.0) ** 2
         hinge = sides
-        if _dot(normal, sides) >= WRONG_WAY * size:
-            hinge = _unit(_mixed(sides, 1.0 - trust, normal, trust / max(size, 1e-9)))
-        bend = max(math.atan2(_dot(lower, _cross(hinge, upper)), _dot(lower, upper)), 0.0)
-        # the bend by which a limb of this length becomes as short as it appears
-        reach = _less(end, begin)
-        span = min(math.sqrt(_dot(reach, reach)) / lengths[0 if m >= 2 else 1], 1.0)
-        reach = _unit(reach)
-        out = _cross(reach, hinge)
-        deep = _dot(out, (depth[0], depth[1], depth[2])) ** 2
-        share = LEG_SHARE + deep * LEG_DEPTH_SHARE if m >= 2 else ARM_SHARE + deep * ARM_DEPTH_SHARE
-        half = 0.5 * (bend + min(share, 1.0) * (2.0 * math.acos(span) - bend))
-        _write(along, UPPER + m, _mixed(reach, math.cos(half), out, math.sin(half)))
-        _write(along, LOWER + m, _mixed(reach, math.cos(half), out, -math.sin(half)))
+        if dot(normal, sides) >= WRONG_WAY * size:
+            hinge = unit(mixed(sides, 1.0 - trust, normal, trust / max(size, 1e-9)))
+        bend = max(math.atan2(dot(lower, cross(hinge, upper)), dot(lower, upper)), 0.0)
+        half = 0.5 * bend
+        reach = unit(less(end, begin))
+        out = cross(reach, hinge)
+        _write(along, UPPER + m, mixed(reach, math.cos(half), out, math.sin(half)))
+        _write(along, LOWER + m, mixed(reach, math.cos(half), out, -math.sin(half)))
         _write(side, UPPER + m, hinge)
         _write(side, LOWER + m, hinge)
         if m < 2:
-            index, pinky = _row(points, INDEX + m), _row(points, PINKY + m)
-            _write(along, END + m, _less(_mixed(index, 0.5, pinky, 0.5), end))
-            _write(side, END + m, _less(index, pinky))
+            index, pinky = row(points, INDEX + m), row(points, PINKY + m)
+            _write(along, END + m, less(mixed(index, 0.5, pinky, 0.5), end))
+            _write(side, END + m, less(index, pinky))
         else:
-            _write(along, END + m, _less(_row(points, TOE + m - 2), _row(points, HEEL + m - 2)))
+            _write(along, END + m, less(row(points, TOE + m - 2), row(points, HEEL + m - 2)))
             _write(side, END + m, hinge)
 
 
@@ -280,7 +269,7 @@ def find_feet(feet: Float64, hips: Float64, rotation: Float64, offsets: Float64,
         q = rotation_row(rotation, 0)
         p = (hips[0], hips[1], hips[2])
         for k in range(4):
-            p = _mixed(p, 1.0, _offset(offsets, legs, s, k, q), 1.0)
+            p = mixed(p, 1.0, _offset(offsets, legs, s, k, q), 1.0)
             q = multiply(q, rotation_row(rotation, legs[s, k]))
             if k >= 2:
                 feet[s, k - 2, 0], feet[s, k - 2, 1], feet[s, k - 2, 2] = p
@@ -301,10 +290,16 @@ def _soft_length(far: float, upper: float, lower: float, softness: float) -> flo
 
 
 @inline_kernel
-def _hold_place(state: Float64, s: int, ankle: Vector, planted: bool, slip: float, back: float) -> None:
-    """Update a foot's horizontal shift: to the place where it was planted, or back to where it is seen."""
+def _hold_place(
+    state: Float64, s: int, ankle: Vector, planted: bool, slip: float, back: float, landing: Vector
+) -> None:  # fmt: skip
+    """Update a foot's horizontal shift: to the place where it was planted, or back to where it is seen.
+
+    `landing`: what is added to the place of a foot that lands [m].
+    """
     if planted and state[s, AGE] == 0.0:
         for c in range(3):
+            state[s, SHIFT + c] += landing[c]
             state[s, TARGET + c] = ankle[c] + state[s, SHIFT + c]
     state[s, AGE] = 1.0 if planted else 0.0
     far = math.hypot(state[s, TARGET] - ankle[0], state[s, TARGET + 2] - ankle[2])
@@ -317,30 +312,66 @@ def _hold_place(state: Float64, s: int, ankle: Vector, planted: bool, slip: floa
             state[s, SHIFT + c] *= back
 
 
-@kernel("void(f8[::1], f8[:,::1], f8[:,::1], b1[::1], f8[:,::1], i8[:,::1], f8[::1], f8[::1], f8)")
-def plant_feet(
-    hips: Float64, rotation: Float64, state: Float64, contact: Bool, offsets: Float64, legs: Int64, rest: Float64,
-    settings: Float64, dt: float,
+@inline_kernel
+def _carry_hips(
+    hips: Float64, drift: Float64, contact: Bool, unsure: Float64, settings: Float64, dt: float
 ) -> None:  # fmt: skip
-    """Plant the feet in `contact` (2,): changes `hips` (3,) [m] and the legs of local `rotation` (J, 4), and the state
-    (2, 8).
+    """Move the hips by the `drift` (1,) [m] along `unsure`, which fades while no foot stands."""
+    if not (contact[0] or contact[1]):
+        drift[0] *= 0.5 ** (dt / settings[7])
+    drift[0] = min(max(drift[0], -settings[8]), settings[8])
+    hips[0] += drift[0] * unsure[0]
+    hips[2] += drift[0] * unsure[1]
+
+
+@inline_kernel
+def _pull_hips(
+    hips: Float64, state: Float64, drift: Float64, contact: Bool, unsure: Float64, goal: Float64, tops: Float64
+) -> None:  # fmt: skip
+    """Move the hips along `unsure` with the planted feet, so that these need not be shifted that way."""
+    count = contact[0] + contact[1]
+    pulled = 0.0
+    for s in range(2):
+        if contact[s]:
+            pulled += (state[s, SHIFT] * unsure[0] + state[s, SHIFT + 2] * unsure[1]) / count
+    drift[0] += pulled
+    for c in range(0, 3, 2):
+        hips[c] += pulled * unsure[c // 2]
+        for s in range(2):
+            tops[s, c] += pulled * unsure[c // 2]
+            if contact[s]:
+                state[s, SHIFT + c] -= pulled * unsure[c // 2]
+            else:
+                goal[s, c] += pulled * unsure[c // 2]
+
+
+@kernel("void(f8[::1], f8[:,::1], f8[:,::1], f8[::1], b1[::1], f8[::1], f8[:,::1], i8[:,::1], f8[::1], f8[::1], f8)")
+def plant_feet(
+    hips: Float64, rotation: Float64, state: Float64, drift: Float64, contact: Bool, unsure: Float64, offsets: Float64,
+    legs: Int64, rest: Float64, settings: Float64, dt: float,
+) -> None:  # fmt: skip
+    """Plant the feet in `contact` (2,): changes `hips` (3,) [m] and the legs of local `rotation` (J, 4), the state
+    (2, 8), and the `drift` (1,) [m] of the hips along `unsure` (2,), the unit direction (x, z) in which their place is
+    least sure, or zero.
 
     `rest` (4,): inverse rest rotation of a leg's frame. `settings`: longest shift of a planted foot [m], half-life of
     a released foot's return and of flattening [s], softness of a stretched leg, heights of ankle and toe joint of a
-    standing foot [m], longest drop of the hips [m].
+    standing foot [m], longest drop of the hips [m], half-life of the drift in the air [s], most drift [m], share of the
+    drift that a foot which lands takes back.
     """
     turned, goal, tops = np.empty(4), np.empty((2, 3)), np.empty((2, 3))
     along, hinge, foot_turn = np.empty(3), np.empty(3), np.empty((2, 4))
     slip, back, flatten, softness = settings[0], 0.5 ** (dt / settings[1]), 0.5 ** (dt / settings[2]), settings[3]
     pelvis = rotation_row(rotation, 0)
     drop = 0.0
+    _carry_hips(hips, drift, contact, unsure, settings, dt)
     for s in range(2):
-        top = _mixed((hips[0], hips[1], hips[2]), 1.0, _offset(offsets, legs, s, THIGH, pelvis), 1.0)
+        top = mixed((hips[0], hips[1], hips[2]), 1.0, _offset(offsets, legs, s, THIGH, pelvis), 1.0)
         thigh = multiply(pelvis, rotation_row(rotation, legs[s, THIGH]))
         shin = multiply(thigh, rotation_row(rotation, legs[s, SHIN]))
         foot = multiply(shin, rotation_row(rotation, legs[s, FOOT]))
-        knee = _mixed(top, 1.0, _offset(offsets, legs, s, SHIN, thigh), 1.0)
-        ankle = _mixed(knee, 1.0, _offset(offsets, legs, s, FOOT, shin), 1.0)
+        knee = mixed(top, 1.0, _offset(offsets, legs, s, SHIN, thigh), 1.0)
+        ankle = mixed(knee, 1.0, _offset(offsets, legs, s, FOOT, shin), 1.0)
         # a planted foot becomes flat, unless the dancer stands on its ball
         ahead, up = rotate_vector(foot, 0.0, 0.0, 1.0), rotate_vector(foot, 0.0, 1.0, 0.0)
         level = 1.0 if contact[s] and up[1] > 0.8 else 0.0
@@ -348,7 +379,8 @@ def plant_feet(
         yaw = 0.5 * math.atan2(ahead[0], ahead[2])
         foot = nlerp(foot, (math.cos(yaw), 0.0, math.sin(yaw), 0.0), state[s, FLAT])
         _write(foot_turn, s, foot)
-        _hold_place(state, s, ankle, contact[s], slip, back)
+        landing = -settings[9] * drift[0]
+        _hold_place(state, s, ankle, contact[s], slip, back, (landing * unsure[0], 0.0, landing * unsure[1]))
         toe = _offset(offsets, legs, s, TOES, foot)
         low = min(ankle[1] - settings[4], ankle[1] + toe[1] - settings[5])
         lift = -low if contact[s] or low < 0.0 else 0.0
@@ -357,6 +389,7 @@ def plant_feet(
             state[s, SHIFT + 1] = -low
         for c in range(3):
             goal[s, c], tops[s, c] = ankle[c] + state[s, SHIFT + c], top[c]
+    _pull_hips(hips, state, drift, contact, unsure, goal, tops)
     upper = abs(offsets[legs[0, SHIN], 1])
     lower = abs(offsets[legs[0, FOOT], 1])
     limit = (1.0 - softness) * (upper + lower)
@@ -369,15 +402,15 @@ def plant_feet(
     for s in range(2):
         top = (tops[s, 0], tops[s, 1] - drop, tops[s, 2])
         thigh = multiply(pelvis, rotation_row(rotation, legs[s, THIGH]))
-        reach = _less(_row(goal, s), top)
-        length = _soft_length(math.sqrt(_dot(reach, reach)), upper, lower, softness)
-        way = _unit(reach)
+        reach = less(row(goal, s), top)
+        length = _soft_length(math.sqrt(dot(reach, reach)), upper, lower, softness)
+        way = unit(reach)
         pole, axis = rotate_vector(thigh, 0.0, 0.0, 1.0), rotate_vector(thigh, 1.0, 0.0, 0.0)
-        side = _unit(_mixed(pole, 1.0, way, -_dot(pole, way)))
+        side = unit(mixed(pole, 1.0, way, -dot(pole, way)))
         deep = (upper * upper - lower * lower + length * length) / (2.0 * length)
         out = math.sqrt(max(upper * upper - deep * deep, 0.0))
-        knee = _mixed(way, deep, side, out)
-        shin_way = _less(_mixed(way, length, way, 0.0), knee)
+        knee = mixed(way, deep, side, out)
+        shin_way = less(mixed(way, length, way, 0.0), knee)
         hinge[0], hinge[1], hinge[2] = axis
         along[0], along[1], along[2] = knee
         frame_rotation(turned, along, hinge)

@@ -8,7 +8,7 @@ import numpy as np
 
 from live.base.arrays import Float64
 from live.motion.capture.camera_view import CameraView
-from live.motion.capture.landmark_kernels import ANKLE, HEEL, HIP, KNEE, SHOULDER, TOE, WRIST
+from live.motion.capture.landmark_kernels import ANKLE, HEEL, HIP, TOE
 from live.motion.capture.landmarks import LANDMARK_COUNT, Landmarks
 from live.motion.capture.standing_feet import SOLE_HEIGHTS, SOLES
 
@@ -30,15 +30,6 @@ _SPEED_SPAN: Final = 0.07
 """The time [s] over which the speed is measured."""
 _ON_FLOOR: Final = 0.08
 """A foot whose depth would have to change by this share to stand on the floor is in the air rather than misjudged."""
-LENGTHS: Final = np.array((0.85, 0.55))
-"""Lengths [m] of a stretched leg (hip to ankle) and arm (shoulder to wrist) of the model's average person,
-learned on made films: the engine's proportions, and two per cent more that the model's bends lack."""
-_LENGTH_RANGE: Final = (0.95, 1.08)
-"""Lengths of a person's limbs over those of the model's average person of their size, at least and at most."""
-_LONGER, _SHORTER = 0.5, 60.0
-"""Time constants [s] with which a limb's length follows a limb that appears longer or shorter: the longest counts."""
-_LIMBS: Final = np.array(((HIP, HIP + 1), (SHOULDER, SHOULDER + 1)))
-_ENDS: Final = np.array(((ANKLE, ANKLE + 1), (WRIST, WRIST + 1)))
 _FOOT: Final = np.array((ANKLE, HEEL, TOE))
 _SIZE_RANGE: Final = float(np.log(1.7))
 """Largest logarithm of a person's size over the model's average person."""
@@ -59,8 +50,8 @@ class StagePoints:
     on_floor: bool
     """Whether heights are over the stage's floor (a calibrated camera), or over an unknown level."""
 
-    lengths: Float64
-    """Lengths of the person's stretched leg (hip to ankle) and arm (shoulder to wrist) (2,) [m]."""
+    size: float
+    """The person's size over the model's average person."""
     depth: Float64
     """Direction (3,) in which positions are least sure: the ray of the only camera; zero after fusing."""
 
@@ -81,7 +72,6 @@ class ViewedPerson:
         self._size, self._variance = 0.0, _SIZE_SPREAD**2
         self._time = -np.inf
         self._soles: list[tuple[float, Float64]] = []
-        self._lengths: Float64 = np.ones(2)
         self._floor_depth = np.ones(LANDMARK_COUNT)
 
     @property
@@ -107,19 +97,8 @@ class ViewedPerson:
             depth = depth * self._floor_depth
         camera = rays * depth[:, None]
         position = view.to_stage(camera)
-        lengths = self._follow_lengths(position, weight, scale, gone)
         ray = _unit(0.5 * (position[HIP] + position[HIP + 1]) - view.position)
-        return StagePoints(landmarks.time, position, weight, view.position, view.calibrated, lengths, ray)
-
-    def _follow_lengths(self, position: Float64, weight: Float64, scale: float, gone: float) -> Float64:
-        """Return the lengths of a stretched leg and arm (2,) [m]: the longest that were seen, about the average's."""
-        spans = position[_ENDS] - position[_LIMBS]
-        found = np.sqrt(np.sum(spans * spans, axis=2)).max(axis=1) / (scale * LENGTHS)
-        sure = np.minimum(weight[_ENDS], weight[_LIMBS]).min(axis=1) > 0.5
-        tau = np.where(found > self._lengths, _LONGER, _SHORTER)
-        longer = self._lengths + np.where(sure, (found - self._lengths) * (1.0 - np.exp(-gone / tau)), 0.0)
-        self._lengths = np.clip(longer, *_LENGTH_RANGE)
-        return np.asarray(scale * LENGTHS * self._lengths)
+        return StagePoints(landmarks.time, position, weight, view.position, view.calibrated, scale, ray)
 
     def _follow_floor(
         self, landmarks: Landmarks, view: CameraView, seen: Float64, rays: Float64, away: Float64, gone: float
@@ -160,7 +139,6 @@ class ViewedPerson:
             slow = 1.0 / (1.0 + (moved[2 * side : 2 * side + 2].min() / _SLOW) ** 4)
             share = slow * float(np.exp(-((shift / _ON_FLOOR) ** 2)))
             self._floor_depth[_FOOT + side] = np.exp(share * shift)
-            self._floor_depth[KNEE + side] = np.exp(0.5 * share * shift)
         return self.size
 
 
@@ -184,7 +162,7 @@ def fuse_views(seen: Sequence[StagePoints]) -> StagePoints:
         weight,
         seen[0].eye,
         all(each.on_floor for each in seen),
-        np.mean([each.lengths for each in seen], axis=0),
+        float(np.mean([each.size for each in seen])),
         np.zeros(3),
     )
 

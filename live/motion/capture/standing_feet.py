@@ -18,7 +18,7 @@ _LEGS: Final = np.array(
 _LEG_REST: Final = np.array(INVERSE_REST[UPPER + 2])
 SOLES: Final = np.array((HEEL, TOE, HEEL + 1, TOE + 1))
 """Landmarks of heel and toe, left and right."""
-SOLE_HEIGHTS: Final = np.array((0.04, 0.025, 0.04, 0.025))
+SOLE_HEIGHTS: Final = np.array((0.055, 0.02, 0.055, 0.02))
 """Their heights [m] over the floor when the foot stands: where the model sees them, within the shoe."""
 
 SPEED_ON, SPEED_OFF = 0.3, 0.5
@@ -29,8 +29,9 @@ HEIGHT_ON, HEIGHT_OFF = 0.06, 0.11
 """Heights [m] of the lower of both over a standing one under which a contact starts and over which it ends."""
 SPEED_SPAN: Final = 0.07
 """The time [s] over which the speed is measured."""
-_SETTINGS: Final = np.array((0.12, 0.05, 0.04, 0.012, SOLE_BELOW_ANKLE, TOES_OVER_SOLE, 0.12))
-"""Settings of `plant_feet`: a planted foot farther from where it is seen than 12 cm follows."""
+_SETTINGS: Final = np.array((0.12, 0.05, 0.04, 0.012, SOLE_BELOW_ANKLE, TOES_OVER_SOLE, 0.12, 0.2, 0.3, 0.5))
+"""Settings of `plant_feet`: a planted foot farther from where it is seen than 12 cm follows. Along the camera's ray, in
+which the hips' place is least sure, the hips go with the feet instead."""
 
 
 class StandingFeet:
@@ -40,6 +41,7 @@ class StandingFeet:
         self.contact: Bool = np.zeros(2, np.bool_)
         """Whether the left and the right foot stand on the floor."""
         self._state = np.zeros((2, FOOT_COLUMNS))
+        self._drift, self._unsure = np.zeros(1), np.zeros(2)
         self._seen: list[tuple[float, Float64]] = []
 
     def observe(self, soles: Float64, depth: Float64, time: float) -> None:
@@ -49,6 +51,8 @@ class StandingFeet:
         """
         while len(self._seen) > 1 and time - self._seen[1][0] >= SPEED_SPAN - 0.01:
             self._seen.pop(0)
+        flat = float(np.hypot(depth[0], depth[2]))
+        self._unsure = depth[::2] / flat if flat > 0.3 else np.zeros(2)
         if self._seen:
             begin, there = self._seen[0]
             moved = soles - there
@@ -62,7 +66,10 @@ class StandingFeet:
 
     def plant(self, hips: Float64, rotation: Float64, dt: float) -> None:
         """Plant the feet: changes `hips` (3,) [m] and the legs of local `rotation` (J, 4), `dt` [s] after the last."""
-        plant_feet(hips, rotation, self._state, self.contact, _OFFSETS, _LEGS, _LEG_REST, _SETTINGS, dt)
+        plant_feet(
+            hips, rotation, self._state, self._drift, self.contact, self._unsure,
+            _OFFSETS, _LEGS, _LEG_REST, _SETTINGS, dt,
+        )  # fmt: skip
 
 
 def lowest_sole(rotation: Float64) -> float:
