@@ -23,7 +23,6 @@ def _as_wav(path: Path, seconds: float) -> Path:
     return path
 
 
-@pytest.mark.long
 @pytest.mark.pulse
 def test_music_from_input_device_changes_measures(play, patch: Path, pulse_sink, tmp_path: Path):
     """The patch begins at 90 bpm in its own clock; the music's 112 bpm comes only from the input. `--alone` means one

@@ -42,7 +42,6 @@ def _wait_until(condition, seconds: float, running: Running, what: str) -> None:
         time.sleep(0.1)  # a look costs more than a frame of the show
 
 
-@pytest.mark.long
 @pytest.mark.x11
 @pytest.mark.liblo
 def test_osc_moves_dancers_on_second_monitor(play, patch: Path, two_monitor_x: TwoMonitorX):
