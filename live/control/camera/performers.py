@@ -15,6 +15,8 @@ from live.motion.capture.stage_points import REACH, StagePoints, fuse_views
 
 FREE_AFTER_S: Final = 20.0
 """A performer's name is free for somebody else when its owner has not been seen for this long [s]."""
+HARDLY_SEEN_S: Final = 1.0
+"""A name whose owner was seen for less than this [s] is free again after as long: it may have been nobody."""
 SAME_MOMENT_S: Final = 0.07
 """Pictures of several cameras that lie within this time [s] are fused."""
 PREDICTION_S: Final = 0.12
@@ -49,12 +51,19 @@ class _Seat:
 
     name: str
     body: LandmarkBody = field(default_factory=LandmarkBody)
+    first: float = -np.inf
+    """When its owner was first seen [s]."""
     last: float = -np.inf
     """When its owner was last seen [s]."""
     owners: dict[int, int] = field(default_factory=dict)
     """For each camera the number of the person there."""
     views: dict[int, StagePoints] = field(default_factory=dict)
     """The last view of each camera."""
+
+    def is_free(self, time: float) -> bool:
+        """Whether somebody else may have the name at `time` [s]."""
+        known = self.last - self.first >= HARDLY_SEEN_S
+        return time - self.last > (FREE_AFTER_S if known else HARDLY_SEEN_S)
 
 
 class Performers:
@@ -157,10 +166,11 @@ class Performers:
         if seat is None and view is not None:
             seat = self._same_place(camera, points)
         if seat is None:
-            seat = next((each for each in self._seats if time - each.last > FREE_AFTER_S), None)
+            seat = next((each for each in self._seats if each.is_free(time)), None)
             if seat is None:
                 self.without_name += 1
                 return None
+            seat.first = time
             seat.owners.clear()
             seat.views.clear()
             seat.body = LandmarkBody()

@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from live.control.camera.performers import FREE_AFTER_S, Performers, Sighting
+from live.control.camera.performers import FREE_AFTER_S, HARDLY_SEEN_S, Performers, Sighting
 from live.motion.capture.camera_view import CameraView
 from live.motion.capture.landmarks import Landmarks
 from live.motion.capture.packed_pose import unpack_pose
@@ -57,11 +57,21 @@ def test_places_are_those_on_the_stage(places: Float64) -> None:
 
 def test_a_name_is_free_when_its_owner_has_been_away_for_long(places: Float64) -> None:
     performers = Performers(["anna"])
-    performers.update(0, FRONT, [Sighting(1, at(places, 0, 0.0, FRONT))], 0.0)
-    soon = FREE_AFTER_S - 1.0
+    for frame in range(45):
+        performers.update(0, FRONT, [Sighting(1, at(places, frame, 0.0, FRONT))], frame / RATE)
+    soon = 44 / RATE + FREE_AFTER_S - 1.0
     assert performers.update(0, FRONT, [Sighting(2, at(places, 0, 0.0, FRONT, time=soon))], soon) == []
-    late = FREE_AFTER_S + 1.0
+    late = 44 / RATE + FREE_AFTER_S + 1.0
     (told,) = performers.update(0, FRONT, [Sighting(3, at(places, 0, 0.0, FRONT, time=late))], late)
+    assert told.name == "anna"
+
+
+def test_who_was_hardly_seen_does_not_keep_a_name(places: Float64) -> None:
+    performers = Performers(["anna"])
+    performers.update(0, FRONT, [Sighting(1, at(places, 0, 0.0, FRONT))], 0.0)
+    soon, late = 0.5 * HARDLY_SEEN_S, HARDLY_SEEN_S + 0.1
+    assert performers.update(0, FRONT, [Sighting(2, at(places, 0, 0.0, FRONT, time=soon))], soon) == []
+    (told,) = performers.update(0, FRONT, [Sighting(2, at(places, 0, 0.0, FRONT, time=late))], late)
     assert told.name == "anna"
 
 
