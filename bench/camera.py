@@ -34,6 +34,7 @@ from live.cli.bench import Row
 from live.clock.time_source import SystemClock
 from live.control.camera.camera_plan import MODULE, CameraPlan
 from live.control.camera.model_files import model_folder
+from live.control.events.event_json import register_events
 from live.control.helper_process import HelperProcess
 
 LIVE_DELAY: Final = 0.06
@@ -165,6 +166,7 @@ def _live_rows(folder: Path, shared: Path | None) -> list[Row]:
     """The camera process with a film in real time: cores and delay."""
     truth = _film(TUNING[1], folder, shared)
     assert truth is not None  # a show of the project's own
+    register_events()  # both ends of the channel encode events
     clock = SystemClock()
     camera = CameraPlan(name="film", kind="film", place=str(truth.film))
     plan = {"cameras": [camera.as_packet()], "model": "full", "performers": ["anna"], "most": 1, "half": None}
