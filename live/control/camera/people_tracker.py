@@ -30,9 +30,9 @@ CHECK_INTERVAL_S: Final = 0.4
 """Time [s] between searches while everybody known is seen."""
 STILL_S: Final = 3.0
 """A figure that has not moved for this long [s] since it was found is a poster, or a person who waits."""
-STILL_CHECK_S: Final = 2.0
+STILL_CHECK_S: Final = 0.5
 """Time [s] between looks at such a figure."""
-MOVED: Final = 0.06
+MOVED: Final = 0.03
 """A figure whose landmarks moved by this share of its size in the picture is a person and no poster."""
 _SAME_PERSON: Final = 0.12
 """Mean distance of landmarks over the region's size below which two poses show the same person."""
