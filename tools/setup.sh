@@ -312,6 +312,10 @@ if [ -n "$dry_run" ] || [ ! -e "$stamp" ] || ! venv_works; then
   fi
   make_venv
   install_python_packages
+  # What the tests of cameras need, once, in the user's folder. Everything else works without it.
+  if [ "$mode" = test ] && ! .venv/bin/live camera models >/dev/null 2>&1; then
+    say "setup: the pose models could not be fetched (live camera models says why); tests that need them are skipped"
+  fi
   rm -f .venv/.ready-"$mode"-*
   [ -z "$system_ready" ] || : >"$stamp"
 fi
@@ -323,11 +327,6 @@ if [ "$mode" = test ] && [ -z "$dry_run" ] && command -v npm >/dev/null 2>&1; th
     (cd studio && npm ci --ignore-scripts --no-audit --no-fund --silent >&2) ||
       say "setup: npm could not install what builds the studio; the tests of its sources are skipped"
   fi
-fi
-
-# What the tests of cameras need, once, in the user's folder. Everything else works without it.
-if [ "$mode" = test ] && [ -z "$dry_run" ] && ! .venv/bin/live camera models >/dev/null 2>&1; then
-  say "setup: the pose models could not be fetched (live camera models says why); the tests that need them are skipped"
 fi
 
 # Python's compiled files of the project itself, also where PYTHONDONTWRITEBYTECODE keeps Python from writing them: a

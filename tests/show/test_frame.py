@@ -6,7 +6,9 @@ from live.clock.ticks import TICK
 from live.show.circuit_breakers import EFFECTS, Stage
 from tests.show.made_show import made_show
 
-PLAN = ["DESK", "AUDIENCE", "DESK", "SCORE", "DESK", "EDITS", "SELECTION", "INTERRUPTS", "MEASURE"]
+PLAN = [
+    "DESK", "AUDIENCE", "CAPTURE", "DESK", "SCORE", "DESK", "EDITS", "CAPTURE", "SELECTION", "INTERRUPTS", "MEASURE",
+]  # fmt: skip
 MOTION = [
     "STEERING",
     "STEERING",

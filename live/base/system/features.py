@@ -5,9 +5,11 @@ are loopback TCP with a token, files in memory by name, and psutil. They are als
 set, which is how they are tested.
 """
 
+import contextlib
 import os
 import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any, Final, Literal
 
 LINUX: Final = sys.platform == "linux" and not os.environ.get("LIVE_PORTABLE")
@@ -19,6 +21,7 @@ OFFSCREEN_GL: Final[Mapping[str, Any]] = {"backend": "egl"} if sys.platform == "
 
 _CAPTURE: Final = {"linux": ("v4l2", "/dev/video{}"), "darwin": ("avfoundation", "{}:none"), "win32": ("dshow", "")}
 """Format of capture devices in FFmpeg, and the name of a numbered one, by system."""
+_VIDEO_CLASS: Final = Path("/sys/class/video4linux")
 
 
 def capture_device(name: str) -> tuple[str, str]:
@@ -26,6 +29,19 @@ def capture_device(name: str) -> tuple[str, str]:
     form, numbered = _CAPTURE.get(sys.platform, _CAPTURE["linux"])
     name = numbered.format(name) if name.isdigit() and numbered else name
     return form, f"video={name}" if form == "dshow" and not name.startswith("video=") else name
+
+
+def video_devices() -> list[tuple[str, str]] | None:
+    """Return path and name of each camera of this machine, in order; None where the system does not tell."""
+    if sys.platform != "linux":
+        return None
+    found = []
+    with contextlib.suppress(OSError):
+        for each in sorted(_VIDEO_CLASS.iterdir(), key=lambda path: (len(path.name), path.name)):
+            with contextlib.suppress(OSError):
+                if (each / "index").read_text().strip() == "0":  # further ones of a camera carry no pictures
+                    found.append((f"/dev/{each.name}", (each / "name").read_text().strip()))
+    return found
 
 
 def has_desktop() -> bool:

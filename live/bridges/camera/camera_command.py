@@ -16,10 +16,10 @@ def list_cameras(
     as_json: Annotated[bool, typer.Option("--json", help="Print one JSON object instead.")] = False,
 ) -> None:
     """List the cameras of this machine (Linux), and say whether the pose models are installed."""
-    from live.control.camera.camera_plan import video_devices
+    from live.base.system.features import video_devices
     from live.control.camera.model_files import models_report
 
-    found = video_devices()
+    found = video_devices() or []
     if as_json:
         print(json.dumps({"cameras": [{"device": device, "name": name} for device, name in found]}))
         return

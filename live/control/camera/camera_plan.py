@@ -2,13 +2,13 @@
 show's process reads it.
 """
 
-import contextlib
-import sys
+import re
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
 from live.base.errors import PersonError
+from live.base.system.features import video_devices
 
 MODULE: Final = "live.control.camera.camera_process"
 """The module that the camera process runs."""
@@ -18,7 +18,6 @@ DRAWN_JOINTS: Final = (
 )  # fmt: skip
 """Joints whose places in the projected picture the show tells, as the picture's viewer sees left and right."""
 _SCHEMES: Final = ("rtsp://", "rtsps://", "http://", "https://", "udp://", "tcp://")
-_VIDEO_CLASS: Final = Path("/sys/class/video4linux")
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,13 +48,13 @@ def parse_camera(text: str, option: str = "--camera") -> CameraAddress:
     path = Path(text).expanduser()
     if text and path.is_file():
         return CameraAddress("film", str(path))
-    if sys.platform != "linux":
-        return CameraAddress("device", text or "0")
     found = video_devices()
+    if found is None:
+        return CameraAddress("device", text or "0")
     if not text and found:
         return CameraAddress("device", found[0][0])
     for device, name in found:
-        if text in (device, device.removeprefix("/dev/video"), name) or text.casefold() in name.casefold():
+        if text in (device, re.sub(r"\D", "", device), name) or text.casefold() in name.casefold():
             return CameraAddress("device", device)
     if path.is_char_device():
         return CameraAddress("device", str(path))
@@ -64,17 +63,6 @@ def parse_camera(text: str, option: str = "--camera") -> CameraAddress:
         f"{option}: no camera is called {text!r}" if text else f"{option}: there is no camera",
         f"there is: {named}; or name a film or an rtsp:// address",
     )
-
-
-def video_devices() -> list[tuple[str, str]]:
-    """Return path and name of each camera of this machine (Linux), in order."""
-    found = []
-    with contextlib.suppress(OSError):
-        for each in sorted(_VIDEO_CLASS.iterdir(), key=lambda path: (len(path.name), path.name)):
-            with contextlib.suppress(OSError):
-                if (each / "index").read_text().strip() == "0":  # further ones of a camera carry no pictures
-                    found.append((f"/dev/{each.name}", (each / "name").read_text().strip()))
-    return found
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -2,10 +2,10 @@
 
 from typing import Annotated, Final, Literal
 
-from pydantic import Field, ValidationInfo, model_validator
+from pydantic import Field, model_validator
 
 from live.motion.recognition.recognition_names import GESTURE_NAMES, MAX_MOMENTS
-from live.show.patch.section_base import Name, Section, run_check
+from live.show.patch.section_base import Name, Section
 
 MAX_GESTURES: Final = 64
 """Most `[[gesture]]` tables of a patch."""
@@ -38,14 +38,13 @@ class GestureSection(Section):
     """The `[[mocap]]` performer who makes it; left out: anybody."""
 
     @model_validator(mode="after")
-    def _one_thing(self, info: ValidationInfo) -> "GestureSection":
+    def _one_thing(self) -> "GestureSection":
         if (self.movement is None) == (self.example is None and not self.poses):
             raise ValueError(f"gesture {self.name!r}: either movement, or example, expected")
         if self.span_s is not None and self.example is None:
             raise ValueError(f"gesture {self.name!r}: span_s belongs to an example")
         if self.span_s is not None and self.span_s[1] <= self.span_s[0]:
             raise ValueError(f"gesture {self.name!r}: span_s ends before it begins; write [begin, end]")
-        run_check(info, "gesture", self)
         return self
 
 

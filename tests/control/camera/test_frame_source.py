@@ -10,8 +10,10 @@ import numpy as np
 import pytest
 
 from live.base.errors import PersonError
-from live.control.camera import camera_plan, frame_source
-from live.control.camera.camera_plan import CameraAddress, parse_camera, video_devices
+from live.base.system import features
+from live.base.system.features import video_devices
+from live.control.camera import frame_source
+from live.control.camera.camera_plan import CameraAddress, parse_camera
 from live.control.camera.frame_source import MOST_EDGE, FrameSource
 
 DEADLINE_S = 30.0
@@ -154,8 +156,8 @@ def test_a_camera_that_is_not_there_is_refused_with_those_that_are(
         (tmp_path / f"video{2 * number + 1}").mkdir()
         (tmp_path / f"video{2 * number + 1}" / "name").write_text(name + "\n")
         (tmp_path / f"video{2 * number + 1}" / "index").write_text("1\n")
-    monkeypatch.setattr(camera_plan, "_VIDEO_CLASS", tmp_path)
-    monkeypatch.setattr(camera_plan.sys, "platform", "linux")
+    monkeypatch.setattr(features, "_VIDEO_CLASS", tmp_path)
+    monkeypatch.setattr(features.sys, "platform", "linux")
     assert video_devices() == [("/dev/video0", "Integrated Webcam"), ("/dev/video2", "HDMI grabber")]
     assert parse_camera("").place == "/dev/video0"
     assert parse_camera("2").place == "/dev/video2"

@@ -24,7 +24,7 @@ UNKNOWN = {
 """A table of each kind that names what does not exist."""
 MODEL_IMPORTS = (
     "live.base", "live.motion.skeleton", "live.clock.bar_pointer.metre", "live.clock.follower.clock_source",
-    "live.clock.measure_map", "live.show.patch.section_",
+    "live.clock.measure_map", "live.motion.recognition.recognition_names", "live.show.patch.section_",
 )  # fmt: skip
 
 
