@@ -224,8 +224,10 @@ def test_a_dancers_silhouette_is_published_while_the_show_runs(tmp_path):
         service.before_frame()
         picture = reader.read()
         if picture is not None:
-            seen.append(float((picture > 127).mean()))
-        return bool(seen) and 0.08 < seen[-1] < 0.4
+            body = (picture > 127).all(axis=2)
+            seen.append((float(body.mean()), float(body.any(axis=1).mean()), float(body.any(axis=0).mean())))
+        # a slim dancer from the side: most of the picture's height, a third of its width
+        return bool(seen) and seen[-1][0] > 0.05 and 0.5 < seen[-1][1] < 0.8 and 0.15 < seen[-1][2] < 0.5
 
     try:
         service.start()
