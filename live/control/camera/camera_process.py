@@ -162,7 +162,10 @@ class CameraProcess:
     def pass_on(self, worker: CameraWorker, seen: list[Any]) -> None:
         """Send the show the poses of people whom a camera has seen. Thread: any."""
         with self._lock:
-            self._send(self.performers.update(worker.index, worker.view, seen, self._clock.now()))
+            try:
+                self._send(self.performers.update(worker.index, worker.view, seen, self._clock.now()))
+            except ValueError:  # what the model made of this picture is no body
+                self._refused += 1
 
     def publish(self, worker: CameraWorker, people: list[Person]) -> None:
         """Publish the silhouettes of people whom a camera has just seen. Thread: any."""

@@ -193,7 +193,7 @@ def _wheel_files(data: bytes, source: str | None) -> dict[str, bytes]:
 
 
 def models_report() -> str:
-    """Return what is installed, for a person, as JSON-free lines."""
+    """Return what is installed, as a line for a person."""
     folder = installed_folder()
     state = "for cameras and phones" if phone_folder() else "for cameras" if model_folder() else "not installed"
     return f"pose models: {state} ({folder})"

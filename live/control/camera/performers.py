@@ -133,11 +133,13 @@ class Performers:
         return poses
 
     def update_named(self, camera: int, name: str, landmarks: Landmarks, now: float) -> list[PerformerPose]:
-        """As `update`, for the only person of a camera that says who they are, a phone."""
-        for seat in self._seats:
-            if seat.name == name:
-                self._free(camera, -1)
-                seat.owners[camera] = -1
+        """As `update`, for the only person of a camera that says who they are, a phone; none for an unknown name."""
+        seat = next((each for each in self._seats if each.name == name), None)
+        if seat is None:
+            self.without_name += 1
+            return []
+        self._free(camera, -1)
+        seat.owners[camera] = -1
         return self.update(camera, None, [Sighting(-1, landmarks)], now)
 
     def _delay(self, camera: int, measured: float) -> float:

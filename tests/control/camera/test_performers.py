@@ -152,3 +152,5 @@ def test_a_phone_says_whom_it_sees(places: Float64) -> None:
     assert told.name == "ben"
     (told,) = performers.update_named(1000, "anna", at(places, 1, 0.0, FRONT), 0.1 + 1 / RATE)
     assert told.name == "anna"
+    assert performers.update_named(1000, "carla", at(places, 2, 0.0, FRONT), 0.1 + 2 / RATE) == []
+    assert performers.without_name == 1
