@@ -29,6 +29,9 @@ HEIGHT_ON, HEIGHT_OFF = 0.06, 0.11
 """Heights [m] of the lower of both over a standing one under which a contact starts and over which it ends."""
 SPEED_SPAN: Final = 0.07
 """The time [s] over which the speed is measured."""
+BRAKE_AHEAD, BRAKE_SPEED, BRAKE_FROM = 0.067, 0.2, 1.0
+"""A contact also starts where a foot slower than `BRAKE_FROM` [m/s] brakes so hard that it will be slower than
+`BRAKE_SPEED` [m/s] in `BRAKE_AHEAD` [s]: a measured speed is as old as half its span."""
 _SETTINGS: Final = np.array((0.12, 0.05, 0.04, 0.012, SOLE_BELOW_ANKLE, TOES_OVER_SOLE, 0.12, 0.2, 0.3, 0.5))
 """Settings of `plant_feet`: a planted foot farther from where it is seen than 12 cm follows. Along the camera's ray, in
 which the hips' place is least sure, the hips go with the feet instead."""
@@ -43,6 +46,7 @@ class StandingFeet:
         self._state = np.zeros((2, FOOT_COLUMNS))
         self._drift, self._unsure = np.zeros(1), np.zeros(2)
         self._seen: list[tuple[float, Float64]] = []
+        self._speed: tuple[float, Float64] | None = None
 
     def observe(self, soles: Float64, depth: Float64, time: float) -> None:
         """Find the contacts at `time` [s] from the places of `SOLES` (4, 3) [m], heights over the floor.
@@ -59,10 +63,18 @@ class StandingFeet:
             moved = moved - (moved @ depth)[:, None] * depth
             speed = (np.sqrt(np.sum(moved * moved, axis=1)) / max(time - begin, 1e-3)).reshape(2, 2).min(axis=1)
             height = (soles[:, 1] - SOLE_HEIGHTS).reshape(2, 2).min(axis=1)
-            lands = (height < HEIGHT_ON) & (speed < SPEED_ON)
+            stops = (speed < BRAKE_FROM) & (self._speed_ahead(speed, time) < BRAKE_SPEED)
+            lands = (height < HEIGHT_ON) & ((speed < SPEED_ON) | stops)
             leaves = (height > HEIGHT_OFF) | (speed > SPEED_OFF)
             self.contact = lands | (self.contact & ~leaves)
         self._seen.append((time, soles))
+
+    def _speed_ahead(self, speed: Float64, time: float) -> Float64:
+        """Return the speeds (2,) [m/s] in `BRAKE_AHEAD` if they go on changing as since the last picture."""
+        last, self._speed = self._speed, (time, speed)
+        if last is None:
+            return speed
+        return np.asarray(speed + (speed - last[1]) * (BRAKE_AHEAD / max(time - last[0], 1e-3)))
 
     def plant(self, hips: Float64, rotation: Float64, dt: float) -> None:
         """Plant the feet: changes `hips` (3,) [m] and the legs of local `rotation` (J, 4), `dt` [s] after the last."""
