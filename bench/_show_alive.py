@@ -23,7 +23,7 @@ from typing import Any, Final
 import psutil
 
 from live.cli.bench import Row
-from live.supervisor.engine_failover import READY_NOTE
+from live.supervisor.network.remote_standby import DEPUTY_NOTE
 
 PATIENCE: Final = 180.0
 """Seconds for a start on a machine that has other work to do."""
@@ -75,7 +75,7 @@ def rows(full: bool) -> list[Row]:
         how = ("--standby", f"127.0.0.1:{leads}", "--lead", str(stands))
         stack.enter_context(playing(folder / "standby", *how))
         until(lambda: alive(folder / "leader").get("followers") == 1, "a machine that stands by")
-        until(lambda: READY_NOTE in _said(folder / "standby"), "a machine that follows")
+        until(lambda: DEPUTY_NOTE in _said(folder / "standby"), "a machine that is the deputy")
         silent = _pause(stands, lambda: _stop(leader))
         return [
             Row("alive: kill of an engine to the next tick of another, no window", max(killed), "s", 3.0),

@@ -52,6 +52,10 @@ LINE_OVERHEAD_BYTES: Final = 200
 """Bytes of memory per line besides its text."""
 
 
+DEPUTY_NOTE: Final = "this machine is the deputy: it leads if the leader falls silent"
+"""Shown to the person: of several machines that stand by only one takes silence for death."""
+
+
 class RemoteStandby:
     """Leader and standby side; without either it does nothing. Thread: the supervisor's."""
 
@@ -116,6 +120,8 @@ class RemoteStandby:
             self._reports.tell(leader, self._engines.engine, self._report, now)
         report = self._report
         report.followers = sum(link.follows for link in self._peers.links.values())
+        if ready and lead.is_deputy and not report.is_deputy:
+            self._say(DEPUTY_NOTE)
         report.ready, report.is_deputy, report.epoch = ready and not lead.leads, lead.is_deputy, lead.term.epoch
         report.deputy = "" if lead.deputy is None else lead.deputy.rpartition(" #")[0]
         report.strangers, report.expired, report.claims_refused = (

@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from live.supervisor.network.leadership import LEADER_TIMEOUT
+from live.supervisor.network.remote_standby import DEPUTY_NOTE
 from live.supervisor.network.tls import TrustStore
 from tests.control.waiting import BUSY, wait_for
 from tests.supervisor.made_machines import Machine, Start, machine, pair_folders, stop_all
@@ -21,7 +22,7 @@ from tests.supervisor.made_machines import Machine, Start, machine, pair_folders
 
 @pytest.fixture
 def machines(tmp_path: Path) -> Iterator[Start]:
-    """A leading machine and a standby machine that has received the show and may take over."""
+    """A leading machine and a standby machine that has received the show and, if it can be ready, is the deputy."""
     started: list[Machine] = []
 
     def start(plan: dict[str, Any], mine: dict[str, Any] | None = None) -> tuple[Machine, Machine]:
@@ -31,6 +32,8 @@ def machines(tmp_path: Path) -> Iterator[Start]:
             other = Machine(tmp_path, "standby", mine or plan, follow=there.getsockname()[1])
         started.extend((leader, other))
         assert wait_for(lambda: len(other.numbers()) > 100, 20), other.said.read_text()
+        if not (mine or plan).get("never_ready"):
+            assert other.prints(DEPUTY_NOTE), other.said.read_text()
         return leader, other
 
     yield start
@@ -83,6 +86,7 @@ def test_unready_machine_never_takes_over_on_silence(machines):
     began = time.monotonic()
     assert wait_for(lambda: time.monotonic() - began > 2 * LEADER_TIMEOUT, 2 * LEADER_TIMEOUT)
     assert "takes over" not in other.said.read_text()
+    assert DEPUTY_NOTE not in other.said.read_text()
     other.process.send_signal(signal.SIGUSR1)
     assert other.prints("on command (epoch 2)", 5), other.said.read_text()
     leader.signal_all(signal.SIGCONT)
