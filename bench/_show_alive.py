@@ -138,10 +138,16 @@ def _stop(process: subprocess.Popen[bytes]) -> None:
         one.send_signal(signal.SIGSTOP)
 
 
+def last_line(status: Path) -> dict[str, Any]:
+    """Return the last whole status line; empty before the first."""
+    whole = status.read_bytes().rpartition(b"\n")[0].splitlines() if status.exists() else []
+    found: dict[str, Any] = json.loads(whole[-1]) if whole else {}
+    return found
+
+
 def alive(status: Path) -> dict[str, Any]:
     """What the last whole status line says of the processes."""
-    whole = status.read_bytes().rpartition(b"\n")[0].splitlines() if status.exists() else []
-    found: dict[str, Any] = json.loads(whole[-1])["alive"] if whole else {}
+    found: dict[str, Any] = last_line(status).get("alive", {})
     return found
 
 

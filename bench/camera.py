@@ -30,6 +30,7 @@ from bench._camera_scores import (
     tempo_error,
     true_clip,
 )
+from bench._show_alive import last_line, playing, until
 from live.cli.bench import Row
 from live.clock.time_source import SystemClock
 from live.control.camera.camera_plan import MODULE, CameraPlan
@@ -40,6 +41,8 @@ from live.control.helper_process import HelperProcess
 LIVE_DELAY: Final = 0.06
 """Delay [s] that is predicted away."""
 LIVE_SECONDS: Final = 12.0
+SHOW_SECONDS: Final = 40.0
+"""How long the show plays before its frames are looked at [s]."""
 FILMS_VARIABLE: Final = "LIVE_CAMERA_FILMS"
 """Environment variable: a folder where made films stay, so that they are made once."""
 _BAD_LIGHT: Final = ("dark", "back_light", "boxes")
@@ -55,7 +58,7 @@ def run(full: bool, shared: Path | None) -> list[Row]:
         rows = _quality_rows("held back", HELD, folder / "held", shared)
         if full:
             rows += _quality_rows("tuned", TUNING, folder, shared)
-        return rows + _live_rows(folder, shared)
+        return rows + _live_rows(folder, shared) + _show_rows(folder, shared)
 
 
 def _film(case: FilmCase, folder: Path, shared: Path | None) -> FilmTruth | None:
@@ -201,3 +204,26 @@ def _live_rows(folder: Path, shared: Path | None) -> list[Row]:
         Row("from the picture to the pose sent, median", facts.get("delay_ms"), "ms", 60.0, note=load),
         Row("the same, 95 %", facts.get("delay_95_ms"), "ms", 90.0, note=load),
     ]  # fmt: skip
+
+
+def _show_rows(folder: Path, shared: Path | None) -> list[Row]:
+    """Frames of the default show with a camera, and without one before and after."""
+    truth = _film(TUNING[1], folder, shared)
+    assert truth is not None  # a show of the project's own
+    played = [_played(options) for options in ((), ("--camera", str(truth.film)), ())]
+    load = f"load {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores; the processor draws"
+    rows = []
+    for kind, name in (("frame_ms", "the show's frame"), ("cpu_ms", "the frame's processor time")):
+        before, own, after = (float(each[kind]["p99"]) for each in played)
+        rows.append(Row(f"{name} with a camera over that without, p99", 2.0 * own / (before + after), "", 1.05,
+                        note=load, peers={"with [ms]": own, "before [ms]": before, "after [ms]": after}))  # fmt: skip
+    return rows
+
+
+def _played(options: tuple[str, ...]) -> dict[str, Any]:
+    """Return the status of the default show after `SHOW_SECONDS`."""
+    with tempfile.TemporaryDirectory() as scratch:
+        status = Path(scratch) / "status"
+        with playing(status, *options):
+            until(lambda: last_line(status).get("time", 0.0) > SHOW_SECONDS, "the show to play")
+            return last_line(status)
