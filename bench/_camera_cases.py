@@ -88,6 +88,20 @@ HELD: Final = (
 """Held back: never tuned on."""
 
 
+def _again(cases: tuple[FilmCase, ...], **eyes: tuple[float, float, float]) -> tuple[tuple[FilmCase, FilmCase], ...]:
+    """Return cases by their names, each with one that a second camera films, at the place given for it."""
+    by_name = {case.name: case for case in cases}
+    return tuple(
+        (by_name[name], replace(by_name[name], name=f"{name}_b", eye=eye, seed=by_name[name].seed + 500))
+        for name, eye in eyes.items()
+    )
+
+
+TUNING_PAIRS: Final = _again(TUNING, modern_front=(4.2, 1.7, 3.9), salsa_couple=(-4.4, 1.8, 4.2))
+HELD_PAIRS: Final = _again(HELD, held_indian=(-4.1, 1.6, 4.3), held_waltz=(4.0, 1.8, 3.6), held_couple=(4.6, 1.9, 4.2))
+"""Dances that two cameras film."""
+
+
 def make_films(cases: tuple[FilmCase, ...], folder: Path, shared: Path | None) -> None:
     """Make films of cases in `folder`, and print what each took."""
     folder.mkdir(parents=True, exist_ok=True)
@@ -102,6 +116,6 @@ def make_films(cases: tuple[FilmCase, ...], folder: Path, shared: Path | None) -
 
 
 if __name__ == "__main__":
-    which = HELD if sys.argv[2] == "held" else TUNING
-    by_name = {one.name: one for one in which}
+    which, pairs = (HELD, HELD_PAIRS) if sys.argv[2] == "held" else (TUNING, TUNING_PAIRS)
+    by_name = {one.name: one for one in (*which, *(second for _, second in pairs))}
     make_films(tuple(by_name[name] for name in sys.argv[4:] or by_name), Path(sys.argv[1]), Path(sys.argv[3]))

@@ -1,5 +1,8 @@
 """Made films looked at as a show does: poses of performers beside the truth. Offline, picture by picture."""
 
+import contextlib
+import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final
@@ -55,27 +58,31 @@ def marked_view(truth: FilmTruth) -> CameraView:
 
 def see_film(truth: FilmTruth, *, delay: float = 0.0, calibrated: bool = True) -> Seen:
     """Look at a film with as many performers as it has dancers; poses are predicted by `delay` [s]."""
-    import time
+    return see_films((truth,), delay=delay, calibrated=calibrated)
 
-    count = truth.joints.shape[1]
-    eye = CameraEye(PersonDetector(checked_model(DETECTOR)), LandmarkModel(checked_model(FULL)), count)
-    names = [str(number) for number in range(count)]
-    performers = Performers(names)
-    view = marked_view(truth) if calibrated else None
-    frames = len(truth.time)
+
+def see_films(truths: Sequence[FilmTruth], *, delay: float = 0.0, calibrated: bool = True) -> Seen:
+    """The same with the films of several cameras of one dance; the pictures of a moment come one after another."""
+    count = truths[0].joints.shape[1]
+    eyes = [
+        CameraEye(PersonDetector(checked_model(DETECTOR)), LandmarkModel(checked_model(FULL)), count) for _ in truths
+    ]
+    performers = Performers([str(number) for number in range(count)])
+    views = [marked_view(truth) if calibrated else None for truth in truths]
+    frames = len(truths[0].time)
     hips = np.full((frames, count, 3), np.nan)
     rotation = np.full((frames, count, JOINT_COUNT, 4), np.nan)
     spent = []
-    with av.open(str(truth.film)) as container:
-        for frame, picture in enumerate(container.decode(video=0)):
-            if frame >= frames:
-                break
+    with contextlib.ExitStack() as stack:
+        films = [stack.enter_context(av.open(str(truth.film))).decode(video=0) for truth in truths]
+        for frame, pictures in zip(range(frames), zip(*films, strict=False), strict=False):
             begin = time.process_time()
-            moment = float(truth.time[frame])
-            sightings = eye.look(np.asarray(picture.to_ndarray(format="rgb24"), np.uint8), moment)
-            for pose in performers.update(0, view, sightings, moment + delay):
-                place, turned = unpack_pose(pose.packed)
-                hips[frame, int(pose.name)], rotation[frame, int(pose.name)] = place, turned
+            for camera, picture in enumerate(pictures):
+                moment = float(truths[0].time[frame]) + 1e-3 * camera
+                sightings = eyes[camera].look(np.asarray(picture.to_ndarray(format="rgb24"), np.uint8), moment)
+                for pose in performers.update(camera, views[camera], sightings, moment + delay):
+                    place, turned = unpack_pose(pose.packed)
+                    hips[frame, int(pose.name)], rotation[frame, int(pose.name)] = place, turned
             spent.append(time.process_time() - begin)
     return Seen(hips, rotation, 1e3 * float(np.median(spent)))
 

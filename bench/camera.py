@@ -12,9 +12,9 @@ from typing import Any, Final
 import numpy as np
 import psutil
 
-from bench._camera_cases import HELD, TUNING
+from bench._camera_cases import HELD, HELD_PAIRS, TUNING, TUNING_PAIRS
 from bench._camera_films import FilmCase, FilmTruth, load_truth, make_film
-from bench._camera_runs import Seen, see_film
+from bench._camera_runs import Seen, see_film, see_films
 from bench._camera_scores import (
     IdentityScore,
     Score,
@@ -56,8 +56,10 @@ def run(full: bool, shared: Path | None) -> list[Row]:
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(os.environ.get(FILMS_VARIABLE) or scratch)
         rows = _quality_rows("held back", HELD, folder / "held", shared)
+        rows += _pair_rows("held back", HELD_PAIRS, folder / "held", shared)
         if full:
             rows += _quality_rows("tuned", TUNING, folder, shared)
+            rows += _pair_rows("tuned", TUNING_PAIRS, folder, shared)
         return rows + _live_rows(folder, shared) + _show_rows(folder, shared)
 
 
@@ -154,6 +156,22 @@ def _quality_rows(name: str, cases: tuple[FilmCase, ...], folder: Path, shared: 
         Row(f"{name}: share of pictures in which a dancer is seen, good light", float(np.mean(good.found)), ""),
         Row(f"{name}: the same in bad light or half hidden", float(np.mean(bad.found)) if bad.found else None, ""),
         Row(f"{name}: processor time of a picture, for each dancer", float(np.median(good.cpu)), "ms"),
+    ]  # fmt: skip
+
+
+def _pair_rows(name: str, pairs: tuple[tuple[FilmCase, FilmCase], ...], folder: Path, shared: Path | None) -> list[Row]:
+    """Dances that two cameras film, seen by both and by the first alone."""
+    one, both = _Total(), _Total()
+    for pair in pairs:
+        films = [truth for case in pair if (truth := _film(case, folder, shared)) is not None]
+        if len(films) == len(pair):
+            one.add(films[0], see_film(films[0]), None)
+            both.add(films[0], see_films(films), None)
+    return [
+        Row(f"{name}, two cameras: joints from the truth, hips laid on each other, mean", _cm(both.joint), "cm", 6.0,
+            peers={"the first alone [cm]": _cm(one.joint) or 0.0}),
+        Row(f"{name}, two cameras: hips on the floor, mean", _cm(both.root), "cm", 15.0,
+            peers={"the first alone [cm]": _cm(one.root) or 0.0}),
     ]  # fmt: skip
 
 
