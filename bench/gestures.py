@@ -41,7 +41,7 @@ JITTER_S: Final = 0.08
 FILLER: Final = ("groove", "walk", "side step", "tap")
 TUNED: Final = ("arm wave", "kick", "bow", "mambo")
 HELD_BACK: Final = ("body roll", "reach", "jump", "samba", "turn", "grapevine")
-"""Thresholds were chosen on the first ones; the others are held back."""
+"""Thresholds were chosen on the first ones, `FILLER` and pieces of recordings, by other bodies; these are held back."""
 GROUP: Final = tuple(f"group/perfume_{name}.bvh" for name in ("aachan", "kashiyuka", "nocchi"))
 LEARN_TICK: Final = 1400
 TEMPO_TAKES: Final = (
