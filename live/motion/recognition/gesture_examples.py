@@ -3,9 +3,8 @@
 An example is the features of a body (`body_stream`) 16 times a second, so its place, heading and body do not matter.
 The joints that move in it, or are away from a standing body's, count more (weighted dynamic time warping, Celebi et al.
 2013); `follow_examples` matches all of them at once, at half to twice their speed. The threshold of an example follows
-from itself (how far it is from standing still in its middle), from the other examples of the same gesture, from
-background motion in which the gesture is not made, and for a single example from the steps of the library: how near
-other dance comes to it.
+from the steps of the library: how near other dance comes to it, and from background motion in which the gesture is not
+made. It is where its limit begins, which then follows how near the performer's own dance usually comes to it.
 """
 
 from collections.abc import Generator, Sequence
@@ -28,26 +27,17 @@ EVEN_SHARE: Final = 0.25
 """Share of the weight that all features have alike, whether they move in the example or not."""
 POSE_SHARE: Final = 0.15
 """Weight of being away from a standing body's pose, against moving."""
-THRESHOLD_SHARE: Final = 0.6
-"""Threshold as a share of the cost of standing still in the example's mean pose."""
-LEAST_ALONE: Final = 0.021
-"""Least threshold of a gesture with one example [m²], the mean squared distance of a joint: how much people vary."""
-LEAST_THRESHOLD: Final = 0.006
-"""Least threshold with several, which tell how much the gesture varies [m²]."""
-MOST_THRESHOLD: Final = 0.03
-"""Largest threshold [m²]."""
-SPREAD_FACTOR: Final = 1.5
-"""A threshold is at least so many times the distance of the nearest other example of the same gesture."""
+START: Final = 0.026
+"""Threshold of an example that is compared with no library [m²], the mean squared distance of a joint."""
+LIBRARY_FACTOR: Final = 0.1
+LIBRARY_POWER: Final = 0.35
+"""A threshold is `LIBRARY_FACTOR` times the best match in the library [m²] to the power of `LIBRARY_POWER`."""
+SAME_STEP: Final = 0.5
+"""The nearest step of the library is taken for the gesture itself if it is nearer than this share of the next one."""
 BACKGROUND_FACTOR: Final = 0.75
 """A threshold is at most this share of the best match in the background …"""
-BACKGROUND_LIMIT: Final = 0.6
+BACKGROUND_LIMIT: Final = 0.8
 """… but not lowered beyond this share of itself, because the gesture may be in the background after all."""
-SAME_STEP: Final = 0.6
-"""A step of the library that is nearer than this share of a threshold is taken for the gesture itself …"""
-LIBRARY_FACTOR: Final = 0.7
-"""… and the threshold is this share of the best match of all others, …"""
-LIBRARY_LIMITS: Final = (0.9, 1.4)
-"""… within these shares of itself, because the performer does not dance what the library has."""
 CELLS_PER_PIECE: Final = 3000
 """Work of a piece, in moments of an example that are compared with one moment of a motion: about 0.1 ms."""
 STEP_CELLS: Final = 60
@@ -78,7 +68,7 @@ class GestureExample:
     weight: Float32
     """Weight of each feature, (F,); those of one joint are the same, and the sum over joints is 1."""
     threshold: float
-    """Mean cost of a match at most [m²]."""
+    """Mean cost of a match at most [m²], until more is known of the motion."""
 
 
 def _weights(moments: Float64, rest: Float64) -> Float64:
@@ -121,48 +111,32 @@ def example_work(
     """Make the examples of one gesture from the features `takes` of each, in pieces of about `CELLS_PER_PIECE`.
 
     `background`: motions in which the gesture is not made; `library`: steps, each repeated without end, of which one
-    may be the gesture. Raises ValueError, in words, for a take that is too short or too long.
+    may be the gesture; fewer than two tell nothing. Raises ValueError, in words, for a take that is too short or too
+    long.
     """
     rest = rest_features()
     made: list[GestureExample] = []
     for take in takes:
         check_length(len(take))
+    for take in takes:
         moments = np.ascontiguousarray(take, np.float32)
-        weight = _weights(moments.astype(np.float64), rest)
-        still = float((weight * moments.var(axis=0)).sum())
-        least = LEAST_ALONE if len(takes) == 1 else LEAST_THRESHOLD
-        threshold = min(max(THRESHOLD_SHARE * still, least), MOST_THRESHOLD)
-        made.append(GestureExample(moments, weight.astype(np.float32), threshold))
-    found = []
-    for index, example in enumerate(made):
-        threshold = example.threshold
-        others = [take for number, take in enumerate(takes) if number != index]
-        if others:
-            near = FAR
-            for other in others:
-                near = min(near, (yield from _best_match(example, _padded(other))))
-            threshold = min(max(threshold, SPREAD_FACTOR * near), MOST_THRESHOLD)
-        else:
-            nearest = FAR
-            for step in library:
-                match = yield from _best_match(example, repeated(step, len(example.moment)))
-                if match > SAME_STEP * threshold:
-                    nearest = min(nearest, match)
-            if nearest < FAR:
-                low, high = LIBRARY_LIMITS
-                threshold *= min(max(LIBRARY_FACTOR * nearest / threshold, low), high)
+        weight = _weights(moments.astype(np.float64), rest).astype(np.float32)
+        example = GestureExample(moments, weight, START)
+        nearest = next_one = FAR
+        for step in library:
+            match = yield from _best_match(example, repeated(step, len(moments)))
+            nearest, next_one = sorted((nearest, next_one, match))[:2]
+        threshold = START
+        if next_one < FAR:
+            nearest = next_one if nearest < SAME_STEP * next_one else nearest
+            threshold = LIBRARY_FACTOR * nearest**LIBRARY_POWER
         best = FAR
         for motion in background:
             best = min(best, (yield from _best_match(example, motion)))
         if best < FAR:
             threshold = min(threshold, max(BACKGROUND_FACTOR * best, BACKGROUND_LIMIT * threshold))
-        found.append(GestureExample(example.moment, example.weight, threshold))
-    return found
-
-
-def _padded(take: npt.NDArray[np.floating]) -> npt.NDArray[np.floating]:
-    """Return a take whose last moment is held for a while."""
-    return np.concatenate([take, np.repeat(take[-1:], 4, axis=0)])
+        made.append(GestureExample(moments, weight, threshold))
+    return made
 
 
 def repeated(step: npt.NDArray[np.floating], moments: int) -> npt.NDArray[np.floating]:
@@ -231,16 +205,13 @@ class ExampleMatcher:
         self._begun: Int64 = np.zeros((2, moments), np.int64)
         self.now = 0
         """Number of moments so far."""
-        self.near = 0
-        """How many examples have a match within their threshold that ends now."""
 
     def step(self, feature: Float64) -> None:
         """Take the features (F,) of the next moment."""
         self.now += 1
         bank = self._bank
-        self.near = follow_examples(
-            self.mean, self.begun, self._memory, self._begun, feature, bank.moment, bank.weight, bank.first,
-            bank.threshold, self.now,
+        follow_examples(
+            self.mean, self.begun, self._memory, self._begun, feature, bank.moment, bank.weight, bank.first, self.now
         )  # fmt: skip
 
     def reset(self) -> None:

@@ -163,24 +163,31 @@ def measure_body(
     return new
 
 
-@kernel("void(f8[::1], f8[::1], f8[::1], f8[:,::1], f8[::1], i8, f8, f8, f8)")
+@kernel("void(f8[::1], f8[::1], f8[::1], f8[:,::1], f8[:,::1], f8[::1], i8, f8, f8, f8, f8)")
 def follow_movement(
-    level: Float64, smooth: Float64, drift: Float64, signal: Float64, measure: Float64, newest: int,
-    level_share: float, jitter_share: float, drift_share: float,
+    level: Float64, smooth: Float64, drift: Float64, signal: Float64, repeat: Float64, measure: Float64, newest: int,
+    level_share: float, jitter_share: float, drift_share: float, repeat_share: float,
 ) -> None:  # fmt: skip
     """Take the next moment `measure` (MEASURES,) into what a movement is told by.
 
-    `level` (4,): energy, size, speed and height of the hands, smoothed. `signal` (3, M): rings of the speed of the
+    `level` (4,): energy, size, speed and height of the hands, smoothed. `signal` (3, L): rings of the speed of the
     feet, the bounce and the speed of the hands, written at `newest`: smoothed (`smooth`), without their `drift`.
+    `repeat` (3, L): the mean product of each with itself so many moments before, in which the past fades.
     """
     now = (measure[ENERGY], measure[SIZE], measure[SPEED], measure[HANDS_HEIGHT])
     for row in range(4):
         level[row] += level_share * (now[row] - level[row])
     heard = (measure[FEET_SPEED], measure[BOUNCE], measure[HANDS_SPEED])
+    size = signal.shape[1]
     for row in range(3):
         smooth[row] += jitter_share * (heard[row] - smooth[row])
         drift[row] += drift_share * (smooth[row] - drift[row])
-        signal[row, newest] = smooth[row] - drift[row]
+        value = smooth[row] - drift[row]
+        signal[row, newest] = value
+        for lag in range(newest + 1):
+            repeat[row, lag] += repeat_share * (value * signal[row, newest - lag] - repeat[row, lag])
+        for lag in range(newest + 1, size):
+            repeat[row, lag] += repeat_share * (value * signal[row, newest - lag + size] - repeat[row, lag])
 
 
 COST, TWO, ONE = range(3)
@@ -188,13 +195,12 @@ COST, TWO, ONE = range(3)
 Each has a value for every moment of every example."""
 
 
-@kernel("i8(f8[::1], i8[::1], f8[:,::1], i8[:,::1], f8[::1], f4[:,::1], f4[:,::1], i8[::1], f8[::1], i8)")
+@kernel("void(f8[::1], i8[::1], f8[:,::1], i8[:,::1], f8[::1], f4[:,::1], f4[:,::1], i8[::1], i8)")
 def follow_examples(
     end_sum: Float64, end_start: Int64, memory: Float64, begun: Int64, feature: Float64,
-    moment: Float32, weight: Float32, first: Int64, threshold: Float64, now: int,
-) -> int:  # fmt: skip
-    """Match all examples with the motion up to the moment number `now`, whose features are `feature` (F,); return how
-    many end now within their `threshold` (E,).
+    moment: Float32, weight: Float32, first: Int64, now: int,
+) -> None:  # fmt: skip
+    """Match all examples with the motion up to the moment number `now`, whose features are `feature` (F,).
 
     Subsequence matching as in SPRING (Sakurai et al. 2007): a match may begin at any moment, and each cell keeps the
     moment at which its own began. The step pattern is that of Sakoe and Chiba (1978, slope constraint 1): the motion
@@ -203,7 +209,7 @@ def follow_examples(
     `COST`. Examples are rows `first[e]` to `first[e + 1]` of `moment` (N, F); `weight` (E, F). Written: `end_sum` (E,)
     the mean cost of the best match that ends now, and `end_start` (E,) when it began.
     """
-    features, near = feature.shape[0], 0
+    features = feature.shape[0]
     for e in range(end_sum.shape[0]):
         start, end = first[e], first[e + 1]
         # sums of the two moments before, of the example's moments before; the example's moment before the first is free
@@ -238,47 +244,129 @@ def follow_examples(
             memory[ONE, row], begun[1, row] = best, began
         end_sum[e] = memory[ONE, end - 1] / (end - start)
         end_start[e] = begun[1, end - 1]
-        near += end_sum[e] <= threshold[e]
+
+
+USUAL_SECONDS = 15.0
+USUAL_SHARE = 1.0 / (16.0 * USUAL_SECONDS)
+"""Time constant of a gesture's usual cost [s], and the share of a new moment in it at 16 moments a second."""
+USUAL_POWER = 0.65
+USUAL_FACTOR = 0.185
+"""A limit is `USUAL_FACTOR` times the usual cost [m²] to the power of `USUAL_POWER`, …"""
+LEAST_LIMIT, MOST_LIMIT = 0.5, 2.0
+"""… within these shares of the example's threshold."""
+STILL_STEP = 0.006
+"""Root mean square of a key joint's way in a moment [m] below which a body is taken to stand: about 0.1 m/s."""
+MOST_USUAL = 100.0
+"""A cost, in thresholds, beyond which no example was compared yet."""
+
+
+@inline_kernel
+def _follow_usual(
+    least: Float64, best: Float64, usual: Float64, limit: Float64, scale: Float64, end_sum: Float64,
+    threshold: Float64, gesture: Int64, feature: Float64, before: Float64, none_waits: float,
+) -> int:  # fmt: skip
+    """Update what is usual of each gesture, and its limit; return how many are within it or wait to be told."""
+    moved = 0.0
+    for f in range(3 * KEY_JOINTS):
+        moved += (feature[f] - before[f]) ** 2
+    before[:] = feature
+    moves = moved > KEY_JOINTS * STILL_STEP**2
+    for g in range(best.shape[0]):
+        least[g] = MOST_USUAL
+    for e in range(end_sum.shape[0]):
+        least[gesture[e]] = min(least[gesture[e]], end_sum[e] / threshold[e])
+    near = 0
+    for g in range(best.shape[0]):
+        if moves and least[g] < MOST_USUAL:
+            usual[g] += USUAL_SHARE * (math.log(max(least[g], 1e-6)) - usual[g])
+            limit[g] = min(max(scale[g] * math.exp(USUAL_POWER * usual[g]), LEAST_LIMIT), MOST_LIMIT)
+        near += least[g] <= limit[g] or best[g] < none_waits
     return near
 
 
-@kernel("void(f8[::1], f8[:,::1], i8, f8[::1], f8[::1])")
-def rate_periods(score: Float64, signal: Float64, newest: int, period: Float64, weight: Float64) -> None:
-    """Rate each beat period `period` (P,) [moments] by how well the motion repeats after one to eight of it: `score`
-    (P,).
+@kernel(
+    "i8(i8[::1], f8[::1], f8[::1], i8[:,::1], i8[::1], f8[::1], f8[::1], f8[::1], f8[::1], i8[::1], f8[::1], i8[::1], "
+    "f8[::1], f8[::1], i8, i8, i8, f8, f8)"
+)
+def tell_gestures(
+    told: Int64, least: Float64, best: Float64, times: Int64, ended: Int64, usual: Float64, limit: Float64,
+    scale: Float64, end_sum: Float64, end_start: Int64, threshold: Float64, gesture: Int64, feature: Float64,
+    before: Float64, now: int, wait: int, longest_wait: int, overlap: float, none_waits: float,
+) -> int:  # fmt: skip
+    """Tell each match of a gesture once, at its best end; return how many are told at the moment `now`.
 
-    `signal` (K, M): rings of the last M moments, the newest at `newest`, each without its mean; `weight` (4,): of
-    repeats after 1, 2, 4 and 8 beats.
+    `told` (G,): their gestures, the first ones. Of each gesture's waiting match `best` (G,) is its cost in limits, or
+    `none_waits`, and `times` (3, G) its beginning, when its best end was and when it was first found; `ended` (G,):
+    when the last told one ended. `end_sum`, `end_start` (E,): see `follow_examples`; `threshold` (E,) and `gesture`
+    (E,) of each example. A match is told `wait` moments after its best end, or `longest_wait` after it was found,
+    unless another gesture's waiting match at the same time is nearer. A match may begin before the last told one of its
+    gesture has ended, by `overlap` of its length.
+
+    An example's limit is its threshold times its gesture's `limit` (G,), which follows how near this motion usually
+    comes to the nearest example, as scores are normalised by a background's (Reynolds et al. 2000, "Speaker
+    verification"): another body and a camera's errors raise the cost of all matches alike, and the nearest of several
+    examples is nearer. `usual` (G,): mean logarithm of the least cost in thresholds while the body moves; `scale` (G,):
+    see `USUAL_FACTOR`. `least` (G,) is scratch; `before` (F,) are the features of the last moment, and then `feature`.
     """
-    kinds, size = signal.shape
-    lags = size // 2 + 1
-    repeat = np.zeros(lags + 1)
-    line = np.zeros(2 * size)  # zeros follow, so that neighbouring lags are summed together
-    for k in range(kinds):
-        mean = 0.0
-        for n in range(size):
-            mean += signal[k, n]
-        mean /= size
-        power = 1e-9
-        for n in range(size):
-            line[n] = signal[k, (newest + 1 + n) % size] - mean
-            power += line[n] * line[n]
-        for lag in range(0, lags + 1, 4):
-            total, total_b, total_c, total_d = 0.0, 0.0, 0.0, 0.0
-            for n in range(size - lag):
-                here = line[n]
-                total, total_b = total + here * line[n + lag], total_b + here * line[n + lag + 1]
-                total_c, total_d = total_c + here * line[n + lag + 2], total_d + here * line[n + lag + 3]
-            sums_of_lags = (total, total_b, total_c, total_d)
-            for more in range(min(4, lags + 1 - lag)):
-                repeat[lag + more] += sums_of_lags[more] / power * size / (size - lag - more)
-    for p in range(period.shape[0]):
+    if not _follow_usual(least, best, usual, limit, scale, end_sum, threshold, gesture, feature, before, none_waits):
+        return 0
+    count = 0
+    for e in range(end_sum.shape[0]):
+        g, begun = gesture[e], end_start[e]
+        share = end_sum[e] / (threshold[e] * limit[g])
+        if share > 1.0 or share >= best[g] or begun < ended[g] - overlap * (now - begun):
+            continue
+        if best[g] == none_waits:
+            times[2, g] = now
+        best[g], times[0, g], times[1, g] = share, begun, now
+    for g in range(best.shape[0]):
+        if best[g] == none_waits or (now - times[1, g] < wait and now - times[2, g] < longest_wait):
+            continue
+        begun, end, better = times[0, g], times[1, g], False
+        for other in range(best.shape[0]):
+            both = min(times[1, other], end) - max(times[0, other], begun)
+            better |= best[other] < best[g] and both > 0.5 * (end - begun)
+        best[g] = none_waits
+        if not better:
+            ended[g], told[count] = now, g
+            count += 1
+    return count
+
+
+@kernel("UniTuple(f8, 2)(f8[::1], f8[:,::1], f8[::1], f8[::1], f8, f8, f8, i8)")
+def rate_periods(
+    rating: Float64, repeat: Float64, period: Float64, weight: Float64, share: float, likely: float, spread: float,
+    near: int,
+) -> tuple[float, float]:  # fmt: skip
+    """Rate each beat period `period` (P,) [moments] by how well the motion repeats after one, two, four and eight of
+    it, with `weight` (4,); return the best one and how far it stands out.
+
+    `repeat` (K, L): see `follow_movement`. `rating` (P,) takes in a new one by `share`. The best period is the best
+    rated one among `near` neighbours, on each side, of the best by rating and nearness to `likely` [moments], with a
+    standard deviation of `spread` octaves. It stands out by so many standard deviations of all ratings.
+    """
+    lags, candidates = repeat.shape[1], period.shape[0]
+    mean, squares, highest, place = 0.0, 0.0, -1e9, 0
+    for p in range(candidates):
         total, sums = 0.0, 0.0
         for r in range(4):
             lag = period[p] * (1 << r)
             whole = int(lag)
-            if whole + 1 <= lags:
+            if whole + 1 < lags and weight[r] > 0.0:
                 part = lag - whole
-                total += weight[r] * (repeat[whole] + part * (repeat[whole + 1] - repeat[whole]))
+                for k in range(repeat.shape[0]):
+                    between = repeat[k, whole] + part * (repeat[k, whole + 1] - repeat[k, whole])
+                    total += weight[r] * between / (repeat[k, 0] + 1e-9)
                 sums += weight[r]
-        score[p] = total / max(sums, 1e-9)
+        rating[p] += share * (total / max(sums, 1e-9) - rating[p])
+        mean += rating[p] / candidates
+        squares += rating[p] * rating[p] / candidates
+        away = math.log2(period[p] / likely) / spread
+        preferred = (rating[p] + 1.0) * math.exp(-0.5 * away * away)
+        if preferred > highest:
+            highest, place = preferred, p
+    best = place
+    for p in range(max(place - near, 0), min(place + near + 1, candidates)):
+        if rating[p] > rating[best]:
+            best = p
+    return period[best], (rating[best] - mean) / math.sqrt(max(squares - mean * mean, 1e-12))

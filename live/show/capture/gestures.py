@@ -91,12 +91,13 @@ class PerformerMovement:
         """Take the newest pose, if there is a new one; return the known gestures by name, and those with examples by
         number, that are made now. `wanted`: the known ones that matter."""
         poses = captured.poses
-        if not poses.count or poses.last <= self.stream.time:
+        last = poses.last
+        if last <= self.stream.time:
             return [], []
         hips, rotation = poses.newest
         known: list[str] = []
         told: list[int] = []
-        for _ in self.stream.feed(hips, rotation, poses.last):
+        for _ in self.stream.feed(hips, rotation, last):
             known += self.built_in.follow(self.stream.measure, wanted)
             self.movement.follow(self.stream.measure, likely_bpm)
             if self.stream.count % MOMENTS_PER_EXAMPLE_MOMENT == 0:

@@ -23,7 +23,7 @@ from live.base.element_kinds import FLOW_NAMES, KIND_COUNT, MAX_POINTS, MAX_VERT
 from live.motion.partner_live.hand_holds import LiveHandHolds
 from live.motion.partner_live.stage_partner import LeaderReader
 from live.motion.recognition.body_stream import BodyStream
-from live.motion.recognition.example_follower import NONE_WAITS, ExampleFollower
+from live.motion.recognition.example_follower import ExampleFollower
 from live.motion.recognition.gesture_examples import ExampleBank, ExampleMatcher
 from live.motion.recognition.gesture_kernels import FEATURES, MEASURES
 from live.motion.recognition.movement import Movement
@@ -174,7 +174,7 @@ def gesture_matcher(value: ExampleMatcher) -> bool:
 def gesture_examples(value: ExampleFollower) -> bool:
     """Whether each example has a gesture."""
     gesture, best = attribute_at(value, "_gesture"), attribute_at(value, "_best")
-    waiting = (best < NONE_WAITS).sum()
+    each = ("_best", "_ended", "_usual", "limit", "_scale", "_told", "_least")
     return (
         gesture.shape == (len(attribute_at(value, "_bank.threshold")),)
         and attribute_at(value, "_matcher._bank") is attribute_at(value, "_bank")
@@ -182,17 +182,17 @@ def gesture_examples(value: ExampleFollower) -> bool:
         and gesture.min(initial=0) >= 0
         and gesture.max(initial=-1) < len(best)
         and attribute_at(value, "_times").shape == (3, len(best))
-        and attribute_at(value, "_ended").shape == (len(best),)
-        and attribute_at(value, "_waiting") == waiting
+        and all(attribute_at(value, name).shape == best.shape for name in each)
+        and attribute_at(value, "_before").shape == (FEATURES,)
     )
 
 
 def movement(value: Movement) -> bool:
     """Whether moments are counted from zero, and all arrays are a fresh one's."""
-    names = ("level", "_signal", "_smooth", "_drift", "_rating")
+    names = ("level", "_signal", "_repeat", "_smooth", "_drift", "_rating")
     fresh = Movement()
     shapes = all(attribute_at(value, name).shape == attribute_at(fresh, name).shape for name in names)
-    return shapes and attribute_at(value, "_count") >= 0
+    return shapes and attribute_at(value, "_count") >= 0 and attribute_at(value, "_steady") >= 0
 
 
 def body_stream(value: BodyStream) -> bool:

@@ -182,15 +182,18 @@ KINDS: Final = [
         _turned:float _pause:float _apart:float _closing:float _open:bool
     """),
     Kind("gesture-examples", ExampleFollower, """
-        _bank:gesture-bank _gesture:i8* _matcher:gesture-matcher _best:f8* _times:i8* _ended:i8* _waiting:int
+        _bank:gesture-bank _gesture:i8* _matcher:gesture-matcher _best:f8* _times:i8* _ended:i8* _usual:f8* limit:f8*
+        _scale:f8* _before:f8* _told:i8* _least:f8*
     """, is_consistent=whole.gesture_examples),
     Kind("gesture-learned", LearnedGesture, "name:str poses:row[str] background:row[str]"),
     Kind("gesture-lesson", Lesson, "name:str hips:f4* rotation:f4* background:int",
          is_consistent=whole.gesture_lesson),
     Kind("gesture-matcher", ExampleMatcher, """
-        _bank:gesture-bank mean:f8* begun:i8* _memory:f8* _begun:i8* now:int near:int
+        _bank:gesture-bank mean:f8* begun:i8* _memory:f8* _begun:i8* now:int
     """, is_consistent=whole.gesture_matcher),
-    Kind("gesture-movement", Movement, "level:f8 tempo:float _signal:f8 _smooth:f8 _drift:f8 _rating:f8 _count:int",
+    Kind("gesture-movement", Movement, """
+        level:f8 tempo:float _signal:f8 _repeat:f8 _smooth:f8 _drift:f8 _rating:f8 _rated:float _steady:int _count:int
+    """,
          is_consistent=whole.movement),
     Kind("gesture-performer", PerformerMovement, """
         stream:gesture-stream built_in:gesture-built-in movement:gesture-movement examples:gesture-examples

@@ -143,9 +143,48 @@ def test_a_step_of_the_library_that_is_near_lowers_a_threshold_and_the_gesture_i
     (alone,), (itself,), (apart,) = (make_examples([example], [], steps) for steps in ([], [own], [own, far]))
     assert itself.threshold == alone.threshold
     assert apart.threshold > 1.2 * alone.threshold
-    near = features([body(DOWN, wave(t, 0.0, 1.0, 0.55)) for t in times])
-    (beside,) = make_examples([example], [], [near, far])
-    assert 0.85 * alone.threshold < beside.threshold < apart.threshold
+    near = [features([body(DOWN, wave(t, 0.0, 1.0, amount)) for t in times]) for amount in (0.55, 0.5)]
+    (beside,) = make_examples([example], [], [*near, far])
+    assert 0.85 * alone.threshold < beside.threshold < 0.8 * apart.threshold
+
+
+def noisy(motion, seed, size=0.05):
+    return motion + np.random.default_rng(seed).normal(0.0, size, motion.shape)
+
+
+def test_a_limit_follows_how_near_the_performers_own_dance_comes():
+    times = np.arange(0.0, 2.0, 1.0 / 32.0)
+    (example,) = make_examples([features([body(DOWN, wave(t, 0.0)) for t in times])])
+    long = np.arange(0.0, 40.0, 1.0 / 32.0)
+    limits = []
+    for left, right in ((0.0, 0.9), (1.2, 0.0)):  # the same arm, and the other one
+        swing = [body(*(DOWN + amount * math.sin(3.0 * t) ** 2 for amount in (left, right))) for t in long]
+        follower = ExampleFollower(ExampleBank.of([example]), [0])
+        for row in features(swing):
+            follower.step(row)
+        limits.append(follower.limit[0])
+    assert 0.5 <= limits[0] < 0.8 * limits[1] <= 2.0
+
+
+def test_a_performer_who_stands_does_not_change_what_is_usual():
+    times = np.arange(0.0, 2.0, 1.0 / 32.0)
+    (example,) = make_examples([features([body(DOWN, wave(t, 0.0)) for t in times])])
+    follower = ExampleFollower(ExampleBank.of([example]), [0])
+    for row in features([body() for _ in np.arange(0.0, 30.0, 1.0 / 32.0)]):
+        follower.step(row)
+    assert follower.limit[0] == pytest.approx(1.0, abs=0.01)
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_another_example_of_a_gesture_loses_none_that_one_finds(seed):
+    times, chance = np.arange(0.0, 2.0, 1.0 / 32.0), np.random.default_rng(seed)
+    takes = [features([body(DOWN, wave(t, 0.0, 1.0, amount)) for t in times]) for amount in chance.uniform(0.9, 1.1, 3)]
+    long = np.arange(0.0, 16.0, 1.0 / 32.0)
+    waves = [max(wave(t, begin, speed, 1.05) for begin, speed in ((2.0, 0.9), (6.0, 1.2), (11.0, 1.0))) for t in long]
+    motion = noisy(features([body(DOWN, angle) for angle in waves]), seed, 0.02)
+    one, three = (found(make_examples(takes[:count]), motion) for count in (1, 3))
+    assert len(one) == len(three) == 3
+    assert make_examples(takes)[0].threshold == make_examples(takes[:1])[0].threshold
 
 
 @pytest.mark.parametrize("bpm", [84.0, 110.0, 138.0])
@@ -158,6 +197,42 @@ def test_tempo_follows_a_dance_within_three_percent(bpm):
         for _ in stream.feed(hips, rotation, number / 30.0):
             movement.follow(stream.measure, 1.08 * bpm)
     assert movement.tempo == pytest.approx(bpm, rel=0.03)
+
+
+def dances(movement, stream, seconds, begin, angle, likely=120.0):
+    """Let a body dance with an arm at `angle`(time), 30 poses a second; return the tempo after each half second."""
+    told = []
+    for number in range(round(30.0 * seconds)):
+        time = begin + number / 30.0
+        arm = DOWN + angle(time)
+        for _ in stream.feed(*body(arm, arm), time):
+            movement.follow(stream.measure, likely)
+        if number % 15 == 0:
+            told.append(movement.tempo)
+    return told
+
+
+def test_a_tempo_that_is_not_sure_is_not_told_and_the_last_sure_one_is_kept():
+    chance = np.random.default_rng(4)
+    corners = np.where(np.arange(200) % 2, 0.0, 1.8) + chance.uniform(0.0, 0.4, 200)
+    free = np.cumsum(chance.uniform(0.15, 0.9, 200))
+    stream, movement = BodyStream(), Movement()
+    first = dances(movement, stream, 7.0, 0.0, lambda time: np.interp(time, free, corners))
+    assert first == [0.0] * len(first)
+    sure = dances(movement, stream, 20.0, 7.0, lambda time: 0.6 * math.sin(math.pi * time * 2.0) ** 2)[-1]
+    assert sure == pytest.approx(120.0, rel=0.03)
+    after = dances(movement, stream, 3.0, 27.0, lambda time: np.interp(time, free, corners))
+    assert min(after) > 116.0
+
+
+def test_tempo_follows_a_change_and_standing_has_none():
+    stream, movement = BodyStream(), Movement()
+    dances(movement, stream, 20.0, 0.0, lambda time: 0.6 * math.sin(math.pi * time * 100.0 / 60.0) ** 2, 106.0)
+    assert movement.tempo == pytest.approx(100.0, rel=0.03)
+    dances(movement, stream, 50.0, 20.0, lambda time: 0.6 * math.sin(math.pi * time * 130.0 / 60.0) ** 2, 130.0)
+    assert movement.tempo == pytest.approx(130.0, rel=0.03)
+    dances(movement, stream, 6.0, 70.0, lambda time: 0.3)
+    assert movement.tempo == 0.0
 
 
 def test_moments_are_the_same_whatever_was_before_a_gap():
