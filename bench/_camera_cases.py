@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
-from bench._camera_dances import ShowPart, Take, crossing_patch
-from bench._camera_films import BACK, DARK, FilmCase, Person, make_film
+from bench._camera_dances import ShowPart, Take, Walker, around, crossing_patch, walking_patch
+from bench._camera_films import BACK, DARK, WHITE, FilmCase, Person, make_film
 from bench._camera_sensor import Sensor
 from live.base.set_geometry import SetItem
 
@@ -29,6 +29,68 @@ NIGHT: Final = Sensor(
     shutter_s=1 / 32, readout_s=0.012, moments=4, electrons=160.0, read_noise=4.0, exposure=1.3, kilobits=900.0
 )
 """A webcam that has to look long in the dark, and still is noisy."""
+
+_REACHED: Final = 2.0
+"""How far somebody walks in two measures [m]; the step of travelling is not longer."""
+
+
+def _turning(steps: tuple[str, str], bpm: float, radius: float) -> str:
+    """Two who meet, turn about each other and part: on the other side, there again, on their own side."""
+    walkers = []
+    for step, side in zip(steps, (-1.0, 1.0), strict=True):
+        away, deep = 0.4 * _REACHED * side, 0.2 * side
+        walkers.append(
+            Walker(step, (away, deep), (
+                (2, 2, (*around(side, radius, 0.5), (-away, -deep))),
+                (4, 3, (*around(-side, radius, 1.0), (-away, -deep))),
+                (7, 2, (*around(-side, radius, 0.5), (away, deep))),
+            ))
+        )  # fmt: skip
+    return walking_patch(walkers, bpm=bpm)
+
+
+def _behind(steps: tuple[str, str], bpm: float, middle: float, reach: float = 1.0) -> str:
+    """One stays; the other goes behind and turns back, goes behind and out beyond, and turns back there again."""
+    return walking_patch(
+        (
+            Walker(steps[0], (middle, 0.45), ()),
+            Walker(steps[1], (middle - reach, -0.35), (
+                (2, 2, ((middle - 0.05, -0.35), (middle - reach, -0.35))),
+                (4, 2, ((middle + reach, -0.35),)),
+                (6, 2, ((middle + 0.05, -0.35), (middle + reach, -0.35))),
+            )),
+        ), bpm=bpm,
+    )  # fmt: skip
+
+
+def _to_and_fro(
+    steps: tuple[str, ...], bpm: float, across: tuple[float, ...], deep: tuple[float, ...], measures: int = 1
+) -> str:
+    """Several who change sides again and again, each in a depth of their own, from x to -x within `measures`."""
+    return walking_patch(
+        tuple(
+            Walker(step, (x, z), tuple(
+                (measure, measures, ((-x * (-1.0) ** turn, z),))
+                for turn, measure in enumerate(range(2, 14, measures))
+            ))
+            for step, x, z in zip(steps, across, deep, strict=True)
+        ), bpm=bpm,
+    )  # fmt: skip
+
+
+def _leaving(steps: tuple[str, str], bpm: float, out: float, depth: float) -> str:
+    """Two who cross, leave the picture, each on the other's side, and come back to cross again, and again."""
+    return walking_patch(
+        tuple(
+            Walker(step, (side * 0.7, -0.5 * side * depth), (
+                (2, 3, ((-side * out, -0.5 * side * depth),)),
+                (5, 3, ((side * 0.7, -0.5 * side * depth),)),
+                (8, 2, ((-side * 0.9, -0.5 * side * depth),)),
+            ))
+            for step, side in zip(steps, (-1.0, 1.0), strict=True)
+        ), bpm=bpm,
+    )  # fmt: skip
+
 
 TUNING: Final = (
     FilmCase("modern_front", Take(("solo/modern05/05_13.bvh",), 0.0, 180.0), 7.0, (ANNA,), eye=(0.0, 1.4, 5.6),
@@ -55,6 +117,25 @@ TUNING: Final = (
         'name = "Jumps"\n[clock]\nbpm = 108\n[[group]]\nname = "a"\ndancers = 1\n'
         'steps = ["jump", "reach", "body roll", "jump"]\n', (0,), 0.0), 8.0, (DORA,),
         eye=(0.0, 1.3, 6.0), seed=21),
+    FilmCase("cross_turning", ShowPart(_turning(("groove", "reach"), 170.0, 0.25), (0, 1), 1.2), 10.0, (BEN, DORA),
+             eye=(0.2, 1.4, 5.0), field_of_view_deg=36.0, seed=31),
+    FilmCase("cross_behind_alike", ShowPart(_behind(("samba", "groove"), 160.0, 0.1), (0, 1), 1.0), 9.5,
+             (CLEO, replace(CLEO, hair="bob", skin=90)), eye=(-0.2, 1.5, 5.6), field_of_view_deg=36.0, seed=32),
+    FilmCase("cross_fast", ShowPart(_to_and_fro(("side step", "tap"), 176.0, (-0.58, 0.58), (0.35, -0.35)), (0, 1),
+             0.8), 8.0, (EMIL, replace(EMIL, colour=(0.10, 0.12, 0.16), second=(0.05, 0.06, 0.12))),
+             eye=(0.0, 1.2, 5.8), light=WHITE, seed=33),
+    FilmCase("cross_leaving", ShowPart(_leaving(("reach", "groove"), 190.0, 2.3, 1.0), (0, 1), 1.0), 10.0,
+             (ANNA, BEN), eye=(0.2, 1.4, 5.2), field_of_view_deg=30.0, seed=34),
+    FilmCase("cross_three", ShowPart(_to_and_fro(("groove", "turn", "side step"), 164.0, (-1.0, 0.0, 1.0),
+             (-0.6, 0.6, 0.0), 2), (0, 1, 2), 1.0), 9.0, (DORA, ANNA, replace(ANNA, hair="bald")), eye=(0.0, 2.0, 6.0),
+             sensor=PHONE, seed=35),
+    FilmCase("cross_four", ShowPart(_to_and_fro(("samba", "reach", "groove", "tap"), 178.0, (-1.2, -0.5, 0.5, 1.2),
+             (-0.8, 0.3, -0.3, 0.8), 2), (0, 1, 2, 3), 1.0), 8.0, (EMIL, CLEO, BEN, DORA), eye=(-0.5, 1.9, 6.6),
+             size=(960, 540), seed=36),
+    FilmCase("cross_deep", ShowPart(_to_and_fro(("turn", "side step"), 152.0, (-0.9, 0.9), (1.0, -1.0), 2), (0, 1),
+             1.4), 9.5, (CLEO, DORA), eye=(0.6, 1.1, 5.2), field_of_view_deg=46.0, seed=37, height=1.78),
+    FilmCase("cross_salsa", Take(("salsa/60_05.bvh", "salsa/61_05.bvh"), 17.0, 120.0), 9.0, (EMIL, ANNA),
+             eye=(0.0, 1.5, 5.8), seed=38),
 )  # fmt: skip
 """To tune on."""
 
@@ -84,6 +165,18 @@ HELD: Final = (
         'name = "Held jumps"\nseed = 3\n[clock]\nbpm = 118\n[[group]]\nname = "a"\ndancers = 1\n'
         'steps = ["reach", "jump", "side step", "kick", "jump", "body roll"]\n', (0,), 0.0), 10.0, (IVO,),
         eye=(-0.4, 1.5, 6.2), height=1.84, seed=111),
+    FilmCase("held_cross_turning", ShowPart(_turning(("kick", "body roll"), 182.0, 0.30), (0, 1), 1.0, seed=7), 9.5,
+             (FAYE, IVO), eye=(-0.3, 1.6, 5.4), field_of_view_deg=34.0, sensor=PHONE, seed=131),
+    FilmCase("held_cross_behind", ShowPart(_behind(("mambo", "arm wave"), 168.0, -0.1, 1.1), (0, 1), 1.0, seed=8), 9.0,
+             (HANA, FAYE), eye=(0.3, 1.3, 5.6), field_of_view_deg=38.0, seed=132, height=1.66),
+    FilmCase("held_cross_fast_alike", ShowPart(_to_and_fro(("arm wave", "bow"), 168.0, (-0.55, 0.55), (-0.45, 0.45)),
+             (0, 1), 0.9, seed=9), 8.5, (GUS, replace(GUS, hair="bald", skin=150)), eye=(0.2, 1.5, 6.0), seed=133),
+    FilmCase("held_cross_leaving", ShowPart(_leaving(("kick", "bow"), 192.0, 2.4, 0.8), (0, 1), 1.1, seed=10), 10.0,
+             (IVO, GUS), eye=(-0.2, 1.5, 5.2), field_of_view_deg=31.0, light=WHITE, seed=134, height=1.80),
+    FilmCase("held_cross_three", ShowPart(_to_and_fro(("body roll", "kick", "arm wave"), 172.0, (-1.1, 0.1, 1.0),
+             (0.5, -0.5, 0.0), 2), (0, 1, 2), 1.0, seed=11), 9.0, (HANA, GUS, FAYE), eye=(0.3, 1.8, 6.2), seed=135),
+    FilmCase("held_cross_trio", Take(("group/perfume_aachan.bvh", "group/perfume_kashiyuka.bvh",
+             "group/perfume_nocchi.bvh"), 60.0), 9.0, (HANA, FAYE, IVO), eye=(0.0, 1.5, 6.4), seed=136),
 )  # fmt: skip
 """Held back: never tuned on."""
 

@@ -196,6 +196,53 @@ def crossing_patch(steps: Sequence[str], *, bpm: float, dancers: int, width: flo
     return "\n".join(text) + "\n"
 
 
+Way = tuple[int, int, tuple[tuple[float, float], ...]]
+"""The measure at which somebody sets out, from 1, in how many measures they arrive, and the points (x, z) [m] on their
+way."""
+
+
+@dataclass(frozen=True, slots=True)
+class Walker:
+    """A dancer who walks on ways of their own, and dances one step wherever they stay."""
+
+    step: str
+    start: tuple[float, float]
+    """Where they stand at first (x, z) [m]."""
+    ways: tuple[Way, ...]
+    """In order, none before the one ahead of it has ended."""
+
+
+def walking_patch(walkers: Sequence[Walker], *, bpm: float) -> str:
+    """Return the text of a patch in which each dancer is a group of their own and walks on their ways."""
+    text = [
+        'name = "Walking"', "loop_measures = 64", f"[clock]\nbpm = {bpm:g}", "[stage]\nwidth = 12.0\ndepth = 8.0",
+        '[motion]\nmirror = "never"',
+    ]  # fmt: skip
+    for number, walker in enumerate(walkers, start=1):
+        x, z = walker.start
+        text.append(
+            f'[[group]]\nname = "d{number}"\ndancers = 1\nsteps = ["{walker.step}"]\ntravel_step = "walk"\n'
+            f"centre = [{x:.2f}, {z:.2f}]\nsize = [1.0, 1.0]"
+        )
+        for measure, measures, points in walker.ways:
+            line = ", ".join(f"[{to_x - x:.2f}, {to_z - z:.2f}]" for to_x, to_z in ((x, z), *points))
+            text.append(
+                f'[[segment]]\nmeasure = {measure}\nmeasures = {measures}\ngroup = "d{number}"\n'
+                f'path = [{line}]\nfacing = "linear"'
+            )
+            x, z = points[-1]
+    return "\n".join(text) + "\n"
+
+
+def around(side: float, radius: float, turns: float = 1.0) -> tuple[tuple[float, float], ...]:
+    """Return points (x, z) [m] round the stage's middle, `turns` times, for one of two who turn about each other.
+
+    `side`: where they begin, -1 on the left and then behind, 1 on the right and then in front; `radius` [m].
+    """
+    angles = np.linspace(0.0, 2.0 * math.pi * turns, round(12 * turns) + 1)
+    return tuple((side * radius * math.cos(angle), side * radius * math.sin(angle)) for angle in angles.tolist())
+
+
 def heel_and_ball_contacts(clip: Clip) -> Bool:
     """Return whether heel and ball of the left and the right foot are on the floor, (T, 2, 2): samples, feet, then heel
     and ball.

@@ -5,9 +5,10 @@ import numpy as np
 from live.base.arrays import Float64, UInt8
 from live.control.camera.drawn_figures import DrawnFigures
 from live.control.camera.light import LightMeter
-from live.control.camera.people_tracker import Finder, PeopleTracker, Person, Poser
+from live.control.camera.people_tracker import Finder, PeopleTracker, Poser
 from live.control.camera.performers import Sighting
 from live.control.camera.pose_models import ModelPose
+from live.control.camera.seen_person import Person
 from live.motion.capture.landmarks import Landmarks
 
 _TURN_EVERY = 4

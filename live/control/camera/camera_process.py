@@ -18,10 +18,10 @@ from live.control.camera.camera_eye import CameraEye
 from live.control.camera.camera_plan import CameraAddress, CameraPlan
 from live.control.camera.frame_source import Frame, FrameSource
 from live.control.camera.model_files import DETECTOR, FULL, LITE, checked_model
-from live.control.camera.people_tracker import Person
 from live.control.camera.performers import PerformerPose, Performers
 from live.control.camera.phone_landmarks import decode_landmarks
 from live.control.camera.pose_models import LandmarkModel, PersonDetector
+from live.control.camera.seen_person import Person
 from live.control.events.event_json import register_events
 from live.control.events.events import MocapFrame
 from live.control.helper_process import HelperChannel

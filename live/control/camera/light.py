@@ -8,7 +8,7 @@ import numpy as np
 
 from live.base.arrays import Float64, UInt8
 from live.control.camera.costume import colour_difference, costume_colours
-from live.control.camera.people_tracker import Person
+from live.control.camera.seen_person import Person
 
 BLACK: Final = 0.02
 """Mean brightness of a picture in which nobody is looked for, 0 to 1."""

@@ -16,8 +16,8 @@ import numpy as np
 
 from live.base.arrays import UInt8
 from live.base.system.picture_ring import FrameRing
-from live.control.camera.people_tracker import Person
 from live.control.camera.pose_models import LANDMARK_SIZE, ModelPose
+from live.control.camera.seen_person import Person
 from live.control.camera.silhouette_kernels import draw_mask
 from live.motion.capture.landmarks import LANDMARK_NAMES
 

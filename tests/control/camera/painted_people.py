@@ -10,6 +10,7 @@ from live.motion.capture.landmarks import LANDMARK_COUNT, LANDMARK_NAMES
 
 UInt8 = npt.NDArray[np.uint8]
 Float64 = npt.NDArray[np.float64]
+Float32 = npt.NDArray[np.float32]
 WIDTH, HEIGHT = 640, 360
 
 _SHAPE = np.zeros((LANDMARK_COUNT, 2))
@@ -44,6 +45,20 @@ class Painted:
         shape[13:17, 1] -= 0.3 * np.sin(self.swing)
         return shape * self.tall + (self.x, self.y)
 
+    def mask(self, region: Region) -> Float32:
+        """Return the logits of the silhouette in an upright region, (256, 256)."""
+        across = region.x + region.size * ((np.arange(256) + 0.5) / 256 - 0.5)
+        down = region.y + region.size * ((np.arange(256) + 0.5) / 256 - 0.5)
+        left, right, top, low = self.box
+        inside = ((down >= top) & (down < low))[:, None] & ((across >= left) & (across < right))[None, :]
+        return np.where(inside, 9.0, -9.0).astype(np.float32)
+
+    @property
+    def box(self) -> tuple[int, int, int, int]:
+        """Left, right, top and bottom of what is painted [pixels]."""
+        left, right = round(self.x - 0.12 * self.tall), round(self.x + 0.12 * self.tall)
+        return left, right, round(self.y - 0.45 * self.tall), round(self.y + 0.5 * self.tall)
+
     @property
     def region(self) -> Region:
         """The region around."""
@@ -65,8 +80,7 @@ class PaintedPeople:
         """Return the picture, (H, W, 3)."""
         picture = np.full((HEIGHT, WIDTH, 3), 120, np.uint8)
         for each in sorted(self.people, key=lambda one: -one.distance):
-            left, right = round(each.x - 0.12 * each.tall), round(each.x + 0.12 * each.tall)
-            top, low = round(each.y - 0.45 * each.tall), round(each.y + 0.5 * each.tall)
+            left, right, top, low = each.box
             picture[max(top, 0) : max(low, 0), max(left, 0) : max(right, 0)] = each.colour
         return picture
 
@@ -93,10 +107,38 @@ class PaintedPeople:
             return _pose(np.zeros((LANDMARK_COUNT, 2)), region, 0.01)
         each = min(near, key=lambda one: abs(one.x - region.x))
         noise = self._chance.normal(0.0, self._jitter * each.tall, (LANDMARK_COUNT, 2))
-        return _pose(each.landmarks + noise, each.region, 0.99)
+        return _pose(each.landmarks + noise, each.region, 0.99, each.mask(region), region)
 
 
-def _pose(picture: Float64, region: Region, presence: float) -> ModelPose:
+def _pose(
+    picture: Float64, there: Region, presence: float, mask: Float32 | None = None, region: Region | None = None
+) -> ModelPose:  # fmt: skip
     body = np.zeros((LANDMARK_COUNT, 3))
     seen = np.full(LANDMARK_COUNT, 0.95)
-    return ModelPose(picture, body, seen, presence, region, region, np.zeros((256, 256), np.float32))
+    mask = np.full((256, 256), -9.0, np.float32) if mask is None else mask
+    return ModelPose(picture, body, seen, presence, there, region or there, mask)
+
+
+class PixelPoser:
+    """A poser that knows a person only by the pixels of their colour, and takes whoever shows most of them in its
+    region: as a model for one person is stolen by the one in front."""
+
+    def __init__(self, people: PaintedPeople, least: float = 0.15) -> None:
+        """`people`: who may be seen. `least`: least share of a person's surface."""
+        self._people, self._least = people, least
+
+    def run(self, picture: UInt8, region: Region) -> ModelPose:
+        """Return the pose of the person of whom most is seen in the region, or of nobody."""
+        best, found = 0.0, None
+        for each in self._people.people:
+            left, right, top, low = each.box
+            half = round(0.5 * region.size)
+            first, last = max(left, round(region.x) - half, 0), min(right, round(region.x) + half, WIDTH)
+            if last <= first:
+                continue
+            seen = (picture[max(top, 0) : low, first:last] == each.colour).all(axis=2).sum()
+            if seen > self._least * (right - left) * (low - top) and seen > best:
+                best, found = float(seen), each
+        if found is None:
+            return _pose(np.zeros((LANDMARK_COUNT, 2)), region, 0.01)
+        return _pose(found.landmarks, found.region, 0.99, found.mask(region), region)

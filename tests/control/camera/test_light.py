@@ -5,7 +5,7 @@ import pytest
 
 from live.control.camera.drawn_figures import COMPARED, DrawnFigures, square_to_quad
 from live.control.camera.light import LightMeter
-from live.control.camera.people_tracker import Person
+from live.control.camera.seen_person import Person
 from tests.control.camera.painted_people import HEIGHT, WIDTH, Painted, PaintedPeople
 
 

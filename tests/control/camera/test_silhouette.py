@@ -16,9 +16,9 @@ import pytest
 
 from live.base.system.picture_ring import FrameRingReader, ring_path
 from live.control.camera.camera_process import CameraPlan, CameraProcess
-from live.control.camera.people_tracker import Person
 from live.control.camera.performers import Sighting
 from live.control.camera.pose_models import ModelPose, Region, crop
+from live.control.camera.seen_person import Person
 from live.control.camera.silhouette import (
     HELD_S,
     HIPS,
