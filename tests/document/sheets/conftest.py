@@ -1,4 +1,4 @@
-"""One run of the small show for all tests of sheets."""
+"""One run of the small show for all tests of sheets, which one process runs (`xdist_group`)."""
 
 from pathlib import Path
 

@@ -14,6 +14,8 @@ from live.document.sheets.stage_words import direction_words, facing_words, plac
 from live.document.sheets.storyboard_pages import storyboard_pages
 from tests.fixtures.mostly_long import mostly_long
 
+pytestmark = pytest.mark.xdist_group("sheets")
+
 
 def words_of(page: Page) -> list[Words]:
     return [item for item in page.items if isinstance(item, Words)]

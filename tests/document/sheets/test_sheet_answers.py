@@ -13,6 +13,8 @@ from live.document.sheets.storyboard_pages import storyboard_pages
 from live.show.loader import LoadedShow
 from live.show.view.stage_frames import DOCUMENT
 
+pytestmark = pytest.mark.xdist_group("sheets")
+
 
 @pytest.mark.long
 def test_pages_are_those_of_the_sheets(loaded: LoadedShow, book: SheetBook) -> None:

@@ -19,6 +19,8 @@ from live.library.music_map_file import read_map
 from live.show.loader import LoadedShow
 from live.show.patch.section_music import MusicLine
 
+pytestmark = pytest.mark.xdist_group("sheets")
+
 
 def write(to: Path, loaded: LoadedShow, book: SheetBook, *, pictures: bool = False) -> SheetsWritten:
     return write_sheets(SheetFolder(to), loaded.patch, book, "a4", pictures=pictures)
@@ -74,6 +76,7 @@ def test_nothing_of_others_is_replaced_or_deleted(tmp_path: Path, loaded: Loaded
     assert (tmp_path / "notes.txt").read_text() == "mine"
 
 
+@pytest.mark.long
 def test_files_of_an_earlier_run_are_told_not_deleted(tmp_path: Path, loaded: LoadedShow, book: SheetBook) -> None:
     write(tmp_path, loaded, book, pictures=True)
     left = write(tmp_path, loaded, book).left

@@ -15,6 +15,8 @@ from live.show.loader import LoadedShow, load_show
 from live.show.patch.patch_search_path import find_patch
 from tests.document.sheets.small_show import make_book
 
+pytestmark = pytest.mark.xdist_group("sheets")
+
 NUMBERS = re.compile(r"x ([+−]?[\d.]+), z ([+−]?[\d.]+)")
 EXAMPLES = (
     "first_show", "partner", "ballet", "barre", "contemporary", "cues", "folk", "formations", "hiphop", "house",
@@ -45,13 +47,16 @@ def replayed(loaded: LoadedShow, measures: int) -> tuple[np.ndarray, list[list[s
     return np.array(places), steps
 
 
-def check(book: SheetBook, loaded: LoadedShow) -> int:
-    """Compare each place and step of all dancers' pages with a run; return how many places were compared."""
-    places, steps = replayed(loaded, book.record.measures)
+def check(book: SheetBook, loaded: LoadedShow, measures: int | None = None) -> int:
+    """Compare each place and step of all dancers' pages, or of the scenes within the first measures, with a run; return
+    how many places were compared."""
+    places, steps = replayed(loaded, measures or book.record.measures)
     compared = 0
     for dancer in book.dancers.tolist():
         for row in dancer_rows(book, dancer):
             part, said = row.part, dict(row.lines)
+            if part.scene.end >= len(places):
+                continue
             for about, measure, there in (
                 ("Start", part.scene.first, part.there[0]),
                 ("End", part.scene.end, part.there[1]),
@@ -67,6 +72,10 @@ def check(book: SheetBook, loaded: LoadedShow) -> int:
                 told = [name for name, times in part.steps for _ in range(times)]
                 assert told == [steps[measure][dancer] for measure in range(part.scene.first, part.scene.end)]
     return compared
+
+
+def test_first_scene_is_danced_as_its_pages_say(book: SheetBook, loaded: LoadedShow) -> None:
+    assert check(book, loaded, book.scenes[0].end) > 5
 
 
 @pytest.mark.long
