@@ -18,11 +18,28 @@ from tests.document.test_preview import TEXT
 from tests.fixtures.mostly_long import mostly_long
 
 
-@pytest.fixture
-def loaded(tmp_path: Path) -> LoadedShow:
-    path = tmp_path / "show.toml"
+def written(folder: Path) -> LoadedShow:
+    path = folder / "show.toml"
     path.write_text(TEXT)
     return load_show(path)
+
+
+@pytest.fixture(scope="module")
+def loaded(tmp_path_factory: pytest.TempPathFactory) -> LoadedShow:
+    """The show of tests that leave its file as it is."""
+    return written(tmp_path_factory.mktemp("show"))
+
+
+@pytest.fixture(scope="module")
+def answers(loaded: LoadedShow) -> PreviewAnswers:
+    """For tests that try no edit: each measure is simulated once."""
+    return open_answers(loaded)
+
+
+@pytest.fixture
+def own(tmp_path: Path) -> LoadedShow:
+    """A show whose file may be changed."""
+    return written(tmp_path)
 
 
 def asked(answers: PreviewAnswers, **question: Any) -> tuple[dict[str, Any], list[bytes]]:
@@ -94,9 +111,8 @@ def test_planned_ways_of_an_edit_need_no_run(loaded: LoadedShow) -> None:
 
 
 @pytest.mark.long
-def test_a_moment_has_positions_and_joints(loaded: LoadedShow) -> None:
+def test_a_moment_has_positions_and_joints(loaded: LoadedShow, answers: PreviewAnswers) -> None:
     engine = PreviewEngine(loaded)
-    answers = open_answers(loaded)
     texts, frames = asked(answers, measure=5.5, joints=True)
     there = engine.at(4.5)
     joints = engine.view_at(4.5).joint_position[:6]
@@ -132,12 +148,12 @@ def test_edits_are_tried_and_the_document_stays(loaded: LoadedShow) -> None:
 
 
 @pytest.mark.long
-def test_an_accepted_edit_of_another_process_is_taken_in_and_earlier_measures_stay(loaded: LoadedShow) -> None:
-    answers = open_answers(loaded)
+def test_an_accepted_edit_of_another_process_is_taken_in_and_earlier_measures_stay(own: LoadedShow) -> None:
+    answers = open_answers(own)
     edit = {"do": "set", "at": ["segment", 2, "formation"], "value": "line"}
     tried, frames = asked(answers, from_=8, to=9, with_=[edit])
     plain = asked(answers, from_=8, to=9)[1]
-    DocumentStore(loaded.path).edit(Edit("set", ("segment", 2, "formation"), "line"))
+    DocumentStore(own.path).edit(Edit("set", ("segment", 2, "formation"), "line"))
     ticks = []
     answers.on_tick = lambda: ticks.append(1)
     texts, after = asked(answers, from_=8, to=9)
@@ -145,7 +161,7 @@ def test_an_accepted_edit_of_another_process_is_taken_in_and_earlier_measures_st
     assert not ticks
     assert texts["done"]["document"] == tried["done"]["document"] + 1 == 1
     assert asked(answers, from_=8, to=9, document=0)[1] == plain  # compared with what was before
-    loaded.path.write_text("name = ")  # by hand, and not whole yet
+    own.path.write_text("name = ")  # by hand, and not whole yet
     assert asked(answers, from_=8, to=9)[1] == frames
 
 
@@ -162,8 +178,7 @@ def test_documents_that_differ_in_the_music_alone_have_previews_of_their_own(loa
 
 
 @pytest.mark.long
-def test_a_segment_stands_for_its_measures(loaded: LoadedShow) -> None:
-    answers = open_answers(loaded)
+def test_a_segment_stands_for_its_measures(answers: PreviewAnswers) -> None:
     texts, frames = asked(answers, segment=1, positions="none", notes=False)
     assert (texts["ways"]["from"], texts["ways"]["to"]) == (2, 4)
     assert not frames
@@ -250,8 +265,7 @@ def test_doubts_stand_at_their_measures(loaded: LoadedShow) -> None:
         {"measure": 2.0, "joints": ["x"]}, {"id": [], "from": 1}, {"id": "x" * 101, "from": 1},
     ], quick=[2],
 )  # fmt: skip
-def test_wrong_questions_are_refused_with_words(loaded: LoadedShow, question: Any) -> None:
-    answers = open_answers(loaded)
+def test_wrong_questions_are_refused_with_words(answers: PreviewAnswers, question: Any) -> None:
     (frame,) = answers.answer(question)
     told = json.loads(frame)
     assert told["kind"] == "refused"
@@ -260,13 +274,13 @@ def test_wrong_questions_are_refused_with_words(loaded: LoadedShow, question: An
 
 
 @pytest.mark.long
-def test_the_waveform_of_the_music(loaded: LoadedShow) -> None:
-    texts, frames = asked(open_answers(loaded), id=1, waveform=True)
+def test_the_waveform_of_the_music(own: LoadedShow) -> None:
+    texts, frames = asked(open_answers(own), id=1, waveform=True)
     assert (frames, texts["refused"]["refused"][0]["what"]) == ([], "this show has no music")
     sound = np.sin(np.arange(48_000) * 0.05).astype(np.float32)
-    write_wav(loaded.path.parent / "tune.wav", sound, 48_000)
-    loaded.path.write_text('music = {file = "tune.wav", bpm = 120}\n' + TEXT)
-    answers = open_answers(load_show(loaded.path))
+    write_wav(own.path.parent / "tune.wav", sound, 48_000)
+    own.path.write_text('music = {file = "tune.wav", bpm = 120}\n' + TEXT)
+    answers = open_answers(load_show(own.path))
     texts, (frame,) = asked(answers, id=2, waveform=True)
     assert (frame[0], int.from_bytes(frame[2:4], "little"), int.from_bytes(frame[4:8], "little")) == (3, 200, 200)
     assert len(frame) == 8 + 200
