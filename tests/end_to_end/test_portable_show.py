@@ -20,6 +20,22 @@ def free_port() -> int:
         return int(free.getsockname()[1])
 
 
+def test_a_show_runs_and_leaves_a_whole_journal(play, patch: Path, tmp_path: Path):
+    """Processes are started and not forked, and talk through what every system has."""
+    journal = tmp_path / "j.jsonl"
+    running = play(
+        str(patch), "--bpm", "120", "--headless", "--osc", f"127.0.0.1:{free_port()}", "--journal", str(journal),
+        env=foreign_environment(),
+    )  # fmt: skip
+    running.wait_for(lambda line: line["measure"] >= 2, 30)
+    assert len(children(running, "engine_main")) >= 1
+    assert "Traceback" not in running.stop()
+    assert running.process.returncode == 130
+    found = verify_journal(journal)
+    assert found["complete"]
+    assert found["measures"] >= 1
+
+
 @pytest.mark.long
 def test_the_next_engine_continues_show_music_and_pages(play, patch: Path, tmp_path: Path):
     """The supervisor has no sockets to give, so the engine itself plays the music and binds OSC."""
