@@ -13,13 +13,11 @@ FPS = 60
 SECONDS = 30
 
 
-@pytest.fixture(scope="module")
-def first_show_run():
-    """Joint positions (F, A, J, 3) of present dancers in every frame, and the figures of the report."""
-    loaded = load_show(Path(DEFAULT_PATCH))
-    show = loaded.start()
+def dance_first_show(seconds: float):
+    """The show, joint positions (F, A, J, 3) of present dancers in every frame, and the figures of the report."""
+    show = load_show(Path(DEFAULT_PATCH)).start()
     view, report, frames, tick = show.view(), MotionReport(show), [], 0
-    for frame in range(1, SECONDS * FPS + 1):
+    for frame in range(1, round(seconds * FPS) + 1):
         while (tick + 1) / 64 <= frame / FPS + 1 / 64:
             tick += 1
             show.tick(tick / 64)
@@ -27,6 +25,11 @@ def first_show_run():
         report.frame(view)
         frames.append(view.joint_position[view.present].copy())
     return show, np.array(frames), report.result()
+
+
+@pytest.fixture(scope="module")
+def first_show_run():
+    return dance_first_show(SECONDS)
 
 
 @pytest.mark.long
@@ -38,6 +41,7 @@ def test_joint_accelerations_have_no_pops(first_show_run):
     assert np.percentile(acceleration.max(axis=(1, 2)), 50) < 30.0
 
 
+@pytest.mark.long
 def test_dancers_stay_on_stage_and_above_floor(first_show_run):
     show, frames, _ = first_show_run
     hips = frames[:, :, 0]
@@ -47,6 +51,7 @@ def test_dancers_stay_on_stage_and_above_floor(first_show_run):
     assert frames[..., 1].min() > -0.02
 
 
+@pytest.mark.long
 def test_dancers_gather_and_spread_with_score(first_show_run):
     """Measures 4 to 6 gather at (-2.4, 0.4), measures 7 to 10 spread."""
     _, frames, _ = first_show_run
@@ -59,6 +64,7 @@ def test_dancers_gather_and_spread_with_score(first_show_run):
     assert distance(10.5 * measure) > 1.1 * distance(6.5 * measure)
 
 
+@pytest.mark.long
 def test_feet_stay_planted_and_clips_match_beat(first_show_run):
     _, _, figures = first_show_run
     assert figures["foot_slide_mean"] < 0.12
@@ -71,6 +77,7 @@ def test_feet_stay_planted_and_clips_match_beat(first_show_run):
     assert {"groove", "side step", "samba", "turn", "mambo", "arm wave", "jump"} <= steps
 
 
+@pytest.mark.long
 def test_joins_are_smooth_and_beat_metrics_are_in_range(first_show_run):
     _, _, figures = first_show_run
     assert 0.2 < figures["join_velocity_ratio"] <= 1.0
@@ -89,9 +96,9 @@ def test_joins_are_smooth_and_beat_metrics_are_in_range(first_show_run):
     assert sum(row["cost"] is not None for row in rows) > 0.9 * len(rows)
 
 
-def test_dancers_of_one_group_dance_same_step(first_show_run):
+def test_dancers_of_one_group_dance_same_step():
     """In measure 2, before travel starts, each group dances one step."""
-    show, _, figures = first_show_run
+    show, _, figures = dance_first_show(3.0)
     for group in range(3):
         members = {int(d) + 1 for d in np.flatnonzero(show.group == group)}
         rows = [row for row in figures["steps"] if row["measure"] == 2 and row["dancer"] in members]
