@@ -107,6 +107,14 @@ def patch(tmp_path):
     return write_patch_folder(tmp_path, PATCH)
 
 
+@pytest.fixture(scope="module")
+def danced_before(tmp_path_factory, danced):
+    """A show in which the performer has danced for more than a measure, for wishes that are refused: it stays."""
+    night = Class(write_patch_folder(tmp_path_factory.mktemp("before"), PATCH), danced)
+    night.dance(1.2)
+    return night
+
+
 def with_answer(tmp_path, answer):
     return write_patch_folder(tmp_path, PATCH + f'[[answer]]\nname = "echo"\nperformer = "anna"\n{answer}\n')
 
@@ -195,11 +203,12 @@ def test_take_waits_in_snapshot_until_an_engine_learns_it(patch, danced):
         ({"name": "new", "measures": 4}, "was not seen for 4 whole measures"),
     ],
 )
-def test_impossible_wishes_are_refused_with_a_reason(patch, danced, said, reason):
-    night = Class(patch, danced)
-    night.dance(1.2)
+def test_impossible_wishes_are_refused_with_a_reason(danced_before, said, reason):
+    night = danced_before
+    refused = night.show.refusals.count
     night.ask(**said)
     night.dance(0.05)
+    assert night.show.refusals.count == refused + 1
     assert reason in night.show.refusals.last_reason
     assert night.show.seen_steps.takes == []
 
@@ -215,6 +224,7 @@ def test_performer_who_was_never_seen_or_does_not_exist_is_refused(patch, danced
     assert "no performer is called 'bob'" in night.show.refusals.last_reason
 
 
+@pytest.mark.long
 def test_still_body_and_body_that_leaves_are_refused(patch, danced):
     night = Class(patch, danced, "stand")
     night.dance(2.2)
@@ -230,6 +240,7 @@ def test_still_body_and_body_that_leaves_are_refused(patch, danced):
     assert night.show.seen_steps.takes == []
 
 
+@pytest.mark.long
 def test_folder_that_cannot_be_written_is_said_and_the_step_danced(patch, danced):
     night = Class(patch, danced, "kick")
     night.dance(2.1)
@@ -271,6 +282,7 @@ def test_same_step_is_answered_in_next_measure(tmp_path, danced):
     assert night.show.seen_steps.words().startswith("anna: side step ")
 
 
+@pytest.mark.long
 def test_canon_answers_a_measure_later_and_others_by_map(tmp_path, danced):
     night = Class(with_answer(tmp_path, 'how = "next"'), danced, "side step")
     found = night.dance(4)
@@ -295,6 +307,7 @@ def test_canon_answers_a_measure_later_and_others_by_map(tmp_path, danced):
     assert "no answer is called 'nobody'" in night.show.refusals.last_reason
 
 
+@pytest.mark.long
 def test_mapped_step_is_asked_for(tmp_path, danced):
     night = Class(
         with_answer(tmp_path, 'how = "map"\ngroup = "1-3"\nmap = { "side step" = "kick" }'), danced, "side step"
@@ -303,6 +316,7 @@ def test_mapped_step_is_asked_for(tmp_path, danced):
     assert {(event.name, event.group) for _, event in night.asked} == {("kick", "1-3")}
 
 
+@pytest.mark.long
 def test_standing_performer_is_no_step(tmp_path, danced):
     night = Class(with_answer(tmp_path, ""), danced, "stand")
     night.dance(2.5)

@@ -28,7 +28,8 @@ def test_reference_lists_every_key_with_a_description():
 def test_forms_of_the_studio_are_up_to_date():
     tool = _load_tool("write_studio_schema")
     assert tool.OUT.read_text(encoding="utf-8") == tool.text(), "python tools/write_studio_schema.py"
-    fields = [field for kind in tool.studio_schema().values() for field in kind]
+    schema = tool.studio_schema()
+    fields = [field for kind in schema.values() for field in kind]
     assert all(field["help"] for field in fields)
     for kind, first in tool.FIRST.items():
-        assert {*first} <= {field["key"] for field in tool.studio_schema()[kind]}, kind
+        assert {*first} <= {field["key"] for field in schema[kind]}, kind
