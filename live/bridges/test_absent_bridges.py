@@ -87,7 +87,7 @@ def results(request, tmp_path_factory):
     return json.loads(done.stdout)
 
 
-@mostly_long("name", NAMES, quick=[NAMES.index("lamps"), NAMES.index("oscquery")])
+@mostly_long("name", NAMES, quick=[2])
 def test_program_works_without_this_bridge(results, name):
     for code, printed in results[name].values():
         assert code == 0, printed

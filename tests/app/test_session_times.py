@@ -4,6 +4,8 @@ import socket
 import threading
 from pathlib import Path
 
+import pytest
+
 from live.app.launch_options import LaunchOptions
 from live.app.session import Session
 from live.app.session_audio import AudioChoice
@@ -28,6 +30,7 @@ def run_frame(session: Session, seconds: float) -> None:
     session.after_frame(started, started - 0.016)
 
 
+@pytest.mark.long
 def test_waiting_frame_takes_work_time_but_no_processor_time(tmp_path):
     session = make_session(tmp_path)
     with session.running():

@@ -9,6 +9,7 @@ import subprocess
 import pytest
 
 from tests.app.setup_machine import ASK_INSTALLED, LINK_WHEEL, PYTHON, SETUP, Machine, debian, machine, make_root
+from tests.fixtures.mostly_long import mostly_long
 
 __all__ = ["debian", "machine"]
 
@@ -26,6 +27,7 @@ def test_dry_run_prints_commands_and_changes_nothing(debian: Machine) -> None:
     assert not (debian.home / "show" / ".venv").exists()
 
 
+@pytest.mark.long
 def test_dry_run_of_tests_lists_test_packages(debian: Machine) -> None:
     second = debian.run("test", SETUP_DRY_RUN="1").splitlines()[1]
     for package in ("xserver-xorg-video-dummy", "xdotool", "imagemagick", "pulseaudio", "liblo-tools"):
@@ -71,6 +73,7 @@ def test_setup_continues_without_package_manager(machine: Machine) -> None:
     assert any(line.startswith("uv sync") for line in machine.log())
 
 
+@pytest.mark.long
 def test_missing_link_wheel_does_not_prevent_installation(debian: Machine) -> None:
     make_root(debian)
     assert "without Ableton Link" in debian.run("play", FAKE_NO_LINK="yes")
@@ -99,6 +102,7 @@ def test_setup_as_root_installs_everything_once(debian: Machine) -> None:
     assert debian.log() == []
 
 
+@pytest.mark.long
 def test_passwordless_sudo_installs_packages(debian: Machine) -> None:
     debian.add("sudo", '#!/bin/sh\necho "sudo $*" >>"$LOG"\n[ "$1" = -n ] && shift\nexec "$@"\n')
     assert debian.run("play", code=1).splitlines()[-1] == APT_LINE  # nobody there to be asked
@@ -144,6 +148,7 @@ def run_at_terminal(machine: Machine, answer: str, **environment: str) -> tuple[
     return done.returncode, said.splitlines()
 
 
+@pytest.mark.long
 def test_sudo_may_request_password_with_terminal(debian: Machine) -> None:
     sudo = '#!/bin/sh\necho "sudo $*" >>"$LOG"\ncase $1 in -n) exit 1 ;; -v) exit $FAKE_REFUSED ;; esac\nexec "$@"\n'
     debian.add("sudo", sudo)
@@ -155,8 +160,10 @@ def test_sudo_may_request_password_with_terminal(debian: Machine) -> None:
     assert any(line.startswith("sudo env DEBIAN_FRONTEND=noninteractive apt-get install") for line in debian.log())
 
 
-@pytest.mark.parametrize(
-    ("answer", "agreed"), [("", True), ("y", True), ("Yes", True), ("n", False), ("no", False), ("what?", False)]
+@mostly_long(
+    ("answer", "agreed"),
+    [("", True), ("y", True), ("Yes", True), ("n", False), ("no", False), ("what?", False)],
+    quick=[0, 3],
 )
 def test_root_at_a_terminal_is_asked_before_packages_are_installed(debian: Machine, answer: str, agreed: bool) -> None:
     make_root(debian)
@@ -169,6 +176,7 @@ def test_root_at_a_terminal_is_asked_before_packages_are_installed(debian: Machi
     assert (APT_LINE in said) != agreed
 
 
+@pytest.mark.long
 def test_question_is_not_asked_when_answered_before_or_needless(debian: Machine) -> None:
     make_root(debian)
     code, said = run_at_terminal(debian, "n", SETUP_YES="1")
@@ -184,6 +192,7 @@ def test_setup_of_benches_installs_their_peers(debian: Machine) -> None:
     assert [line for line in debian.log() if line.endswith("--extra=link --extra=fast --no-dev --extra=bench")]
 
 
+@pytest.mark.long
 def test_missing_test_packages_are_skipped_and_requested_again(debian: Machine) -> None:
     make_root(debian)
     assert "skipped" in debian.run("test", FAKE_UNINSTALLABLE="pulseaudio")
@@ -204,7 +213,7 @@ def test_uninstallable_required_package_stops_setup(debian: Machine) -> None:
     assert not (debian.home / "show" / ".venv").exists()
 
 
-@pytest.mark.parametrize("name", ["uv.lock", "pyproject.toml", "tools/uv-requirements.txt"])
+@mostly_long("name", ["uv.lock", "pyproject.toml", "tools/uv-requirements.txt"], quick=[1])
 def test_changed_lock_file_is_synced_again(debian: Machine, name: str) -> None:
     make_root(debian)
     debian.run("play")
@@ -215,6 +224,7 @@ def test_changed_lock_file_is_synced_again(debian: Machine, name: str) -> None:
     assert [line.split()[0] for line in debian.log()] == ["uv"]
 
 
+@pytest.mark.long
 def test_changed_or_deleted_kernels_are_warmed_again(debian: Machine) -> None:
     make_root(debian)
     debian.run("test")
@@ -260,6 +270,7 @@ def test_newest_complete_python_is_chosen(debian: Machine) -> None:
     assert "with python3.13 (3.13)" in debian.run("play", SETUP_DRY_RUN="1")
 
 
+@pytest.mark.long
 def test_python_on_which_everything_works_is_chosen(debian: Machine) -> None:
     for minor in (11, 13, 14):
         debian.add(f"python3.{minor}", PYTHON.replace("$FAKE_PYTHON", f"3.{minor}"))

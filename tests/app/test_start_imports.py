@@ -58,6 +58,7 @@ def test_film_imports_nothing_late_until_its_first_frame(tmp_path):
     assert too_early(modules, LATER) == []
 
 
+@pytest.mark.long
 def test_headless_show_imports_nothing_late_until_its_first_frame():
     modules = imported(
         "from live.app import headless_loop, session, headless_picture\n"
@@ -71,6 +72,7 @@ def test_headless_show_imports_nothing_late_until_its_first_frame():
     assert too_early(modules, LATER) == []
 
 
+@pytest.mark.long
 def test_sound_process_imports_neither_show_nor_renderer():
     modules = imported("import live.app.processes.audio_main")
     assert too_early(modules, (*LATER, "live.show.show", "live.agents", "live.graph", "live.render", "av")) == []
@@ -84,6 +86,7 @@ def test_supervisor_imports_neither_numba_nor_controls():
     assert too_early(modules, later) == []
 
 
+@pytest.mark.long
 def test_osc_process_imports_neither_numba_nor_show():
     modules = imported("import live.app.processes.osc_reader_main")
     assert too_early(modules, (*LATER, "numba", "live.show.show", "live.agents", "live.graph", "live.render")) == []

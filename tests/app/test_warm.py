@@ -160,6 +160,7 @@ def test_kernels_that_are_kept_elsewhere_are_told_where(tmp_path, monkeypatch):
     assert console.file.getvalue() == told
 
 
+@pytest.mark.long
 def test_clear_deletes_the_cache_but_not_under_a_show(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     cache = tmp_path / "cache"
     monkeypatch.setenv("LIVE_CACHE_DIR", str(cache))

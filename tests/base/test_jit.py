@@ -69,7 +69,7 @@ print(len(values), len(set(values)))
 
 
 @compiled_only
-@mostly_long("compiled", [False, True], quick=[1])
+@mostly_long("compiled", [False, True], quick=[])
 def test_several_threads_may_call_a_kernel_for_the_first_time(tmp_path: Path, compiled: bool) -> None:
     if compiled:
         run_damper(tmp_path)

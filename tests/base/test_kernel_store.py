@@ -147,6 +147,7 @@ def _compile_slowly(
         store.write("a", b"theirs")
 
 
+@pytest.mark.long
 def test_a_process_waits_for_the_one_that_compiles(tmp_path: Path) -> None:
     context = multiprocessing.get_context("spawn")
     begun, go = context.Event(), context.Event()

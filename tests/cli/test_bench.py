@@ -99,6 +99,7 @@ def test_all_benches_run_without_name(bench_folder: Path) -> None:
     assert reports[0]["rows"][2]["name"] == "quick"
 
 
+@pytest.mark.long
 def test_table_shows_bars_and_peers(bench_folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("COLUMNS", "120")
     done = CliRunner().invoke(app, ["bench", "claps"])
@@ -147,6 +148,7 @@ def test_project_benches_are_documented() -> None:
         assert title, f"bench/{name}.py has no docstring"
 
 
+@pytest.mark.long
 def test_absent_peer_says_so_in_its_row_with_the_remedy(monkeypatch: pytest.MonkeyPatch) -> None:
     """The reading bench, its clock stopped, with and without its peer: in the same rows."""
     run = load_bench("reading")

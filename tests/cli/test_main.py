@@ -135,6 +135,7 @@ main.main()
     assert (done.returncode, done.stderr) == (130, "")
 
 
+@pytest.mark.long
 def test_help_of_play_shows_what_many_need_and_all_on_request():
     short, whole = (run_live("play", word).stdout for word in ("--help", "--help-all"))
     options = [set(re.findall(r"│ (--[a-z-]+)", text)) for text in (short, whole)]

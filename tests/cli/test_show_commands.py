@@ -227,7 +227,7 @@ def endless_show_options(journal, status):
     return "play", "--headless", "--bpm", "120", *where
 
 
-@mostly_long("number", [signal.SIGHUP, signal.SIGINT], quick=[0])
+@mostly_long("number", [signal.SIGHUP, signal.SIGINT], quick=[])
 def test_show_ended_by_signal_completes_its_journal(tmp_path, number):
     """All in this process; the next test is a show of several processes. It has begun when the signal comes: where
     it opens a file at that moment, Python itself warns that the file is not closed.
@@ -272,6 +272,7 @@ def test_full_disk_is_reported_at_end():
     assert "of the journal could not be written" in result.stderr
 
 
+@pytest.mark.long
 def test_own_steps_are_used_beside_project_steps(tmp_path):
     (tmp_path / "steps").mkdir()
     sway = 'name = "sway"\n[pelvis]\n"1" = "left 4"\n"3" = "right 4"\n'

@@ -6,6 +6,7 @@ import pytest
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.map_clock import MapBeat, MapClock
 from live.clock.measure_map import MeasureLine, MeasureMap, TempoRun, steady_map
+from tests.fixtures.mostly_long import mostly_long
 
 TICK = 1 / 64
 
@@ -42,7 +43,7 @@ def human_map(seed: int, run: TempoRun) -> MeasureMap:
 
 
 @pytest.mark.parametrize("run", ["step", "ramp"])
-@pytest.mark.parametrize("seed", range(3))
+@mostly_long("seed", range(3), quick=[1])
 def test_the_timeline_follows_a_band_within_5_ms(seed: int, run: TempoRun) -> None:
     measures = human_map(seed, run)
     follower = TimelineFollower(one_at=1.4, known_tempo=120.0)

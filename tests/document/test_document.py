@@ -42,7 +42,7 @@ def test_a_document_is_the_patch_that_is_read(path: Path) -> None:
     assert document.patch.to_json_values() == read_patch(path).to_json_values()
 
 
-@pytest.mark.parametrize("path", SHOWS, ids=lambda path: path.relative_to(PATCHES).as_posix())
+@mostly_long("path", SHOWS, ids=lambda path: path.relative_to(PATCHES).as_posix(), quick=[0, 3, 6, 9, 12, 15])
 def test_places_are_those_of_the_whole_text(path: Path) -> None:
     document, (_, sources) = open_document(path), read_sources(path)
     keys: list[tuple[str | int, ...]] = [("stage", "width"), ("clock", "bpm"), ("seed",), ("nothing",)]

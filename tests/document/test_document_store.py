@@ -337,7 +337,7 @@ def test_a_refusal_by_the_show_lists_all_its_entries(path: Path) -> None:
     assert [fault.measure for fault in caught.value.faults] == [40, 48, 56]
 
 
-@mostly_long("seed", range(3), quick=[0])
+@mostly_long("seed", range(3), quick=[])
 def test_random_edits_by_three_people_keep_document_files_and_history_alike(path: Path, seed: int) -> None:
     rng, store = random.Random(seed), DocumentStore(path)
     texts = {0: tree(path)}

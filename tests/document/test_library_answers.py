@@ -61,6 +61,7 @@ def test_followers_are_those_of_the_graph(graph: MotionGraph) -> None:
     assert len(wanted) < len(rows) ** 2
 
 
+@pytest.mark.long
 def test_motion_is_the_step_from_line_to_line(answers: PreviewAnswers) -> None:
     texts, frames = asked(answers, step="Side_Step", takes=[1, 3])
     motion = texts["motion"]

@@ -136,6 +136,7 @@ def test_the_first_change_is_found_and_anything_else_begins_anew(loaded: LoadedS
     assert first_change(patch, used) == 8
 
 
+@pytest.mark.long
 def test_it_tells_who_meets_and_whose_way_is_too_long(loaded: LoadedShow) -> None:
     segment = loaded.patch.segment[1]
     right, left = (segment.model_copy(update={"formation": None, "group": group, "path": path}) for group, path in (

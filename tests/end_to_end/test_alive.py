@@ -22,6 +22,7 @@ from tests.cli.command import run_live
 from tests.control.waiting import BUSY, wait_for
 from tests.end_to_end.conftest import Running, children, end_all
 from tests.end_to_end.test_window_show import _needs
+from tests.fixtures.mostly_long import mostly_long
 from tests.fixtures.screen_eye import ScreenReader
 from tests.fixtures.two_monitor_x import FIRST, TwoMonitorX
 from tests.supervisor.made_machines import free_port, pair_folders
@@ -311,7 +312,7 @@ def test_lead_and_standby_need_supervisor_and_valid_address(tmp_path: Path):
         assert "HOST:PORT expected" in done.stderr
 
 
-@pytest.mark.parametrize("signals", [(signal.SIGINT,), (signal.SIGTERM,)])
+@mostly_long("signals", [(signal.SIGINT,), (signal.SIGTERM,)], quick=[1])
 def test_interrupted_start_leaves_no_process(play, patch: Path, signals):
     running = play(str(patch), "--headless", "--osc", "127.0.0.1:0")
     assert wait_for(lambda: len(children(running, "process")) > 0, 20)

@@ -106,6 +106,7 @@ def people(show: PhoneShow) -> list[Landmarks]:
     return [each for each in found if each is not None]
 
 
+@pytest.mark.long
 def test_phone_sends_joints_of_a_dancer_and_no_picture(film: Path, show: PhoneShow) -> None:
     video = ("--use-fake-device-for-media-stream", "--use-fake-ui-for-media-stream")
     with browser(*video, f"--use-file-for-fake-video-capture={film}") as (opened, device):
@@ -166,6 +167,7 @@ def test_page_without_key_asks_and_connects_again_by_itself(show: PhoneShow) -> 
         assert wait_for(lambda: [each["performer"] for each in show.facts.get("open", [])] == ["ben"], 20.0)
 
 
+@pytest.mark.long
 @pytest.mark.parametrize("size", [(390, 780), (780, 390)])
 def test_page_fits_upright_and_sideways_and_is_used_by_keyboard(show: PhoneShow, size: tuple[int, int]) -> None:
     viewport = {"width": size[0], "height": size[1]}

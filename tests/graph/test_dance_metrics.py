@@ -50,6 +50,7 @@ def test_result_has_all_keys_and_is_json(graph, dance):
     assert DanceMetrics(graph, dance).result()["path_error_m"] == {"list": [], "p95": None}
 
 
+@pytest.mark.long
 def test_kinematic_beats_are_told_beside_chance(graph, dance):
     figures = DanceMetrics(graph, dance)
     values, own = figures.result(), motion_beats(mean_speed(figures.position, 60.0), 60.0)

@@ -51,6 +51,7 @@ def made_libraries(draw):
     return made_steps()[: draw(st.integers(1, 8))], draw(st.lists(kinds, min_size=1, max_size=4))
 
 
+@pytest.mark.long
 @settings(max_examples=20, deadline=None)
 @given(made_libraries(), st.sampled_from([0.03, 0.1, 0.5]))
 def test_insertion_equals_full_build(clips, threshold):

@@ -103,6 +103,7 @@ def test_rendered_dance_equals_live_dance(graph):
     np.testing.assert_allclose(joints[: len(live)], live[: len(joints)], atol=2e-4)
 
 
+@pytest.mark.long
 def test_motion_outside_blends_is_rigidly_placed_source_clip(graph):
     path, library = random_path(graph, 4, 5), graph.library
     made = render_dance(graph, path, bpm=97.0, hold_feet=False)

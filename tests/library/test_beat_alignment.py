@@ -65,7 +65,7 @@ def test_files_without_music_are_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("name", ["o03_band_104", "o07_band_186", "o12_drums_punk_144", "o16_pop_keys_116"])
+@mostly_long("name", ["o03_band_104", "o07_band_186", "o12_drums_punk_144", "o16_pop_keys_116"], quick=[2])
 def test_beats_of_steady_songs_match_annotations(name: str) -> None:
     """Annotated beats of real songs: nine of ten within 40 ms."""
     if not (SONGS / f"{name}.ogg").is_file():
@@ -100,7 +100,7 @@ def test_touches_that_contradict_feet_are_no_claps(tmp_path: Path) -> None:
     assert "57.0 bpm are no count" in found.reference.note
 
 
-@pytest.mark.parametrize(("clapped", "begin"), [(65.0, 0.0), (130.0, 0.0), (97.5, 9.0)])
+@mostly_long(("clapped", "begin"), [(65.0, 0.0), (130.0, 0.0), (97.5, 9.0)], quick=[0, 1])
 def test_claps_that_fit_feet_are_a_count(tmp_path: Path, clapped: float, begin: float) -> None:
     """At an octave of the feet's tempo anywhere; at another simple ratio only before the dance, standing still."""
     times = 1.0 + 60.0 / clapped * np.arange(8)

@@ -47,13 +47,14 @@ def test_valid_folder_has_no_findings(folder: Path) -> None:
     assert [step.step for step in checked.steps] == ["sway"]
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("line", "words"),
     [
         ('direction = "long back"', "line 6: direction: 'long back', but it travels "),
         ("distance_m = 5.0", "line 6: distance_m: 5, but 0."),
         ("weight_transfer = true", "line 6: weight_transfer: true, but leading_foot is not given"),
     ],
+    quick=[0, 1],
 )
 def test_given_values_are_compared_with_measured_values(folder: Path, line: str, words: str) -> None:
     (folder / "dance.toml").write_text(ONE + line + "\n")
@@ -62,6 +63,7 @@ def test_given_values_are_compared_with_measured_values(folder: Path, line: str,
     assert words in finding
 
 
+@pytest.mark.long
 def test_correct_values_give_no_findings(folder: Path) -> None:
     (step,) = check_folder(folder).steps
     direction = step.direction.replace("short", "long")  # how long is long is for the choreographer to say
@@ -133,6 +135,7 @@ def test_guess_is_reported_until_confirmed(folder: Path) -> None:
     assert finding_texts(check_folder(folder).findings) == []
 
 
+@pytest.mark.long
 def test_unusable_files_are_reported_and_others_are_checked(folder: Path) -> None:
     (folder / "a.toml").write_text('[[step]]\nfile = "gone.bvh"\nname = "a"\nbpm = 120\nfirst_beat_s = 0\n')
     (folder / "b.toml").write_text(ONE + "measures = 40\n")

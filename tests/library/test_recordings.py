@@ -91,6 +91,7 @@ def test_beats_between_samples_are_exact(tmp_path: Path) -> None:
         assert math.degrees(heading) == pytest.approx(20.0 * measures * measure, abs=0.01)
 
 
+@pytest.mark.long
 def test_first_sample_is_held_when_recording_begins_late(tmp_path: Path) -> None:
     (step,) = load_folder(folder(tmp_path, ONE.replace("2.5", "0.5")))
     held = int(step.first - 0.5 * 60)
@@ -101,6 +102,7 @@ def test_first_sample_is_held_when_recording_begins_late(tmp_path: Path) -> None
     assert not np.allclose(early.clip.root_position[10], early.clip.root_position[0])
 
 
+@pytest.mark.long
 def test_dropped_frames_do_not_count_as_time(tmp_path: Path) -> None:
     values = still(601)
     values[:, column("Hips", "Y")] = np.linspace(0.0, 200.0, 601)
@@ -113,6 +115,7 @@ def test_dropped_frames_do_not_count_as_time(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.long
 def test_given_frame_rate_scales_time(tmp_path: Path) -> None:
     (step,) = load_folder(folder(tmp_path, ONE + "fps = 30\nstart_measure = 7\n"))
     assert step.first == pytest.approx(120.0)
@@ -335,6 +338,7 @@ def salsa_toml() -> str:
     return "\n".join(lines)
 
 
+@pytest.mark.long
 @pytest.mark.shared
 def test_real_salsa_recordings_load_as_steps(tmp_path: Path) -> None:
     (tmp_path / "salsa.toml").write_text(salsa_toml())

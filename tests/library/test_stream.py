@@ -37,6 +37,7 @@ def folder(tmp_path: Path, toml: str) -> Path:
     return tmp_path
 
 
+@pytest.mark.long
 def test_every_measure_is_clip_that_follows_previous(tmp_path: Path) -> None:
     clips = load_folder(folder(tmp_path, STREAM))
     assert [clip.measures for clip in clips] == [1, 1, 1, 1]

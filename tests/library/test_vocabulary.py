@@ -77,6 +77,7 @@ def take(tmp_path: Path, sketches) -> Path:
     return recording(tmp_path / "rehearsal.bvh", sketches, PIECE)
 
 
+@pytest.mark.long
 def test_steps_are_found_named_added_and_danced(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     found = find_vocabulary([take], {}, on_the_beat, library=library)

@@ -37,6 +37,7 @@ def follows(*nodes):
     return lambda: all(node.follower.phase is Phase.FOLLOWS for node in nodes)
 
 
+@pytest.mark.long
 def test_nodes_with_other_clocks_present_the_same_ticks(tmp_path, loaded):
     """5 ms of jitter, 1 % of loss, 100 ppm of drift, clocks that are 2 s off."""
     cluster = MadeCluster(tmp_path, jitter=0.005, loss=0.01)
@@ -86,6 +87,7 @@ def test_node_that_is_killed_is_back_with_a_snapshot(cluster, loaded):
     assert again.follower.following.compared <= 2  # it began at the snapshot and not at the beginning
 
 
+@pytest.mark.long
 def test_lost_lines_are_asked_for_again(tmp_path, loaded):
     cluster = MadeCluster(tmp_path, loss=0.1)
     leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
@@ -98,6 +100,7 @@ def test_lost_lines_are_asked_for_again(tmp_path, loaded):
     assert node.follower.following.compared >= 1
 
 
+@pytest.mark.long
 def test_answer_that_comes_twice_begins_the_show_once(cluster, loaded):
     """A slow answer was asked for again, and both come."""
     leader, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)
@@ -249,6 +252,7 @@ def test_of_two_leaders_the_first_is_kept_until_a_higher_epoch_rules(cluster, lo
     assert node.follower._pulse.leader == other.nodes.name
 
 
+@pytest.mark.long
 def test_standby_that_takes_over_is_followed(cluster, loaded):
     """It has the same lines and leads once its leader is dead."""
     first, node = cluster.lead(loaded), MadeNode(cluster, "left", loaded)

@@ -12,6 +12,7 @@ from live.nodes.messages import PageFrame, Pulse
 from live.nodes.page_relay import MOST_CONNECTIONS, Entrance, Exit, admitted_head
 from live.nodes.signed_bus import SignedBus
 from live.supervisor.network.identity import Pairings, load_identity
+from tests.fixtures.mostly_long import mostly_long
 
 KEY = "a key of the page"
 HOST = ("127.0.0.1", 8010)
@@ -120,7 +121,7 @@ def play(hall, *servers, test):
     asyncio.run(run())
 
 
-@pytest.mark.parametrize("lossy", [False, True])
+@mostly_long("lossy", [False, True], quick=[0])
 def test_request_reaches_the_page_with_the_word_of_the_relay_and_its_answer_comes_whole(tmp_path, lossy):
     hall, server = Hall(tmp_path, lossy), Server(repeat=9000)
 

@@ -154,7 +154,7 @@ def test_nothing_within_reach_is_said():
     assert hint.endswith("no formation that the show knows is within reach in a measure")
 
 
-@mostly_long("extra", [CROSS, CROSS.replace("measures = 3", "measures = 8"), ATTRACT.format(2, 6, "*")], quick=[2])
+@mostly_long("extra", [CROSS, CROSS.replace("measures = 3", "measures = 8"), ATTRACT.format(2, 6, "*")], quick=[])
 def test_agents_alone_stand_about_where_the_show_leads(extra):
     """As a set: dancers may have passed each other on another side."""
     alone = agent_places(made_show(extra), {4, 10})
@@ -168,6 +168,7 @@ def test_agents_alone_stand_about_where_the_show_leads(extra):
         assert distances(alone[measure], there)[np.arange(len(slot)), slot].mean() < 0.5
 
 
+@pytest.mark.long
 def test_dry_run_begins_where_elements_have_led_the_dancers():
     """A way that is short from there, and too long from where they were before, is no cause for a note."""
     gather = '[[element]]\nkind = "attract"\nmeasure = 1\nmeasures = 12\nat = [3.0, 0.0]\ngroup = "1"\n'

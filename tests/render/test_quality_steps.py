@@ -15,7 +15,9 @@ pytestmark = pytest.mark.gl
 SIZE = (256, 144)
 
 
-@pytest.fixture(scope="module", params=[SOFTWARE, HARDWARE], ids=["software", "card"])
+@pytest.fixture(
+    scope="module", params=[SOFTWARE, pytest.param(HARDWARE, marks=pytest.mark.long)], ids=["software", "card"]
+)
 def quality_renderer(request, headless_context):
     """A renderer with all its quality steps, and a function that draws a view with it."""
     with headless_context:

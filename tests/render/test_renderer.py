@@ -72,7 +72,7 @@ def empty() -> StageView:
     return StageView.allocate(0, JOINT_COUNT)
 
 
-@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[], ids=["software", "card"])
 def test_dancers_cover_the_pixels_of_their_joints(draw: Draw, quality: Quality) -> None:
     view = stage_view([(LUNGE, (-0.8, 0.0), 20.0, 0), (REACH, (0.8, 0.0), -20.0, 1)])
     with_dancers = draw(view, camera=NEAR_CAMERA, quality=quality).astype(int)
@@ -131,7 +131,7 @@ def test_shadows_darken_the_floor_on_the_side_away_from_the_light(draw: Draw) ->
     assert shaded[there].mean() == pytest.approx(lit[there].mean(), rel=0.05)
 
 
-@mostly_long(("kind", "warm"), [(ATTRACTOR, True), (REPULSOR, False), (SPREADER, None)], quick=[0])
+@mostly_long(("kind", "warm"), [(ATTRACTOR, True), (REPULSOR, False), (SPREADER, None)], quick=[])
 def test_elements_light_floor_around_their_position(draw: Draw, kind: int, warm: bool | None) -> None:
     view = empty()
     dark = draw(view).astype(int)
@@ -178,7 +178,7 @@ def test_overlay_draws_bright_text_in_corner_only(draw: Draw) -> None:
     assert not changed.any()
 
 
-@mostly_long("count", [0, 1, 1000], quick=[0])
+@mostly_long("count", [0, 1, 1000], quick=[])
 def test_any_number_of_dancers_is_drawn(draw: Draw, count: int) -> None:
     one = standing()
     view = StageView.allocate(count, JOINT_COUNT)
@@ -190,6 +190,7 @@ def test_any_number_of_dancers_is_drawn(draw: Draw, count: int) -> None:
     assert (covered == 0.0) if count == 0 else (covered > 0.002)
 
 
+@pytest.mark.long
 def test_view_with_more_dancers_than_scene_is_drawn(gl_context: moderngl.Context) -> None:
     renderer = Renderer(gl_context, scene(1, NEAR_CAMERA), size=SIZE, quality=SOFTWARE)
     target = gl_context.simple_framebuffer(SIZE)
@@ -218,7 +219,7 @@ def test_same_moment_gives_same_picture(gl_context: moderngl.Context, quality: Q
     target.release()
 
 
-@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[], ids=["software", "card"])
 def test_warm_up_changes_no_picture(gl_context: moderngl.Context, quality: Quality) -> None:
     films = []
     for warm_up in (False, True):
@@ -236,7 +237,7 @@ def test_warm_up_changes_no_picture(gl_context: moderngl.Context, quality: Quali
     assert np.abs(films[0] - films[1]).max() <= (0 if is_software(gl_context) else 2)
 
 
-@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[], ids=["software", "card"])
 def test_resized_renderer_matches_new_renderer(gl_context: moderngl.Context, draw: Draw, quality: Quality) -> None:
     renderer = Renderer(gl_context, scene(12), size=(200, 200), quality=quality)
     view = crowd()
@@ -287,7 +288,7 @@ def test_golden_stage(draw: Draw, golden: Callable[..., None], quality: Quality,
     golden(draw(view, quality=quality), name, law=lambda seen: 8.0 < seen.mean() < 110.0 < seen.max())
 
 
-@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[], ids=["software", "card"])
 def test_reduced_stage_is_dark_beyond_its_border(draw: Draw, quality: Quality) -> None:
     """An enlarged stage is lighter in the added area; the scene's own size changes nothing."""
     plain = draw(empty(), quality=quality).astype(int)

@@ -12,6 +12,7 @@ from live.clock.time_source import ManualClock
 from live.control.events.events import Blackout, CallStep, PlaceElement, SetParameter
 from live.show.engine import EVENTS_PER_FRAME, HELD_EVENTS, Engine
 from live.show.view.status import Status
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import made_show
 
 LEVEL = "/dance/light/level"
@@ -151,7 +152,7 @@ def test_refused_event_is_not_counted_as_accepted():
     assert status.snapshot(0.02)["events_rejected"] == {"not in this show": 1}
 
 
-@pytest.mark.parametrize("lead", [0.0, 0.02, 0.113])
+@mostly_long("lead", [0.0, 0.02, 0.113], quick=[0])
 def test_view_time_includes_the_display_latency(lead):
     """Display and projector take `lead`: the frame shows the beat that sounds when the frame is visible."""
     engine, clock, _, _ = made_engine(lead=lead)
@@ -166,6 +167,7 @@ def test_view_time_includes_the_display_latency(lead):
     assert engine.view.time == pytest.approx(clock.now() + lead + 0.05)
 
 
+@pytest.mark.long
 def test_listener_and_source_errors_do_not_affect_frames_or_state():
     """Event and patch listeners, event sources, and figures for the overlay."""
     engine, clock, inbox, status = made_engine()

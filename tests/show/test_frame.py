@@ -4,6 +4,7 @@ import pytest
 
 from live.clock.ticks import TICK
 from live.show.circuit_breakers import EFFECTS, Stage
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import made_show
 
 PLAN = [
@@ -53,7 +54,7 @@ def test_tick_passes_stages_in_order():
     assert {name for row in rows for name in row} == {stage.name for stage in EFFECTS} | {"OUTSIDE"}
 
 
-@pytest.mark.parametrize("times", [1, 2])
+@mostly_long("times", [1, 2], quick=[0])
 @pytest.mark.parametrize("stage", EFFECTS, ids=lambda stage: stage.name.lower())
 def test_show_continues_without_a_stage(stage, times):
     show = made_show()

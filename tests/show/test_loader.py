@@ -69,6 +69,7 @@ def test_error_without_matching_meter_names_found_meters(monkeypatch):
         load_with_clips(monkeypatch, made_steps(), patch, recordings=None)
 
 
+@pytest.mark.long
 def test_metric_weights_come_from_the_patch(tmp_path):
     """Weights on hands alone and on feet alone give different edges; an unknown joint is refused by name."""
     text = DEFAULT_PATCH.read_text()

@@ -10,6 +10,7 @@ from live.motion.skeleton import SKELETON
 from live.show.assembly import assemble
 from live.show.patch.patch_reader import parse_patch
 from tests.fixtures.hips import hips
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import GRAPH, made_show
 
 
@@ -58,6 +59,7 @@ def test_other_seed_or_events_change_the_states():
     assert run(made_show(), 6, SCRIPT) != plain
 
 
+@pytest.mark.long
 def test_measures_are_crossed_on_the_beat():
     show = made_show()
     for tick in range(1, 64 * 10 + 1):
@@ -66,6 +68,7 @@ def test_measures_are_crossed_on_the_beat():
         assert show.span.number == tick // 128
 
 
+@pytest.mark.long
 def test_next_step_is_decided_one_beat_before_measure_line():
     show = made_show()
     for tick in range(1, 64 * 8):
@@ -85,6 +88,7 @@ def test_all_dancers_dance_the_sequence_in_order():
     assert danced[:12] == [{name} for name in names * 2]
 
 
+@pytest.mark.long
 def test_dancers_gather_at_attractor_and_spread_again():
     show = made_show()
     run(show, 4)
@@ -99,7 +103,7 @@ def test_dancers_gather_at_attractor_and_spread_again():
     assert np.hypot(*(hips_now(show) - [3, 1]).T).mean() > 1.8 * gathered
 
 
-@pytest.mark.parametrize(("lock", "left"), [("false", 0.05), ("true", 0.15)])
+@mostly_long(("lock", "left"), [("false", 0.05), ("true", 0.15)], quick=[])
 def test_dancers_follow_their_agents_and_catch_up(lock, left):
     """A dancer follows with her next measure: an agent that starts to move is at most a measure's distance ahead.
 
@@ -115,6 +119,7 @@ def test_dancers_follow_their_agents_and_catch_up(lock, left):
     assert max(errors[-2:]) < left
 
 
+@pytest.mark.long
 def test_poses_are_continuous_in_time():
     """No joint moves faster than a body can: 9 m/s; the synthetic steps themselves reach about 3."""
     show = made_show()
@@ -130,6 +135,7 @@ def test_poses_are_continuous_in_time():
     assert fastest < 9.0
 
 
+@pytest.mark.long
 def test_frame_between_line_and_crossing_tick_continues_the_dance():
     """The same moment, drawn a tick before the line is crossed and right after it: no dancer waits for the tick."""
     show, other = made_show(), None
@@ -151,6 +157,7 @@ def test_frame_between_line_and_crossing_tick_continues_the_dance():
     assert max(apart) < 3e-4
 
 
+@pytest.mark.long
 def test_all_dancers_dance_called_step_for_its_measures():
     show = made_show()
     library = show.graph.library
@@ -170,6 +177,7 @@ def test_unknown_step_is_counted_without_effect():
     assert run(show, 6) == run(plain, 6)
 
 
+@pytest.mark.long
 def test_downbeat_event_moves_line_without_jump():
     show = made_show()
     run(show, 3.0)  # beat 6: phase 2 of measure 1
@@ -198,6 +206,7 @@ def test_blackout_fades_out_and_back_within_300_ms():
     assert show.brightness > 0.95
 
 
+@pytest.mark.long
 def test_slower_tempo_stretches_the_measures():
     show = made_show()
     show.apply(event_now(events.SetTempo, show, tempo=60.0))
@@ -241,7 +250,7 @@ def test_dragged_attractor_moves_alone():
     assert len(show.motion.elements.in_force) == 4
 
 
-@pytest.mark.parametrize("press", [3.75, 3.9, 4.05, 5.5, 6.9])
+@mostly_long("press", [3.75, 3.9, 4.05, 5.5, 6.9], quick=[0])
 def test_downbeat_event_causes_no_joint_jump(press):
     """At any press time, also where the stretched measure reaches its blend long before its end."""
     show = made_show()
@@ -257,7 +266,7 @@ def test_downbeat_event_causes_no_joint_jump(press):
     assert fastest < 0.16  # a metre of arm in a tick is 60 m/s; the made steps reach 0.07 at twice their speed
 
 
-@pytest.mark.parametrize("beat", [1.0, 3.2, 3.9])
+@mostly_long("beat", [1.0, 3.2, 3.9], quick=[1])
 def test_step_called_for_one_measure_is_danced_at_any_beat(beat):
     show = made_show()
     library = show.graph.library
@@ -270,6 +279,7 @@ def test_step_called_for_one_measure_is_danced_at_any_beat(beat):
     assert danced.count(5) >= 1
 
 
+@pytest.mark.long
 def test_dancers_stay_on_stage_with_attractor_outside():
     show = made_show()
     show.apply(
@@ -281,6 +291,7 @@ def test_dancers_stay_on_stage_with_attractor_outside():
     assert (np.abs(ends) <= np.array([6.0, 4.0]) + 1e-4).all()
 
 
+@pytest.mark.long
 def test_music_with_late_downbeat_starts_with_first_step():
     top = "loop_measures = 3\nmusic = {one_at_s = 1.5, bpm = 120}\n"
     show = made_show(top + 'element = [{kind = "spread", measure = 3}]\n', top=True)
@@ -294,6 +305,7 @@ def test_music_with_late_downbeat_starts_with_first_step():
     assert (danced[-1], danced[0], danced[1]) == ("sway", "sway", "glide")
 
 
+@pytest.mark.long
 def test_extreme_tempo_and_many_elements_keep_state_finite():
     show = made_show()
     for k in range(400):

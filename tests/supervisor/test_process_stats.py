@@ -20,6 +20,7 @@ from live.supervisor.process import AuxiliaryProcess
 from live.supervisor.process_stats import GRACE, Reaper, zombies
 from live.supervisor.restart_policy import HANGS_AFTER, MAX_SILENCE
 from tests.control.waiting import wait_for
+from tests.fixtures.mostly_long import mostly_long
 from tests.supervisor.test_supervisor import ENGINE, event_numbers, run_supervisor
 
 PER_PROCESSOR = 3
@@ -61,6 +62,7 @@ def test_hung_engine_on_busy_machine_is_killed(tmp_path, how):
     assert HANGS_AFTER <= after < MAX_SILENCE + 5.0  # a loop has two seconds of a processor, a sleep lasts eight
 
 
+@pytest.mark.long
 def test_engine_in_loop_is_killed_and_replaced(tmp_path):
     code, lines, supervisor, said = run_supervisor(tmp_path, {"loops": 120, "ticks": 160})
     assert (code, supervisor.report.restarts) == (0, 1)
@@ -77,6 +79,7 @@ def test_no_process_is_prepared_during_overload(tmp_path, monkeypatch):
     assert supervisor.report.overload == 1.0
 
 
+@pytest.mark.long
 def test_lasting_overload_delays_spare_engine_for_limited_time(tmp_path, monkeypatch):
     monkeypatch.setattr("live.supervisor.engine_failover.overload", lambda load, watched: 1.0)
     monkeypatch.setattr("live.supervisor.engine_failover.MAX_SPARE_DELAY", 0.1)
@@ -119,7 +122,7 @@ def zombie_children(process: int) -> list[int]:
     return found
 
 
-@pytest.mark.parametrize("seed", [21, pytest.param(22, marks=pytest.mark.long)])
+@mostly_long("seed", [21, pytest.param(22, marks=pytest.mark.long)], quick=[])
 def test_random_kills_leave_no_zombies(seed):
     """Engines, spares, the nursery, starting processes, and the helpers of each: helpers have no waiting parent once
     their engine is gone, and the supervisor has adopted them.

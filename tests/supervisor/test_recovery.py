@@ -43,6 +43,7 @@ from live.supervisor.heartbeat import Heartbeat
 from live.supervisor.recovery import Death, Recovery
 from live.supervisor.recovery_log import RecoveryLog
 from live.supervisor.state_follower import StateFollower
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import GRAPH, PATCH
 
 EVENTS: dict[int, ControlEvent] = {
@@ -196,6 +197,7 @@ def test_event_that_ends_its_tick_twice_is_quarantined(loaded, monkeypatch, tmp_
     assert found.measures > 5
 
 
+@pytest.mark.long
 def test_error_without_event_disables_its_stage_until_operator_reset(loaded, monkeypatch, tmp_path):
     night = EngineSequence(loaded)
     raised = inject_fault(monkeypatch, GroupMotion, "command", lambda *_: 320 < night.heart.running[0] < 450)
@@ -249,9 +251,9 @@ STAGES: dict[str, list[tuple[type, str]]] = {
 }
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("stage", "kind", "name"), [(stage, *row) for stage, rows in STAGES.items() for row in rows],
-    ids=lambda value: getattr(value, "__name__", value),
+    ids=lambda value: getattr(value, "__name__", value), quick=[5, 13],
 )  # fmt: skip
 @pytest.mark.parametrize(
     "in_ticks", [pytest.param(True, marks=pytest.mark.long), False], ids=["from-a-tick-on", "everywhere"]
@@ -296,6 +298,7 @@ def test_failing_fallback_disables_stage_and_finally_stops_dance(loaded, monkeyp
     assert found.measures >= 5
 
 
+@pytest.mark.long
 def test_silent_deaths_quarantine_event_after_two_and_stage_after_three(loaded):
     """A signal or a hang: only the place is known. The next engine receives the number of engines that ended there."""
     night = EngineSequence(loaded)
@@ -315,6 +318,7 @@ def test_silent_deaths_quarantine_event_after_two_and_stage_after_three(loaded):
     assert NAMES["steering"] == Stage.STEERING
 
 
+@pytest.mark.long
 def test_tick_that_ran_well_before_is_retried(loaded, monkeypatch):
     """The errors were chance, and the journal stays as it is."""
     night = EngineSequence(loaded)

@@ -16,6 +16,7 @@ from live.show.state.snapshot import snapshot
 from live.supervisor.recovery import Recovery
 from live.supervisor.recovery_log import RecoveryLog
 from live.supervisor.state_follower import StateFollower
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import GRAPH, PATCH
 
 LAST = 1500
@@ -72,7 +73,7 @@ def follow(loaded: LoadedShow, lines: list[str]) -> tuple[StateFollower, Show]:
     return following, Recovery(following).run().show
 
 
-@pytest.mark.parametrize("end", [90, 405, 720, 1100, 1430])
+@mostly_long("end", [90, 405, 720, 1100, 1430], quick=[1, 2])
 def test_follower_reaches_state_of_leader_killed_midway(loaded, leading_show, end):
     """`end`: number of lines sent before the leader was killed."""
     following, show = follow(loaded, leading_show.lines[:end])
@@ -94,6 +95,7 @@ def test_late_follower_begins_with_snapshot_and_reaches_same_state(loaded, leadi
     assert following.differences == 0
 
 
+@pytest.mark.long
 def test_standby_stays_behind_last_measure_line_until_needed(loaded, leading_show):
     following = StateFollower(loaded)
     for line in leading_show.lines[:600]:
@@ -125,6 +127,7 @@ def test_differing_state_is_counted_and_repaired_by_next_snapshot(loaded, leadin
     assert following.show.state_hash() == leading_show.hashes[LAST]
 
 
+@pytest.mark.long
 def test_event_that_ends_one_engine_does_not_end_next(loaded, leading_show, monkeypatch):
     """An event that raises in the leader is left out and counted by the follower, which continues."""
     apply = Show.apply

@@ -16,6 +16,7 @@ from live.supervisor.process import ProcessManager
 from live.supervisor.restart_policy import RestartLimit
 from live.supervisor.supervisor import Supervisor
 from live.supervisor.supervisor_config import SupervisorConfig
+from tests.fixtures.mostly_long import mostly_long
 
 ENGINE = [sys.executable, "-m", "tests.supervisor.made_engine"]
 
@@ -53,7 +54,7 @@ def test_engine_that_ends_before_running_is_not_restarted(tmp_path, code):
     assert (found, lines, supervisor.report.restarts) == (code, [], 0)
 
 
-@pytest.mark.parametrize("code", [0, 1, 2, 70, 130, 143])
+@mostly_long("code", [0, 1, 2, 70, 130, 143], quick=[5])
 def test_unannounced_end_is_crash_with_any_exit_code(tmp_path, code):
     """An uncaught exception in the engine once ended the show for good: it looked like a normal end."""
     found, lines, supervisor, said = run_supervisor(tmp_path, {"crashes": [[20, code]], "ticks": 40}, spare=False)
@@ -64,6 +65,7 @@ def test_unannounced_end_is_crash_with_any_exit_code(tmp_path, code):
     assert "another one goes on in its place" in said[0]
 
 
+@pytest.mark.long
 def test_next_engine_receives_stage_and_tick_of_previous_deaths(tmp_path):
     plan = {"stage": 9, "crashes": [[20, 1], [20, 1], [20, 1], [30, 1]], "ticks": 40}
     _, lines, supervisor, _ = run_supervisor(tmp_path, plan, spare=False)
@@ -74,6 +76,7 @@ def test_next_engine_receives_stage_and_tick_of_previous_deaths(tmp_path):
     assert not supervisor.report.calm  # devices are not to blame
 
 
+@pytest.mark.long
 def test_engine_that_hangs_before_running_is_ended(tmp_path):
     """An endless tick that is run again by the next engine: it sends no heartbeat and does not dance yet."""
     plan = {"stage": 9, "crashes": [[20, 1]], "hangs_again": True, "ticks": 40}
@@ -84,6 +87,7 @@ def test_engine_that_hangs_before_running_is_ended(tmp_path):
     assert any("no sign of life" in line for line in said)
 
 
+@pytest.mark.long
 def test_engine_with_cut_channel_does_not_write_beside_next_engine(tmp_path):
     """It takes its supervisor for dead and would continue the journal by itself. (Found by chaos: for 20 s it did,
     in the same file.)
@@ -118,6 +122,7 @@ def test_another_engine_is_started_when_no_spare_exists(tmp_path):
     assert [line["went"] for line in lines if "went" in line] == ["heir"]
 
 
+@pytest.mark.long
 def test_engine_start_is_retried_as_soon_as_system_has_room(tmp_path, monkeypatch):
     """Without descriptors the start was retried after five seconds, then ten."""
     started, refused = ProcessManager.start, []
@@ -136,6 +141,7 @@ def test_engine_start_is_retried_as_soon_as_system_has_room(tmp_path, monkeypatc
     assert supervisor.report.takeover_s < 4.5
 
 
+@pytest.mark.long
 def test_auxiliary_process_start_failure_is_retried_while_show_runs(tmp_path, monkeypatch):
     """One start of the OSC reader without descriptors once ended the supervisor."""
     started, refused = ProcessManager.start, []
@@ -160,6 +166,7 @@ def test_auxiliary_process_start_failure_is_retried_while_show_runs(tmp_path, mo
     assert (supervisor.audio.restarts, supervisor.fallback_window.restarts, supervisor.osc_reader.restarts) == (1, 1, 1)
 
 
+@pytest.mark.long
 def test_osc_reader_takes_no_processor_from_an_engine_that_starts(tmp_path, monkeypatch):
     started, phases = ProcessManager.start, []
     engines = []
@@ -189,6 +196,7 @@ def test_engine_without_heartbeat_is_killed_and_replaced(tmp_path):
     assert ["no sign of life" in line for line in said] == [True, False, False]
 
 
+@pytest.mark.long
 def test_three_restarts_in_thirty_seconds_make_show_calm(tmp_path, monkeypatch):
     monkeypatch.setattr("live.supervisor.engine_failover.CALM_RESTART_DELAY", 0.0)
     code, lines, supervisor, _ = run_supervisor(tmp_path, {"kills": [10, 20, 30, 40], "ticks": 50}, spare=False)
@@ -214,6 +222,7 @@ def test_supervisor_imports_no_array_window_or_device_library():
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout == "[]\n"
 
 
+@pytest.mark.long
 def test_engines_killed_before_spare_is_ready_come_from_nursery(tmp_path):
     """Their parent is the supervisor, and their memory holds the nursery's process number."""
     plan = {"kills": [300, 302, 304], "ticks": 340}
@@ -227,6 +236,7 @@ def test_engines_killed_before_spare_is_ready_come_from_nursery(tmp_path):
     assert supervisor.report.restarts == 3
 
 
+@pytest.mark.long
 def test_calm_show_takes_over_without_longer_gap(tmp_path, monkeypatch):
     """The first calm engine comes from the nursery like those before it, without a wait; a spare follows it.
     Only after crashes of calm engines does one start without the nursery, some seconds after the last.
@@ -245,6 +255,7 @@ def test_calm_show_takes_over_without_longer_gap(tmp_path, monkeypatch):
     assert supervisor.report.restarts == 7
 
 
+@pytest.mark.long
 def test_killed_nursery_is_restarted_and_engines_start_without_it_meanwhile(tmp_path):
     code, lines, supervisor, _ = run_supervisor(tmp_path, {"kills": [300, 400], "ticks": 420, "nursery_dies": True})
     assert code == 0
@@ -252,6 +263,7 @@ def test_killed_nursery_is_restarted_and_engines_start_without_it_meanwhile(tmp_
     assert supervisor.report.restarts == 2
 
 
+@pytest.mark.long
 def test_nursery_is_not_started_without_free_memory(tmp_path, monkeypatch):
     monkeypatch.setattr("live.supervisor.prefork.free_memory", lambda: 1_000_000)
     code, lines, _, _ = run_supervisor(tmp_path, {"kills": [200], "ticks": 240})

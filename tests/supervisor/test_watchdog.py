@@ -75,6 +75,7 @@ class SimulatedHang:
         return math.inf
 
 
+@pytest.mark.long
 @given(st.integers(0, 1 << 32), st.floats(0.01, 1.5), st.floats(0.1, 1.0), st.booleans(), st.booleans())
 @settings(max_examples=60, deadline=None)
 def test_starved_process_is_never_ended_before_ceiling(seed, work, share, threads, counted):

@@ -111,6 +111,7 @@ def test_unaltered_stream_is_independent_of_piece_length() -> None:
     )
 
 
+@pytest.mark.long
 def test_same_seed_gives_the_same_examples() -> None:
     def look(seed: int) -> np.ndarray:
         out = np.zeros((300, 2 * BAND_COUNT), np.float32)

@@ -6,6 +6,7 @@ from random import Random
 import numpy as np
 import pytest
 
+from tests.fixtures.mostly_long import mostly_long
 from training.dataset import _fewer, choose, write
 from training.music.piece import Sounding
 from training.music.registry import compose
@@ -78,7 +79,7 @@ def _clicks() -> np.ndarray:
     return sound
 
 
-@pytest.mark.parametrize("seed", range(8))
+@mostly_long("seed", range(8), quick=[0, 4])
 def test_damage_keeps_sound_and_beats_valid(seed: int) -> None:
     take = spoil(Random(seed), Take(_clicks(), [(0.25 + 0.5 * beat, 1 + beat % 4) for beat in range(19)], []), 1.0)
     assert np.isfinite(take.sound).all()

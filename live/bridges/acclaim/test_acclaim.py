@@ -14,6 +14,7 @@ from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.joint_mapping import find_body, map_joints
 from live.motion.retarget.retarget import retarget
 from tests.fixtures.mocap import mocap_file, mocap_motion
+from tests.fixtures.mostly_long import mostly_long
 
 ASF = """# a comment
 :version 1.10
@@ -170,7 +171,7 @@ def bone_ends_by_formula(asf: str, amc: str, frame: int) -> dict[str, np.ndarray
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("name", FILES)
+@mostly_long("name", FILES, quick=[3])
 def test_bone_ends_match_cmu_formula(name: str) -> None:
     motion = cmu_motion(name)
     world, _ = standing_pose(motion, find_body(motion), None)
@@ -184,7 +185,7 @@ def test_bone_ends_match_cmu_formula(name: str) -> None:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("name", FILES)
+@mostly_long("name", FILES, quick=[3])
 def test_body_of_subject_49_is_measured(name: str) -> None:
     motion = cmu_motion(name)
     text = mocap_file(f"asfamc/{name}.amc").read_text()
@@ -225,7 +226,7 @@ def turn_axes(rotation: np.ndarray, least: float) -> np.ndarray:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("file", ["walk/cmu_12_01_walk.bvh", "solo/modern05/05_09.bvh"])
+@mostly_long("file", ["walk/cmu_12_01_walk.bvh", "solo/modern05/05_09.bvh"], quick=[0])
 def test_legs_match_cmu_bvh_files(file: str) -> None:
     """The same unit, rest directions and knee axes: a BVH joint's rotation is the C M C⁻¹ of the Acclaim bone."""
     ours, theirs = cmu_motion("49_10"), mocap_motion(file)

@@ -54,7 +54,7 @@ def test_amc_uses_matching_asf_skeleton(tmp_path: Path) -> None:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("name", ["49_10", "49_11", "49_12", "49_14"])
+@mostly_long("name", ["49_10", "49_11", "49_12", "49_14"], quick=[3])
 def test_amc_files_load_skeleton_beside_them(name: str) -> None:
     facts, _ = analyze_motion(read_motion(mocap_file(f"asfamc/{name}.amc")))
     assert (facts.joints, facts.end_sites, facts.channels, facts.fps) == (31, 7, 62, 120.0)
@@ -63,6 +63,7 @@ def test_amc_files_load_skeleton_beside_them(name: str) -> None:
     assert facts.floor_m == pytest.approx(0.012, abs=0.003)
 
 
+@pytest.mark.long
 @pytest.mark.shared
 def test_asf_skeleton_is_copied_with_amc_recording(tmp_path: Path) -> None:
     source = mocap_file("asfamc/49_10.amc")
@@ -76,6 +77,7 @@ def test_asf_skeleton_is_copied_with_amc_recording(tmp_path: Path) -> None:
         request_entry(lonely, {"name": "fold", "bpm": 90.0, "first_beat_s": 0.5})
 
 
+@pytest.mark.long
 @pytest.mark.shared
 def test_file_is_exported_with_named_skeleton(tmp_path: Path) -> None:
     path, skeleton = mocap_file("asfamc/49_10.amc"), mocap_file("asfamc/49.asf")
@@ -171,7 +173,7 @@ def test_mutated_acclaim_file_gives_motion_or_error(seed: int) -> None:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("seed", range(3))
+@mostly_long("seed", range(3), quick=[1])
 def test_mutated_recording_gives_clip_or_error(seed: int) -> None:
     rng = random.Random(seed)
     asf = mocap_file("asfamc/49.asf").read_text()

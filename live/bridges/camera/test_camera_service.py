@@ -168,6 +168,7 @@ def test_where_dancers_are_drawn_is_told_in_shares_of_the_picture():
     assert 0.0 < shoulders < feet < 1.0, "y points down"
 
 
+@pytest.mark.long
 @pytest.mark.skipif(model_folder() is None, reason="needs the pose models: live camera models gets them once")
 def test_a_dancer_is_seen_a_crash_is_survived_and_names_are_exchanged(tmp_path):
     pytest.importorskip("ai_edge_litert", reason="needs the extra camera")
@@ -209,6 +210,7 @@ def test_a_dancer_is_seen_a_crash_is_survived_and_names_are_exchanged(tmp_path):
         service.stop()
 
 
+@pytest.mark.long
 @pytest.mark.skipif(model_folder() is None, reason="needs the pose models: live camera models gets them once")
 @pytest.mark.skipif(not Path("/dev/shm").is_dir(), reason="memory files are at another place here")
 def test_a_dancers_silhouette_is_published_while_the_show_runs(tmp_path):

@@ -104,6 +104,7 @@ def venue_view(name: str, aspect: float = SIZE[0] / SIZE[1]) -> CameraView:
     return calibrate(rows[:, :2], rows[:, 2:], aspect)
 
 
+@pytest.mark.long
 def test_clicks_of_the_command_line_are_written_to_a_new_venue(film: Path, venues: Path) -> None:
     words = ("--marks", MARKS_TEXT, "--clicks", as_text(mark_places()), "--camera", str(film))
     found = json.loads(live("--venue", "hall", *words, "--json"))
@@ -226,6 +227,7 @@ def test_what_gives_no_camera_is_refused_and_nothing_is_written(
     assert not venues.exists()
 
 
+@pytest.mark.long
 def test_cameras_that_are_not_there_or_show_nothing_are_named(
     tmp_path: Path, venues: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -94,6 +94,7 @@ async def answer(page: aiohttp.ClientWebSocketResponse, **words: Any) -> dict[st
     return told
 
 
+@pytest.mark.long
 def test_picture_check_and_save(film: Path) -> None:
     save = Saved(refusals=1)
 
@@ -266,6 +267,7 @@ class Page:
         self.page.locator("#word", has_text=words).wait_for()
 
 
+@pytest.mark.long
 @pytest.mark.browser
 @needs_browser
 def test_marks_clicked_in_a_film_reproduce_the_camera_that_made_it(film: Path, tmp_path: Path) -> None:

@@ -17,6 +17,7 @@ from live.motion.formats.stage_motion import DancerMotion, StageMotion
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.quaternion import from_axis_angle, rotate
 from live.motion.skeleton import JOINT_COUNT, SKELETON
+from tests.fixtures.mostly_long import mostly_long
 
 pxr = pytest.importorskip("pxr", reason="usd-core is not installed")
 SAMPLES = 25
@@ -49,7 +50,7 @@ def written(tmp_path: Path, suffix: str) -> Path:
     return path
 
 
-@pytest.mark.parametrize("suffix", [".usdc", ".usda"])
+@mostly_long("suffix", [".usdc", ".usda"], quick=[1])
 def test_usd_reads_the_joints_where_the_dancers_have_them(tmp_path: Path, suffix: str) -> None:
     from pxr import Usd, UsdGeom, UsdSkel
 

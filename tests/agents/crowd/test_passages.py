@@ -7,6 +7,7 @@ from live.agents.crowd.obstacles import Surroundings
 from live.agents.scenarios.generate import bottleneck, corridor, door, one_point
 from live.agents.scenarios.run import TICK, Simulation, simulate
 from tests.agents.crowd.made_crowd import CrowdHarness
+from tests.fixtures.mostly_long import mostly_long
 
 
 def passages_between(walls):
@@ -50,7 +51,7 @@ def test_removed_wall_leaves_no_passage():
     assert len(surroundings.passages) == 0
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@mostly_long("seed", [0, 1], quick=[1])
 def test_narrow_door_used_both_ways_is_passed_by_all(seed):
     scenario = door(20, 20, 0.8, seed)
     _, position, _ = simulate(scenario, stop_when_settled=True)
@@ -79,7 +80,7 @@ def test_commands_are_not_changed():
     assert np.array_equal(crowd.wants.rows, before)
 
 
-@pytest.mark.parametrize("seed", [0, 1])
+@mostly_long("seed", [0, 1], quick=[0])
 def test_crowd_sent_to_one_point_comes_to_rest(seed):
     run = Simulation(one_point(40, seed))
     for _ in range(round(20.0 / TICK)):

@@ -85,6 +85,7 @@ def test_groups_that_change_sides_do_not_meet():
     assert np.hypot(*np.moveaxis(np.diff(ways, axis=0)[[0, -1]], -1, 0)).max() < 0.01  # they start and stop softly
 
 
+@pytest.mark.long
 @settings(max_examples=12, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(2, 4))
 def test_random_groups_never_overlap(seed, groups):

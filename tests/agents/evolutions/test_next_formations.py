@@ -73,6 +73,7 @@ def test_formation_out_of_reach_is_never_suggested():
     assert rank_formations(slow, [line]) == ()
 
 
+@pytest.mark.long
 def test_measures_are_enough_for_steps_and_one_less_would_not_be():
     """The plan that the show would dance keeps within the steps' reach in every measure."""
     for seed in range(8):

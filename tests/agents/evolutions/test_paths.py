@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from live.agents.evolutions import paths
 from live.base.errors import PersonError
+from tests.fixtures.mostly_long import mostly_long
 
 POINTS = st.lists(st.tuples(st.floats(-9, 9), st.floats(-9, 9)), min_size=1, max_size=8)
 
@@ -43,7 +44,7 @@ def test_dancer_at_path_start_follows_path_directly():
     assert paths.single_file([[0, 0], [4, 0]], [[0, 0]], knots=5)[0, :, 0].tolist() == [0, 1, 2, 3, 4]
 
 
-@pytest.mark.parametrize(("points", "knots"), [(2, 65), (65, 65), (66, 129), (512, 513), (4096, 1025)])
+@mostly_long(("points", "knots"), [(2, 65), (65, 65), (66, 129), (512, 513), (4096, 1025)], quick=[0, 2])
 def test_a_stroke_of_many_points_is_danced_as_it_was_drawn(points, knots):
     """A zigzag, whose corners a coarse path would cut: every point is passed within half a knot's spacing, in
     single file within one."""

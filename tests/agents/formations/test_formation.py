@@ -75,6 +75,7 @@ def axis_distance(points, table):
     return (points - at) @ np.array([math.cos(angle), -math.sin(angle)])
 
 
+@pytest.mark.long
 @few
 @given(
     table=MIRRORED,

@@ -33,6 +33,7 @@ def test_an_edit_of_the_other_one_changes_it():
     assert specs_from_tables(tables)[1] != specs_from_tables([{"name": "a", "shape": "line"}, tables[1]])[1]
 
 
+@pytest.mark.long
 def test_words_a_line_and_a_region_by_name():
     bow = {"name": "bow", "shape": "arc", "size": [8, 3]}
     along = made(bow, {"name": "x", "like": "rectangle grid", "along": "bow", "heading": "along"}, count=12)

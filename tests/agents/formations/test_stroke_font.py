@@ -41,6 +41,7 @@ def dancer_points(letter, dancers):
     )
 
 
+@pytest.mark.long
 def test_letters_resemble_a_printed_font():
     """By chamfer distance to printed letters: at least 30 rank first, all rank in the first four."""
     read = {}

@@ -125,6 +125,7 @@ def test_expressions_match_set_operations(expression):
     assert set(numbers(expression)) == evaluate_sets(parse(expression), PLACES)
 
 
+@pytest.mark.long
 @given(st.text(max_size=60))
 def test_any_text_is_selected_or_refused(text):
     try:

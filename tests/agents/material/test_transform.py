@@ -91,7 +91,7 @@ def test_along_a_straight_line_only_moves_and_turns():
     assert np.ptp(laid[:, 1]) == pytest.approx(width)
 
 
-@pytest.mark.parametrize("region", [L_SHAPE, SQUARE, RING], ids=["L", "square", "ring"])
+@mostly_long("region", [L_SHAPE, SQUARE, RING], quick=[2], ids=["L", "square", "ring"])
 @mostly_long("seed", range(3), quick=[1])
 def test_all_land_inside_apart_with_their_neighbours(region, seed):
     places = group(30, seed)
@@ -101,6 +101,7 @@ def test_all_land_inside_apart_with_their_neighbours(region, seed):
     assert neighbours_of(places).share_kept(there) >= 0.95
 
 
+@pytest.mark.long
 def test_nothing_depends_on_the_order_of_calls():
     places = group(25)
     first = done(Transform(into=L_SHAPE), places)
@@ -176,6 +177,7 @@ def test_as_many_as_the_refusal_tells_do_fit():
     assert least(there) >= LEAST_GAP - 1e-3
 
 
+@pytest.mark.long
 def test_two_hundred_dancers():
     places = np.random.default_rng(1).uniform(-8.0, 8.0, (200, 2))
     there = done(Transform(into=(((-9, -7), (9, -7), (9, 7), (-9, 7)),)), places)

@@ -57,6 +57,7 @@ def test_mirrored_ways_keep_their_points_and_come_back():
     assert all(np.array(a) == pytest.approx(np.array(b)) for a, b in zip(twice, ways, strict=True))
 
 
+@pytest.mark.long
 def test_motion_goes_into_a_region_at_every_moment():
     ways = fit_ways(flock(20)).ways
     there = sample_ways(transform_ways(Transform(into=TRIANGLE), ways), 97)

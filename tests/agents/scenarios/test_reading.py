@@ -122,6 +122,7 @@ ANYTHING = st.recursive(
 PLACES = [["agents", 0, "goal"], ["agents", 1], ["walls", 0], ["stage"], ["radius"], ["agents"], ["walls"]]
 
 
+@pytest.mark.long
 @given(st.sampled_from(PLACES), ANYTHING)
 @settings(max_examples=200, deadline=None)
 def test_any_value_is_read_or_refused(path, value):

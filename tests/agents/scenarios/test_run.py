@@ -11,6 +11,7 @@ from live.agents.scenarios.generate import SCENARIOS
 from live.agents.scenarios.metrics import measure
 from live.agents.scenarios.run import TICK, Simulation, simulate, ticks_in
 from live.agents.scenarios.scenario import Scenario
+from tests.fixtures.mostly_long import mostly_long
 
 
 def scenario(start, goals, *, duration=10.0, **options):
@@ -95,7 +96,7 @@ def test_run_is_independent_of_agent_order():
     assert np.abs(freely - position).max() > 0.01  # agents do avoid each other
 
 
-@pytest.mark.parametrize("name", ["headon-2", "sym-4", "circle-20", "cross-50", "corridor-50", "formation-hung"])
+@mostly_long("name", ["headon-2", "sym-4", "circle-20", "cross-50", "corridor-50", "formation-hung"], quick=[0, 3])
 def test_all_agents_arrive_without_overlaps(name):
     made = SCENARIOS[name](0)
     time, position, arrived = simulate(made, stop_when_settled=True)

@@ -9,6 +9,7 @@ from live.agents.separation.path_separation import MARGIN, MOMENTS, Paths, PathS
 from live.agents.separation.path_separation_kernels import extrapolate_paths
 from live.agents.separation.separation_kernels import tether_agents
 from tests.agents.separation.made_paths import places_at
+from tests.fixtures.mostly_long import mostly_long
 
 RADIUS = 0.25
 
@@ -57,7 +58,7 @@ def test_head_on_paths_pass_each_other():
     assert part.shortfall.max() < 0.01
 
 
-@pytest.mark.parametrize("seed", range(6))
+@mostly_long("seed", range(6), quick=[0, 3])
 def test_missing_distances_are_those_of_all_pairs(seed):
     """Boxes around the corrected paths sort out most pairs: what is left has what brute force finds."""
     chance = np.random.default_rng(seed)
@@ -75,6 +76,7 @@ def test_missing_distances_are_those_of_all_pairs(seed):
     assert part.shortfall[lack < -0.01].max(initial=-1.0) <= 0.0
 
 
+@pytest.mark.long
 @settings(max_examples=25, deadline=None)
 @given(st.integers(2, 20), st.integers(0, 2**32 - 1), st.floats(0.05, 0.35))
 def test_paths_are_offset_within_limit_and_only_when_needed(count, seed, most):
@@ -88,6 +90,7 @@ def test_paths_are_offset_within_limit_and_only_when_needed(count, seed, most):
     assert not goal[free].any()
 
 
+@pytest.mark.long
 def test_separation_takes_most_of_the_overlap_of_crossing_crowds():
     """Paths that touch are far enough apart: what counts is how deep bodies are in each other."""
     deep, contacts = np.zeros(2), np.zeros(2)

@@ -22,6 +22,7 @@ from live.show.dancers.character_casting import bodies_of
 from live.show.patch.patch_reader import read_patch
 from live.show.patch.patch_search_path import PATCHES
 from tests.cli.command import run_live
+from tests.fixtures.mostly_long import mostly_long
 
 FPS, FRAMES = 20.0, 31
 HIDDEN = {4: slice(0, 11), 7: slice(20, 25)}
@@ -124,6 +125,7 @@ def test_glb_holds_every_dancer_where_the_show_draws_them(show_files):
         assert at == [0.0 if frames.start <= frame < frames.stop else 1.0 for frame in range(FRAMES)]
 
 
+@pytest.mark.long
 def test_bvh_files_hold_one_dancer_each(show_files):
     folder, joints, said = show_files
     paths = sorted(folder.glob("show-*.bvh"))
@@ -194,7 +196,7 @@ def test_replay_writes_the_motion_of_the_night_and_a_part_of_it(tmp_path):
         np.testing.assert_allclose(one["z_m"][offset : offset + 20], other["z_m"][:20], atol=0.05)
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("arguments", "words"),
     [
         (("--out", "show.glb", "--alpha"), "has motion and no pictures"),
@@ -202,6 +204,7 @@ def test_replay_writes_the_motion_of_the_night_and_a_part_of_it(tmp_path):
         (("--out", "nowhere/show.glb"), "there is no folder nowhere"),
         (("--out", "show.glb", "--fps", "480", "--seconds", "100000"), "GB of memory"),
     ],
+    quick=[0, 1, 2],
 )
 def test_motion_that_cannot_be_written_is_refused_before_the_show_begins(tmp_path, arguments, words):
     result = run_live("render", *arguments, cwd=tmp_path)

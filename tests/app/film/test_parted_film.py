@@ -358,6 +358,7 @@ def test_states_are_kept_where_parts_will_probably_start(monkeypatch):
     assert [states.until(tick) for tick in (100, 199, 200, 300, 301, 430, 499)] == [None, 128, 200, 200, 301, 429, 429]
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_frames_of_measures_tile_the_show(filmed):
     _, journal, loaded = filmed

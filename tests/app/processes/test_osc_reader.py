@@ -110,6 +110,7 @@ def test_engine_change_loses_no_message_sent_meanwhile(show: SupervisorSide) -> 
     assert show.reader.process.poll() is None
 
 
+@pytest.mark.long
 def test_restarted_reader_receives_all_values_again(show: SupervisorSide) -> None:
     show.engine()
     assert show.answers_query()

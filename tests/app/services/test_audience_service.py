@@ -96,6 +96,7 @@ def test_phones_move_dancers_and_resume_after_gateway_is_killed():
     assert stage.show.refusals.count == 0
 
 
+@pytest.mark.long
 def test_phones_see_dancers_and_elements_of_show():
     stage = Stage()
 

@@ -156,6 +156,7 @@ def test_what_the_show_cannot_take_is_refused_and_not_saved(night: EditedShow) -
     assert night.service.status() == {"revision": 2, "accepted": 2, "refused": 6}
 
 
+@pytest.mark.long
 def test_keys_that_wait_for_the_next_start_are_saved_and_told(night: EditedShow) -> None:
     night.run(1.0)
     (answer,) = night.send({"do": "set", "at": ["steering", "separation"], "value": 2})
@@ -167,6 +168,7 @@ def test_keys_that_wait_for_the_next_start_are_saved_and_told(night: EditedShow)
     assert night.watch.status()["waits"] == ["steering.separation"]
 
 
+@pytest.mark.long
 def test_an_undo_of_what_has_been_danced_is_refused_with_the_reason(night: EditedShow) -> None:
     night.run(1.0)
     night.send({"by": "ana", "do": "set", "at": ["segment", 1, "formation"], "value": "circle"})
@@ -178,6 +180,7 @@ def test_an_undo_of_what_has_been_danced_is_refused_with_the_reason(night: Edite
     assert [each.formation for each in read_patch(night.path).segment] == ["circle", "circle"]
 
 
+@pytest.mark.long
 def test_an_editor_of_files_and_the_commands_work_side_by_side(night: EditedShow) -> None:
     night.run(1.0)
     night.send({"do": "set", "at": ["group", "ember", "colour"], "value": [1, 0, 0]})
@@ -200,6 +203,7 @@ def test_answers_stay_short_enough_for_a_packet(night: EditedShow) -> None:
     assert json.loads(night.service.published)[-1]["id"] == "69"
 
 
+@pytest.mark.long
 def test_a_stroke_of_512_points_becomes_a_path_by_one_packet(night: EditedShow) -> None:
     """With millimetres, from one corner of a large stage to the other."""
     stroke = [[round(-90.0 + 0.35 * k, 3), round(-80.0 * math.cos(k / 40), 3)] for k in range(512)]
@@ -279,6 +283,7 @@ def test_lines_of_the_music_act_from_the_next_measure_and_other_music_from_the_n
     assert night.replay_differences() == ()
 
 
+@pytest.mark.long
 def test_music_without_lines_is_heard_aside(night: EditedShow) -> None:
     night.run(1.0)
     rate, seconds = 22_050, 20.0

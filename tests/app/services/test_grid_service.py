@@ -149,6 +149,7 @@ def test_a_controller_that_returns_gets_all_lights_again(night: GridNight) -> No
     assert night.service.problem() == ""
 
 
+@pytest.mark.long
 def test_a_controller_that_hangs_delays_no_frame_and_gets_the_latest_state(night: GridNight) -> None:
     night.until(lambda: len(night.device.lights) == 80)
     go = threading.Event()

@@ -52,7 +52,7 @@ def test_a_song_becomes_a_show_that_starts(
 @mostly_long(
     "example",
     [pytest.param(name, marks=[pytest.mark.long] * (place % 8 != 4)) for place, name in enumerate(examples())],
-    quick=[4],
+    quick=[],
 )
 def test_an_example_is_copied_with_its_files(tmp_path: Path, example: str) -> None:
     path = make_show(tmp_path / "copy", example=example)
@@ -91,6 +91,7 @@ def test_nothing_is_written_if_it_fails(tmp_path: Path, monkeypatch: pytest.Monk
     assert (full / "mine.txt").read_text() == "kept"
 
 
+@pytest.mark.long
 def test_an_empty_folder_is_taken_and_measures_are_heard(tmp_path: Path) -> None:
     song = SHARED / "beats" / "open" / "o04_band_125_live.ogg"
     if not song.is_file():

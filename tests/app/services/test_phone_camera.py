@@ -69,6 +69,7 @@ async def refusal(ws: Any) -> str:
     return str(told["refused"])
 
 
+@pytest.mark.long
 def test_packets_of_a_chosen_performer_reach_the_show_with_their_times(show: PhoneShow) -> None:
     async def what(session: aiohttp.ClientSession) -> None:
         async with open_stream(session, show) as ws:
@@ -94,6 +95,7 @@ def test_packets_of_a_chosen_performer_reach_the_show_with_their_times(show: Pho
     run(what)
 
 
+@pytest.mark.long
 def test_edited_performers_reach_open_pages(show: PhoneShow) -> None:
     async def what(session: aiohttp.ClientSession) -> None:
         async with open_stream(session, show) as ws:
@@ -209,6 +211,7 @@ def test_hostile_messages_are_refused_counted_and_never_reach_the_show(show: Pho
     assert show.heard == []
 
 
+@pytest.mark.long
 def test_flood_is_limited_and_the_flooder_disconnected(show: PhoneShow) -> None:
     async def what(session: aiohttp.ClientSession) -> None:
         async with open_stream(session, show) as ws, open_stream(session, show) as other:
@@ -236,6 +239,7 @@ def test_flood_is_limited_and_the_flooder_disconnected(show: PhoneShow) -> None:
     run(what)
 
 
+@pytest.mark.long
 def test_number_of_phones_is_limited_and_places_become_free(show: PhoneShow) -> None:
     async def what(session: aiohttp.ClientSession) -> None:
         opened = [await open_stream(session, show) for _ in range(MAX_PHONES)]
@@ -252,6 +256,7 @@ def test_number_of_phones_is_limited_and_places_become_free(show: PhoneShow) -> 
     run(what)
 
 
+@pytest.mark.long
 def test_operators_page_is_told_the_link_and_its_code(show: PhoneShow) -> None:
     async def what(session: aiohttp.ClientSession) -> None:
         page = f"http://127.0.0.1:{show.web.port}/ws"
@@ -297,6 +302,7 @@ def test_missing_model_and_missing_page_are_one_clear_error(monkeypatch: pytest.
     assert "live camera models" in str(error.value.remedy)
 
 
+@pytest.mark.long
 def test_without_the_option_there_is_no_camera_page() -> None:
     from tests.control.web.test_web_server import PageServer, status
     from tests.control.web.test_web_server import run as run_page

@@ -120,7 +120,7 @@ SHORT = ("both", "gate named", "obstacle moved", "item gone")
 """Edits of the short run of tests: one of each kind."""
 
 
-@mostly_long("name", [pytest.param(name, marks=[pytest.mark.long] * (name not in SHORT)) for name in EDITS], quick=[7])
+@mostly_long("name", [pytest.param(name, marks=[pytest.mark.long] * (name not in SHORT)) for name in EDITS], quick=[])
 def test_each_edit_acts_undoes_replays_and_resumes_like_a_fresh_show(night: EditedShow, name: str) -> None:
     night.run(4.5)
     before = (stage(night), gates(night), surroundings(night), set_items(night.show.patch))
@@ -172,6 +172,7 @@ def line_of(words: str, nth: int = 1) -> int:
     return lines[nth - 1]
 
 
+@pytest.mark.long
 def test_a_stage_that_strands_dancers_is_refused_with_all_of_them(night: EditedShow) -> None:
     """The circle of 8 x 5 m has six places, 2.5 m around the middle; three stand on the line of 8 m."""
     night.run(1.0)
@@ -205,6 +206,7 @@ def test_an_obstacle_where_dancers_stand_is_refused(night: EditedShow) -> None:
     assert night.path.read_text() == PATCH
 
 
+@pytest.mark.long
 def test_an_entrance_in_use_cannot_be_removed_and_its_new_name_is_used(night: EditedShow) -> None:
     night.run(1.0)
     (fault,) = night.send(edit("delete", "gate", "door"))[0]["refused"]
@@ -214,6 +216,7 @@ def test_an_entrance_in_use_cannot_be_removed_and_its_new_name_is_used(night: Ed
     assert 'values = [1, "ember", "window"]' in night.path.read_text()
 
 
+@pytest.mark.long
 def test_an_undo_gives_back_what_was_odd_before(tmp_path: Path) -> None:
     """The circle stands around the tree from the beginning: this is no fault of an edit, nor of its undo."""
     text = PATCH.replace("at = [3.5, -2.5]", "at = [0, 2.5]")
@@ -225,6 +228,7 @@ def test_an_undo_gives_back_what_was_odd_before(tmp_path: Path) -> None:
     assert "revision" in night.send(edit("set", "stage", "width", value=13))[0]
 
 
+@pytest.mark.long
 def test_a_wall_moves_whole_and_an_item_keeps_its_height(night: EditedShow) -> None:
     night.send(edit("insert", "obstacle", value={"name": "wall", "at": [5, -3], "wall_to": [5, 3]}))
     night.send(edit("move", "obstacle", "wall", value=[5.5, -2.5]), edit("resize", "item", 1, value=3.0))
@@ -236,6 +240,7 @@ def test_a_wall_moves_whole_and_an_item_keeps_its_height(night: EditedShow) -> N
     assert "refused" in night.send(edit("insert", "item", value={"at": [0, 0], "name": ""}))[0]
 
 
+@pytest.mark.long
 def test_who_is_called_enters_through_the_nearest_entrance_left(night: EditedShow) -> None:
     """Called through the wing on the left, which is removed before the line."""
     night.run(2.5)
@@ -276,6 +281,7 @@ def test_dancers_walk_into_a_smaller_stage(tmp_path: Path) -> None:
     assert night.show.motion.stage_area.border.tolist() == [2.0, 2.0]
 
 
+@pytest.mark.long
 def test_a_new_name_of_an_obstacle_or_gate_is_used_in_every_call(tmp_path: Path) -> None:
     calls = """
 [[at]]

@@ -20,6 +20,7 @@ from live.document.edit import Edit, EditRefused
 from live.show.patch.table_batches import patch_json
 from tests.app.services.test_document_service import PATCH, EditedShow
 from tests.document.random_edits import random_edit
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.patch.edited_night import write_patch_folder
 
 WANTS = {"pages": 1, "joints": None, "structure": 1}
@@ -68,6 +69,7 @@ def texts_of(packets: list[list[Any]], name: str) -> list[Any]:
     return found
 
 
+@pytest.mark.long
 def test_nobody_looks_and_nothing_is_written(night: StreamedShow) -> None:
     night.run(0.5)
     for wants in (None, {}, {"pages": 0}, "nonsense", {"pages": None}):
@@ -95,6 +97,7 @@ def test_frames_hold_places_headings_and_joints(night: StreamedShow) -> None:
     assert np.abs(found - night.view.joint_position[[1, 0]]).max() < 0.001
 
 
+@pytest.mark.long
 def test_they_come_thirty_times_a_second_at_most_and_the_clock_ten_times(night: StreamedShow) -> None:
     night.run(0.5)
     counts = Counter[str]()
@@ -107,6 +110,7 @@ def test_they_come_thirty_times_a_second_at_most_and_the_clock_ten_times(night: 
     assert counts["dancers"] == 1
 
 
+@pytest.mark.long
 def test_the_clock_has_elements_with_their_measures_and_the_lateness(night: StreamedShow) -> None:
     night.run(4.5)
     event = REGISTRY.call("/dance/attract", [1.0, -0.5, 1.5, 2.0], night.clock.now(), "osc")
@@ -127,6 +131,7 @@ def test_the_clock_has_elements_with_their_measures_and_the_lateness(night: Stre
     assert element["to"] - element["from"] == pytest.approx(2.0, abs=0.3)
 
 
+@pytest.mark.long
 def test_what_could_come_next_is_told_with_the_launches(night: StreamedShow) -> None:
     night.run(0.5)
     night.stream._count = 1
@@ -166,6 +171,7 @@ def test_an_edit_is_told_at_once_as_a_change(night: StreamedShow) -> None:
     assert texts_of(night.packets(), "change") == []
 
 
+@pytest.mark.long
 def test_what_a_text_editor_saves_comes_as_a_whole(night: StreamedShow) -> None:
     night.run(0.5)
     night.packets()
@@ -197,7 +203,7 @@ def applied(score: dict[str, Any], change: dict[str, Any]) -> None:
             score[name] = entry["value"]
 
 
-@pytest.mark.parametrize("seed", range(4))
+@mostly_long("seed", range(4), quick=[0])
 def test_changes_applied_to_a_score_give_the_next_one(tmp_path: Path, seed: int) -> None:
     more = "".join(
         f'[[element]]\nkind = "attract"\nmeasure = {measure}\n[[signal]]\nname = "s{measure}"\nmeasure = {measure}\n'
@@ -269,6 +275,7 @@ def launches_of(night: StreamedShow) -> list[dict[str, Any]]:
     return told[-1:]
 
 
+@pytest.mark.long
 def test_every_page_is_told_what_waits_runs_and_cannot_follow(night: StreamedShow) -> None:
     night.run(1.0)
     packets = [packet for _ in range(3) for packet in night.packets()]

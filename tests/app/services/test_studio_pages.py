@@ -141,6 +141,7 @@ def test_a_page_sees_the_stage(studio: Studio) -> None:
     asyncio.run(asyncio.wait_for(run(), 3 * DEADLINE))
 
 
+@pytest.mark.long
 def test_two_pages_edit_one_document(studio: Studio) -> None:
     async def act(ana: Page, bea: Page) -> None:
         for page, name in ((ana, "ana"), (bea, "bea")):
@@ -196,6 +197,7 @@ def test_a_page_that_comes_later_gets_the_structure_and_the_changes_since(studio
     asyncio.run(asyncio.wait_for(run(), 3 * DEADLINE))
 
 
+@pytest.mark.long
 def test_edits_together_are_one_for_every_page(studio: Studio) -> None:
     async def act(ana: Page, bea: Page) -> None:
         await ana.say(name="ana")
@@ -273,6 +275,7 @@ def test_chosen_ways_and_doubts_come_from_the_preview_and_follow_the_document(st
     with_pages(studio, 2, act)
 
 
+@pytest.mark.long
 def test_pages_see_who_looks(studio: Studio) -> None:
     async def act(ana: Page, bea: Page) -> None:
         await ana.say(name="ana", segment=1, dancers=[3], selected={"sequence": [2, 4], "dancer": [3]})
@@ -285,6 +288,7 @@ def test_pages_see_who_looks(studio: Studio) -> None:
     with_pages(studio, 2, act)
 
 
+@pytest.mark.long
 def test_page_gets_the_projected_picture_while_it_wants_it(studio: Studio) -> None:
     picture = np.zeros((90, 160, 3), np.uint8)
     picture[:45, :, 0], picture[45:, :, 2] = 200, 150

@@ -131,6 +131,7 @@ def attempt_blackout(served, host, headers, path="/ws"):
     return status, served.dark
 
 
+@pytest.mark.long
 def test_foreign_page_cannot_black_out_show():
     with PageServer() as served:
         here = f"127.0.0.1:{served.port}"
@@ -175,6 +176,7 @@ def test_foreign_page_cannot_black_out_show():
             assert attempt_blackout(served, host, {"Origin": f"http://{host}"} | key_headers()) == (101, True), host
 
 
+@pytest.mark.long
 def test_host_name_is_accepted_only_if_configured():
     with PageServer(hosts=["show.example:443", "stage.example"]) as served:
         for host, status in (
@@ -285,6 +287,7 @@ def test_client_that_reads_nothing_delays_no_other_client():
             asyncio.run(operator())
 
 
+@pytest.mark.long
 def test_operator_connects_while_hundreds_of_connections_are_abandoned():
     with PageServer() as served:
         over, opened, left, lost = threading.Event(), [], [], []

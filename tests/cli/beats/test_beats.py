@@ -12,6 +12,7 @@ import pytest
 
 from tests.cli.command import run_live
 from tests.clock.clicks import clicks
+from tests.fixtures.mostly_long import mostly_long
 
 RATE = 44_100
 
@@ -37,6 +38,7 @@ def test_json_of_file_contains_tempo_and_beats(music: Path) -> None:
     assert {"time_s", "named_s", "beat", "beats_per_measure", "bpm", "confidence"} == set(told["beats"][0])
 
 
+@pytest.mark.long
 def test_table_csv_click_and_timeline_are_written_for_file(music: Path, tmp_path: Path) -> None:
     clicked, timeline = tmp_path / "out.wav", tmp_path / "out.csv"
     result = run_live("beats", str(music), "--csv", "--click", str(clicked), "--timeline", str(timeline))
@@ -55,6 +57,7 @@ def test_table_csv_click_and_timeline_are_written_for_file(music: Path, tmp_path
     assert float(heading.split(" bpm")[0].split()[-1]) == pytest.approx(120.0, abs=0.5)
 
 
+@pytest.mark.long
 def test_likely_tempo_and_metres_decide_how_clicks_are_counted(music: Path) -> None:
     """Clicks without any accent: the operator or the file's name says what they are."""
 
@@ -144,13 +147,14 @@ def test_explain_draws_tempo_half_beat_line_metre_and_confidence(music: Path, tm
     assert np.argmax(beat) == 0
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("words", "says"),
     [
         (["--stdin", "--explain", "why.png"], "--explain are for files"),
         (["FILE", "--tracker", "aubio", "--explain", "why.png"], "--explain draws the network's tracker"),
         (["FILE", "--explain", "no/such/folder/why.png"], "--explain no/such/folder/why.png cannot be written"),
     ],
+    quick=[0],
 )
 def test_explain_says_what_it_cannot_do(music: Path, words: list[str], says: str) -> None:
     result = run_live("beats", *(str(music) if word == "FILE" else word for word in words))

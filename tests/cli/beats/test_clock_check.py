@@ -10,6 +10,7 @@ from live.base.errors import PersonError
 from live.cli.beats.clock_check import clock_check
 from live.clock.midi.clock_report import clock_errors, replay
 from tests.clock.midi_streams import make_stream, steady
+from tests.fixtures.mostly_long import mostly_long
 
 
 def write(path: Path, text: str) -> Path:
@@ -68,7 +69,7 @@ def test_invalid_beats_and_missing_files_are_reported(tmp_path: Path) -> None:
         read_stream(tmp_path / "nothing.jsonl")
 
 
-@pytest.mark.parametrize("name", ["mo09_steps", "mo12_spp", "mo13_dropouts", "mo15_double_start"])
+@mostly_long("name", ["mo09_steps", "mo12_spp", "mo13_dropouts", "mo15_double_start"], quick=[3])
 def test_difficult_streams_keep_the_measure(shared: Path, name: str) -> None:
     file = shared / "beats" / "midiclock" / f"{name}.jsonl"
     if not file.is_file():

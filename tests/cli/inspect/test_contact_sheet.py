@@ -56,6 +56,7 @@ def test_answering_group_shows_steps_of_its_leader(loaded: LoadedShow) -> None:
     assert answers >= 3
 
 
+@pytest.mark.long
 def test_trail_frames_are_drawn_before_moment_only_with_trails(loaded: LoadedShow) -> None:
     for trails in (0.0, 0.7):
         show = loaded.start(seed=1, tempo=240.0)
@@ -106,6 +107,7 @@ def test_pictures_lie_unchanged_in_rows(paper: Paper, count: int, columns: int) 
     assert len({x for _, x in places}) == min(columns, count)
 
 
+@pytest.mark.long
 def test_texts_never_overlap_neighboring_columns() -> None:
     """Every text stays under its own picture: the gaps between the columns are empty."""
     black = np.zeros((SIZE[1], SIZE[0], 3), np.uint8)

@@ -67,6 +67,7 @@ def test_formation_beyond_stage_is_reported_with_working_remedy(tmp_path):
     assert "places are not on the stage of 4 x 4 m" in run("circle", "--stage", "4x4", "--dancers", 12).stdout
 
 
+@pytest.mark.long
 def test_formations_in_one_file_are_selected_by_name(tmp_path):
     file = tmp_path / "show.toml"
     file.write_text(

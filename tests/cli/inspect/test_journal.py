@@ -93,6 +93,7 @@ def test_diff_names_first_differing_event_and_state(show_journal, tmp_path):
     assert facts["header"] == []
 
 
+@pytest.mark.long
 def test_midi_export_contains_beats_markers_and_steps(show_journal, tmp_path):
     out = tmp_path / "a.mid"
     assert run_live("journal", "export", str(show_journal), str(out)).returncode == 0

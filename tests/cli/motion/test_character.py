@@ -42,6 +42,7 @@ def test_invalid_arguments_are_refused_in_one_line(arguments, words, tmp_path):
     assert "Traceback" not in said.stderr
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_character_is_drawn_in_dance_poses(tmp_path):
     path, out = tmp_path / "anna.glb", tmp_path / "anna.png"

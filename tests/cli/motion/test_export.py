@@ -18,6 +18,7 @@ from live.motion.skeleton import SKELETON
 from live.show.patch.patch_search_path import PATCHES
 from tests.cli.command import run_live
 from tests.fixtures.mocap import mocap_file
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.formats.made_bvh import body_bvh, dance_values
 
 
@@ -40,7 +41,7 @@ def dance(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.parametrize("name", ["out.bvh", "out.glb", "out.vrma", "OUT.BVH"])
+@mostly_long("name", ["out.bvh", "out.glb", "out.vrma", "OUT.BVH"], quick=[0, 1])
 def test_exported_recording_equals_engine_clip(dance: Path, name: str) -> None:
     out = dance.with_name(name)
     result = run_live("export", str(dance), "--to", str(out))
@@ -70,12 +71,13 @@ def test_file_options_override_file_values(dance: Path) -> None:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize(
+@mostly_long(
     ("name", "options"),
     [
         ("group/perfume_aachan.glb", {}),
         ("solo/rokoko_jesse_dance.bvh", {"up": "y"}),
     ],
+    quick=[1],
 )
 def test_real_files_of_other_formats_are_exported(tmp_path: Path, name: str, options: dict[str, Any]) -> None:
     path = mocap_file(name)

@@ -14,6 +14,7 @@ from live.library.beat_alignment import SyncResult
 from live.motion.beats.clap_sync import AssignedClap, Clap
 from live.motion.beats.music_reference import MusicReference
 from tests.cli.command import run_live
+from tests.fixtures.mostly_long import mostly_long
 from tests.library.test_beat_alignment import click_track
 from tests.motion.beats.test_claps import palm_distance, scattered_clap_times
 from tests.motion.formats.made_bvh import body_bvh
@@ -27,6 +28,7 @@ def clap_recording(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.long
 def test_claps_are_aligned_to_click(clap_recording: Path) -> None:
     """Every clap is found within 5 ms, through file, reader and command."""
     done = run_live("sync", str(clap_recording), "--click", "120", "--count", "8", "--json")
@@ -43,6 +45,7 @@ def test_claps_are_aligned_to_click(clap_recording: Path) -> None:
     np.testing.assert_allclose([clap["residual_ms"] for clap in found["claps"]], residuals, atol=5.0)
 
 
+@pytest.mark.long
 def test_output_contains_lines_to_paste(clap_recording: Path) -> None:
     done = run_live("sync", str(clap_recording))
     assert done.returncode == 0
@@ -54,7 +57,7 @@ def test_output_contains_lines_to_paste(clap_recording: Path) -> None:
     assert lines["first_beat_s"] == pytest.approx(1.5, abs=0.02)
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("options", "marks"),
     [
         (["--click", "120", "--count", "8"], ("from claps to the click, confidence 0.", 2)),
@@ -62,6 +65,7 @@ def test_output_contains_lines_to_paste(clap_recording: Path) -> None:
         (["--anchor", "1.5"], ("guess: confirm", 1)),
         (["--anchor", "1.5", "--bpm", "120"], ("#", 0)),
     ],
+    quick=[0, 2],
 )
 def test_guessed_values_are_marked_in_lines_to_paste(
     clap_recording: Path, options: list[str], marks: tuple[str, int]
@@ -79,6 +83,7 @@ def test_fewer_than_four_claps_are_guess() -> None:
     assert SyncResult(reference, (*placed[:3], AssignedClap(clap, None, None)), 0, 60.0).guessed
 
 
+@pytest.mark.long
 def test_claps_are_aligned_to_song(clap_recording: Path, tmp_path: Path) -> None:
     song = click_track(tmp_path / "song.wav", 0.7 + 0.5 * np.arange(70), 36.0)
     done = run_live("sync", str(clap_recording), "--song", str(song), "--json")

@@ -66,6 +66,7 @@ def test_a_take_whose_double_is_known_is_answered_and_compared(pairs: Path, tmp_
     assert {line.split()[-1].split("/")[0] for line in lines[4:-3]} == {"b_follower"}
 
 
+@pytest.mark.long
 def test_labels_of_a_person_are_compared(pairs: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The double has the same labels, so units agree; with other labels they do not."""
     labels, report = tmp_path / "labels.toml", tmp_path / "report.json"
@@ -82,6 +83,7 @@ def test_labels_of_a_person_are_compared(pairs: Path, tmp_path: Path, capsys: py
         assert told["units_with_the_same_label"]["share"] == pytest.approx(share, abs=0.3)
 
 
+@pytest.mark.long
 def test_a_style_leaves_others_out(pairs: Path, tmp_path: Path) -> None:
     assert [one.name for one in read_pairs(pairs).units.examples] == list(NAMES)
     soft, hard = read_pairs(pairs, style="Soft"), read_pairs(pairs, style="hard")
@@ -95,6 +97,7 @@ def test_a_style_leaves_others_out(pairs: Path, tmp_path: Path) -> None:
     assert json.loads(report.read_text())["takes"][0]["joint_m"] > 0.2  # its double is left out
 
 
+@pytest.mark.long
 def test_notation_of_recorded_couples(pairs: Path, tmp_path: Path) -> None:
     out, report = tmp_path / "out.txt", tmp_path / "out.json"
     notation(pairs, out=out, report=report)
@@ -124,6 +127,7 @@ def test_what_cannot_be_compared_is_refused(pairs: Path, tmp_path: Path) -> None
     refused("one pair", pairs=lone)
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_a_film_shows_the_answer_over_the_couple(pairs: Path, tmp_path: Path) -> None:
     import av
@@ -194,6 +198,7 @@ def test_the_page_gets_motion_and_saves_labels(pairs: Path, tmp_path: Path) -> N
     assert open_desk(pairs, labels).labels == found
 
 
+@pytest.mark.long
 def test_labels_of_a_double_are_suggested_and_none_without_labels(pairs: Path, tmp_path: Path) -> None:
     labels = tmp_path / "x.labels.toml"
 

@@ -65,6 +65,7 @@ def test_recording_far_from_its_tempo_is_told(tmp_path: Path) -> None:
     assert near == ()
 
 
+@pytest.mark.long
 def test_dance_follows_path(tmp_path: Path) -> None:
     out = tmp_path / "out.bvh"
     arguments = ["sketches", "--sequence", "walk x8", "--path", "0,0, 2,0, 2,2", "--bpm", "100"]
@@ -82,12 +83,14 @@ def test_dance_follows_path(tmp_path: Path) -> None:
     assert all("left" in row["clip"] for row in left["steps"])
 
 
+@pytest.mark.long
 def test_unreachable_path_reports_missing_steps() -> None:
     value = run_json("sketches", "--sequence", "walk x3", "--path", "0,0,30,0")
     assert value["missing"]
     assert all(set(row) == {"from", "to", "needs"} for row in value["missing"])
 
 
+@pytest.mark.long
 def test_heading_option_rotates_first_placement() -> None:
     plan = make_plan(DanceOptions("sketches", "walk", heading="90", start="bow"))
     assert plan.heading == pytest.approx(np.pi / 2)
@@ -98,6 +101,7 @@ def test_heading_option_rotates_first_placement() -> None:
     assert turned - ahead == pytest.approx(np.pi / 2)
 
 
+@pytest.mark.long
 def test_depth_first_search_matches_sequence_at_no_lower_cost() -> None:
     plan = make_plan(DanceOptions("sketches", WALK, depth_first=True))
     assert not plan.deviations.any()
@@ -140,6 +144,7 @@ def write_steps(folder: Path, *steps: str) -> None:
     (folder / "take.toml").write_text("\n".join(f"[[step]]\n{STEP}{step}" for step in steps))
 
 
+@pytest.mark.long
 def test_nearest_dance_is_reported_with_missing_step(library: Path) -> None:
     write_steps(library, 'name = "a"\nbegin_pose = "x"\nend_pose = "x"', 'name = "b"\nbegin_pose = "x"\nend_pose = "y"')
     shown = run_live("dance", str(library), "--sequence", "a, b, a", "--threshold", "5")
@@ -225,6 +230,7 @@ def test_invalid_options_are_refused_without_output(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.long
 def test_existing_files_are_kept_without_force(tmp_path: Path) -> None:
     out = tmp_path / "out.bvh"
     out.write_text("mine")

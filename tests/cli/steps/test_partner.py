@@ -80,6 +80,7 @@ def test_follower_is_written_frame_by_frame_with_report(pair_files: PairFiles, t
     assert lines[1].endswith(told["units"][0]["unit"])
 
 
+@pytest.mark.long
 def test_online_mode_reports_frame_time_and_changes(pair_files: PairFiles, tmp_path: Path) -> None:
     out, report = tmp_path / "out.bvh", tmp_path / "report.json"
     partner(
@@ -135,6 +136,7 @@ def test_invalid_pairs_are_named_in_one_line(pair_files: PairFiles, text: str, w
     assert "\n" not in told.value.message
 
 
+@pytest.mark.long
 def test_invalid_leaders_are_named_in_error(pair_files: PairFiles, tmp_path: Path) -> None:
     out = tmp_path / "out.bvh"
 

@@ -146,6 +146,7 @@ def test_user_library_has_priority_over_project_steps(tmp_path: Path, monkeypatc
     assert (find_step(steps, "samba").folder, len(find_step(steps, "samba").clips)) == (own, 1)
 
 
+@pytest.mark.long
 def test_spellings_of_step_name_form_one_step(tmp_path: Path, take: Path) -> None:
     library = tmp_path / "library"
     for name, first in (("Long Sway", 2.5), ("long_sway", 3.0), ("long-sway ", 3.5)):
@@ -183,6 +184,7 @@ def test_manual_anchor_has_priority_and_drops_no_frames(tmp_path: Path, monkeypa
         add_to_library(take, fields | {"bpm": 90.0}, tmp_path / "library", ClapReference(click=100.0))
 
 
+@pytest.mark.long
 @pytest.mark.shared
 def test_guessed_values_are_marked_in_file(tmp_path: Path) -> None:
     take = mocap_file("salsa/60_04.bvh")
@@ -230,6 +232,7 @@ def dance_preview(loaded: LoadedShow, seconds: float) -> tuple[np.ndarray, list[
     return engine.view.joint_position[:, 0][:, (0, 2)].astype(np.float64), dance_values
 
 
+@pytest.mark.long
 def test_each_dancer_dances_own_variation_in_place() -> None:
     clips = [made_clip("glide", way=(0.0, 0.8)), made_clip("glide", way=(0.8, 0.0)), made_clip("glide", measures=2)]
     loaded = preview_show("glide", clips, travelling=False)
@@ -238,6 +241,7 @@ def test_each_dancer_dances_own_variation_in_place() -> None:
     assert places == pytest.approx(np.array([group.centre for group in loaded.patch.group]), abs=0.45)
 
 
+@pytest.mark.long
 def test_travelling_preview_moves_dancers_by_step_travel() -> None:
     clips = [made_clip("glide", way=(0.0, 0.8)), made_clip("glide", way=(0.4, 0.0))]
     loaded = preview_show("glide", clips, travelling=True)
@@ -252,6 +256,7 @@ def test_step_follows_itself_despite_pose_and_weight_labels() -> None:
     assert dance_preview(loaded, 5.0)[1] == [{"échappé 1"}, {"échappé 2"}]
 
 
+@pytest.mark.long
 def test_film_of_many_variations_shows_first_ones(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     from live.render.headless import NoOpenGL, create_headless_context, release_headless_context
 

@@ -29,6 +29,7 @@ def mocap(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.long
 def test_step_is_textured_and_report_names_source_recordings(mocap: Path, tmp_path: Path) -> None:
     out, report = tmp_path / "groove.bvh", tmp_path / "groove.json"
     asked = ("texture", "groove", "--with", str(mocap), "--out", str(out), "--paths", "2", "--report", str(report))

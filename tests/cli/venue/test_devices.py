@@ -18,6 +18,7 @@ from tests.fixtures import two_monitor_x
 SECTIONS = ["audio_inputs", "audio_outputs", "midi_inputs", "midi_outputs", "monitors"]
 
 
+@pytest.mark.long
 def test_json_has_five_sections_with_list_or_reason() -> None:
     done = run_live_process("devices", "--json")
     assert done.returncode == 0, done.stderr
@@ -112,6 +113,7 @@ def test_stderr_is_restored_after_suppression(capfd: pytest.CaptureFixture[str])
     assert capfd.readouterr().err == "ours\n"
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_two_real_monitors_are_numbered_from_one(tmp_path: Path) -> None:
     try:

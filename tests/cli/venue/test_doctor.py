@@ -18,6 +18,7 @@ from live.base import jit
 from tests.cli.command import run_live
 
 
+@pytest.mark.long
 def test_json_on_this_machine_contains_all_checks() -> None:
     done = run_live("doctor", "--json")
     report = json.loads(done.stdout)
@@ -28,6 +29,7 @@ def test_json_on_this_machine_contains_all_checks() -> None:
     assert all(check["remedy"] for check in report["checks"] if check["state"] != "ok")
 
 
+@pytest.mark.long
 def test_table_ends_with_verdict_for_show() -> None:
     done = run_live("doctor")
     verdict = done.stdout.splitlines()[-1]
@@ -52,6 +54,7 @@ def test_unwritable_cache_is_limited_without_traceback(tmp_path: Path) -> None:
     assert "LIVE_CACHE_DIR" in found["remedy"]
 
 
+@pytest.mark.long
 def test_cold_cache_is_reported_with_warm_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(jit, "KERNEL_STORE", jit.KernelStore((tmp_path / "kernels" / jit.KERNEL_SET,)))
     report = json.loads(run_live("doctor", "--json", LIVE_CACHE_DIR=str(tmp_path)).stdout)

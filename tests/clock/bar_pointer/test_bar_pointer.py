@@ -20,7 +20,7 @@ def concatenate_activations(*parts: Activations) -> Activations:
     )
 
 
-@mostly_long("bpm", [40, 60, 84.7, 120, 133.3, 187, 240], quick=[1, 3, 5])
+@mostly_long("bpm", [40, 60, 84.7, 120, 133.3, 187, 240], quick=[3])
 def test_beats_are_found_at_any_tempo(bpm: float) -> None:
     activations = groove(bpm, 4, 14.0)
     pointer = BarPointer()
@@ -33,7 +33,7 @@ def test_beats_are_found_at_any_tempo(bpm: float) -> None:
     assert pointer.confidence > 0.5
 
 
-@mostly_long("metre", METRES, quick=[0, 1, 4])
+@mostly_long("metre", METRES, quick=[1])
 def test_every_metre_and_its_downbeat_are_found(metre: int) -> None:
     after = 10.0 if metre in (2, 3, 4, 6) else 18.0  # rare metres need more measures
     activations = groove(126.0, metre, after + 6.0)
@@ -41,6 +41,7 @@ def test_every_metre_and_its_downbeat_are_found(metre: int) -> None:
     assert beat_number_accuracy(follow(pointer, activations), activations, metre, after) == 1.0
 
 
+@pytest.mark.long
 def test_only_the_metres_given_are_found() -> None:
     activations = groove(126.0, 5, 16.0)
     pointer = BarPointer(BarPointerModel(metres=(Metre(3), Metre(4))))
@@ -144,7 +145,7 @@ def test_grid_before_missing_beats_is_restored_after_music_ends(bpm: float) -> N
     assert np.all(followed.beat[1:4] == (coming + number[1:]) % 4)
 
 
-@mostly_long("wrong", [1, 2, 3], quick=[0])
+@mostly_long("wrong", [1, 2, 3], quick=[])
 def test_after_a_stop_the_old_line_stays_although_the_music_seems_to_begin_anew(wrong: int) -> None:
     """The music returns on the grid, in the middle of a measure; for two measures its first beat is heard as a one."""
     activations = groove(112.0, 4, 20.0)
@@ -165,6 +166,7 @@ def test_after_a_stop_the_old_line_stays_although_the_music_seems_to_begin_anew(
     assert np.all(followed.beat[1:] == (coming + number[1:]) % 4)
 
 
+@pytest.mark.long
 def test_offbeat_accent_does_not_shift_confident_grid() -> None:
     activations = groove(100.0, 4, 16.0)
     half = 0.5 * 60.0 * RATE / 100.0
@@ -193,6 +195,7 @@ def test_same_frames_give_identical_state() -> None:
     assert (one.tempo, one.to_next, one.share) == (other.tempo, other.to_next, other.share)
 
 
+@pytest.mark.long
 def test_clear_resets_the_state() -> None:
     pointer, fresh = BarPointer(), BarPointer()
     follow(pointer, groove(140.0, 4, 6.0))

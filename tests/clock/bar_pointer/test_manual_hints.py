@@ -8,6 +8,7 @@ from tests.clock.bar_pointer.made import RATE, errors, follow, groove
 from tests.fixtures.mostly_long import mostly_long
 
 
+@pytest.mark.long
 def test_tapped_tempo_and_its_level_are_kept() -> None:
     """Every beat of the groove sounds; the operator taps only every second one."""
     activations = groove(150.0, 4, 20.0)
@@ -30,7 +31,7 @@ def test_inexact_tapped_tempo_is_corrected_by_music() -> None:
     assert pointer.tempo == pytest.approx(96.0, rel=0.015)
 
 
-@pytest.mark.parametrize("factor", [2.0, 0.5])
+@mostly_long("factor", [2.0, 0.5], quick=[0])
 def test_tempo_scaling_takes_effect_at_once(factor: float) -> None:
     activations = groove(100.0, 4, 12.0)
     pointer = BarPointer()
@@ -57,7 +58,7 @@ def test_scaling_out_of_range_changes_nothing() -> None:
         pointer.scale(3.0)
 
 
-@pytest.mark.parametrize("wanted", [0, 1, 2, 3])
+@mostly_long("wanted", [0, 1, 2, 3], quick=[2])
 def test_marked_downbeat_sets_the_measure(wanted: int) -> None:
     """Without downbeat activations, the marked beat begins the measures from then on."""
     activations = groove(116.0, 4, 16.0)
@@ -81,7 +82,7 @@ def test_marked_downbeat_sets_the_measure(wanted: int) -> None:
         (1, False),
         *(pytest.param(*more, marks=pytest.mark.long) for more in ((1, True), (3, True), (2, False), (3, False))),
     ],
-    quick=[0],
+    quick=[],
 )
 def test_marked_downbeat_stays_against_all_evidence_and_the_music_is_the_runner_up(
     wrong: int, known_metre: bool
@@ -103,7 +104,7 @@ def test_marked_downbeat_stays_against_all_evidence_and_the_music_is_the_runner_
     assert share > 0.95
 
 
-@mostly_long("late", [-0.24, -0.15, 0.15, 0.24], quick=[2])
+@mostly_long("late", [-0.24, -0.15, 0.15, 0.24], quick=[])
 def test_a_press_beside_the_beat_takes_the_nearest_beat(late: float) -> None:
     activations = groove(116.0, 4, 60.0)
     pointer = BarPointer()
@@ -177,7 +178,7 @@ def test_without_evidence_all_lines_are_equally_likely() -> None:
     assert pointer.line_evidence.runner_up[1] == pytest.approx(0.25, abs=0.05)
 
 
-@mostly_long("metre", [2, 3, 4, 5, 6, 7, 9], quick=[0, 3, 4])
+@mostly_long("metre", [2, 3, 4, 5, 6, 7, 9], quick=[4])
 def test_manual_metre_is_kept(metre: int) -> None:
     activations = groove(120.0, 4, 8.0)
     pointer = BarPointer()
@@ -188,6 +189,7 @@ def test_manual_metre_is_kept(metre: int) -> None:
     pointer.set_metre(0)
 
 
+@pytest.mark.long
 def test_a_metre_that_cannot_be_counted_frees_it() -> None:
     activations = groove(120.0, 4, 16.0)
     pointer = BarPointer()

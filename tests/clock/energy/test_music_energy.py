@@ -34,6 +34,7 @@ def test_loudness_matches_bs1770(rate: int, hertz: float, lufs: float) -> None:
     assert expected == pytest.approx(lufs, abs=0.05)
 
 
+@pytest.mark.long
 def test_k_weighting_matches_the_filters() -> None:
     """Against the filters run sample by sample."""
     from live.clock.energy.k_weighting import HIGH_PASS, SHELF
@@ -74,6 +75,7 @@ def test_bass_return_is_a_drop_after_break_only() -> None:
     assert [n for n, beat in enumerate(beats) if beat.drop] == [32]
 
 
+@pytest.mark.long
 def test_relative_loudness_is_independent_of_gain() -> None:
     parts = [("groove", 32), ("break", 16), ("groove", 16)]
     loud, soft = measure_beats(club(parts, gain=0.3)), measure_beats(club(parts, gain=0.02))

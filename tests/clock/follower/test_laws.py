@@ -165,6 +165,7 @@ def test_freewheel_keeps_a_linear_timeline(actions: list[Action], name: str, bpm
     assert runner.follower.jumps == jumps
 
 
+@pytest.mark.long
 @given(action_lists, st.floats(60.0, 180.0), st.sampled_from([-1, 0]))
 @settings(max_examples=12)
 def test_follower_locks_to_steady_music_after_any_scenario(actions: list[Action], bpm: float, into: int) -> None:

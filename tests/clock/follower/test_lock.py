@@ -114,6 +114,7 @@ def test_confidence_decays_with_time_constant_of_eight_seconds(seconds: float) -
     assert hall.follower.confidence == pytest.approx(sure * math.exp(-(hall.now - begun) / 8.0), rel=0.01)
 
 
+@pytest.mark.long
 def test_lost_source_hands_over_at_first_measure_line_after_two_seconds() -> None:
     for at in np.arange(20.0, 22.0, 0.17):
         music = Music([(120.0, 120)], start=0.3)

@@ -55,8 +55,8 @@ def applause(seconds, seed=4, rate=150.0):
     return sound[:count].astype(np.float32)
 
 
-@mostly_long("seed", [3, pytest.param(11, marks=pytest.mark.long)], quick=[0])
-@mostly_long("make", [talk, applause], quick=[1])
+@mostly_long("seed", [3, pytest.param(11, marks=pytest.mark.long)], quick=[])
+@mostly_long("make", [talk, applause], quick=[])
 def test_a_crowd_alone_does_not_move_the_timeline(make, seed):
     _, beats = follow(make(40.0, seed))
     even = np.arange(beats.size) * TICK * 100.0 / 60.0

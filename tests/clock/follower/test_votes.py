@@ -93,7 +93,7 @@ def test_three_beats_of_another_line_change_nothing() -> None:
         assert set(tracker.say(8)) == {(0.0, 4)}
 
 
-@pytest.mark.parametrize("by", [1, 2, 3])
+@mostly_long("by", [1, 2, 3], quick=[0, 1])
 def test_manual_line_never_moves_and_the_operator_is_asked_after_eight_measures(by: int) -> None:
     tracker = Tracker()
     tracker.say(26)

@@ -53,6 +53,7 @@ def test_tempo_step_is_followed_within_a_beat_without_loss(to: float) -> None:
     assert errors.measure_right == 1.0
 
 
+@pytest.mark.long
 def test_tempo_ramp_and_swing_are_followed() -> None:
     _, on_ramp = evaluate_stream(make_stream(ramp(120.0, 174.0, 6.0, 16.0), seconds=20.0, jitter=0.001))
     _, on_swing = evaluate_stream(make_stream(swing(96.0, 0.12, 20.0), seconds=40.0, kind="half-normal", jitter=0.002))

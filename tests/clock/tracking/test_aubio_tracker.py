@@ -6,6 +6,7 @@ import pytest
 from live.clock.beat_estimate import BeatEstimate, Samples
 from live.clock.tracking.aubio_tracker import SILENT_AFTER, AubioTracker
 from tests.clock.clicks import clicks, groove
+from tests.fixtures.mostly_long import mostly_long
 
 RATE = 44_100
 
@@ -19,7 +20,7 @@ def lateness(beats: list[BeatEstimate], times: np.ndarray) -> np.ndarray:
     return np.array([beat.position - times[np.argmin(np.abs(times - beat.position))] for beat in beats])
 
 
-@pytest.mark.parametrize("bpm", [60, 80, 96, 112, 126, 140, 160, 180])
+@mostly_long("bpm", [60, 80, 96, 112, 126, 140, 160, 180], quick=[0, 4])
 def test_clicks_are_detected_without_bias(bpm: int) -> None:
     sound, times = clicks(bpm, RATE, 20.0)
     beats = [beat for beat in feed(AubioTracker(RATE), sound) if 5.0 < beat.position < times[-1] + 0.1]
@@ -30,7 +31,7 @@ def test_clicks_are_detected_without_bias(bpm: int) -> None:
     assert 60.0 / np.median([beat.period for beat in beats]) == pytest.approx(bpm, rel=0.01)
 
 
-@pytest.mark.parametrize("rate", [16_000, 22_050, 32_000, 48_000, 96_000, 192_000])
+@mostly_long("rate", [16_000, 22_050, 32_000, 48_000, 96_000, 192_000], quick=[0, 3])
 def test_beats_are_found_at_any_sample_rate(rate: int) -> None:
     sound, times = clicks(120, rate, 15.0)
     tracker = AubioTracker(rate)

@@ -10,6 +10,7 @@ from live.clock.tracking.features import HOP, Samples
 from tests.clock.clicks import clicks, groove
 from tests.clock.tracking.made_weights import random_weights
 from tests.clock.tracking.plain_onsets import OnsetActivation
+from tests.fixtures.mostly_long import mostly_long
 
 RATE = 44_100
 
@@ -37,7 +38,7 @@ def test_activations_are_independent_of_block_size(block: int) -> None:
     np.testing.assert_array_equal(run_stream(sound, network, block=block), expected)
 
 
-@pytest.mark.parametrize("rate", [22_050, 48_000, 192_000])
+@mostly_long("rate", [22_050, 48_000, 192_000], quick=[0, 1])
 def test_plain_onsets_find_clicks_at_any_rate(rate: int) -> None:
     sound, times = clicks(120, rate, 6.0)
     frames = run_stream(sound, OnsetActivation(), rate)

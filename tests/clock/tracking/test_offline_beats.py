@@ -5,6 +5,7 @@ import pytest
 
 from live.base.arrays import Float64
 from live.clock.tracking.offline_beats import Activations, Beats, find_beats
+from tests.fixtures.mostly_long import mostly_long
 
 FRAME = 512 / 44100
 
@@ -34,7 +35,7 @@ def distance(found: Float64, wanted: Float64) -> float:
     return float(np.abs(found[:, np.newaxis] - wanted).min(axis=0).max())
 
 
-@pytest.mark.parametrize(("bpm", "metre"), [(62.0, 4), (80.0, 3), (104.0, 4), (141.0, 4)])
+@mostly_long(("bpm", "metre"), [(62.0, 4), (80.0, 3), (104.0, 4), (141.0, 4)], quick=[2])
 def test_a_steady_piece_is_found_from_its_first_measure_on(bpm: float, metre: int) -> None:
     beats = 1.7 + np.arange(64) * 60.0 / bpm
     found = find_beats(activations(beats, beats[2::metre], beats[-1] + 1.0))
@@ -53,6 +54,7 @@ def test_a_ramp_and_a_jump_are_followed() -> None:
     assert missed.sum() <= 3  # at the jump
 
 
+@pytest.mark.long
 def test_the_tempo_can_be_halved_and_doubled() -> None:
     beats = 0.5 + np.arange(100) * 0.4  # 150 bpm
     heard = activations(beats, beats[::4], 41.0)
@@ -63,6 +65,7 @@ def test_the_tempo_can_be_halved_and_doubled() -> None:
     assert np.median(np.diff(fast.time)) == pytest.approx(0.4, abs=0.01)
 
 
+@pytest.mark.long
 def test_one_line_moves_all_the_others() -> None:
     beats = 0.5 + np.arange(80) * 0.5
     heard = activations(beats, np.zeros(0), 41.0)  # the network hears no downbeat

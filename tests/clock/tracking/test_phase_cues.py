@@ -164,7 +164,7 @@ def test_sure_cues_move_the_beats_against_the_network_and_hold_them(scores: list
     assert pointer.phase_odds > 0.9
 
 
-@mostly_long("scores", [[0.0, -4.0, -4.0, -4.0], [-0.2, -1.0, 0.0, -1.0]], quick=[0])
+@mostly_long("scores", [[0.0, -4.0, -4.0, -4.0], [-0.2, -1.0, 0.0, -1.0]], quick=[])
 def test_cues_for_the_beats_or_in_doubt_leave_them_alone(scores: list[float]) -> None:
     pointer = pointer_on_beats()
     assert abs(follow_with_cues(pointer, scores)) < 0.05

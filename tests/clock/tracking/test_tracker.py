@@ -8,6 +8,7 @@ from live.clock.silence import SILENT_AFTER
 from live.clock.tracking.beat_tracker import BeatTracker
 from tests.clock.clicks import clicks
 from tests.clock.tracking.plain_onsets import OnsetActivation
+from tests.fixtures.mostly_long import mostly_long
 
 RATE = 44_100
 
@@ -25,7 +26,7 @@ def lateness(beats: list[BeatEstimate], times: np.ndarray) -> np.ndarray:
     return np.array([beat.position - times[np.argmin(np.abs(times - beat.position))] for beat in beats])
 
 
-@pytest.mark.parametrize(("rate", "block"), [(22_050, 300), (48_000, 4096), (192_000, 1_000_000)])
+@mostly_long(("rate", "block"), [(22_050, 300), (48_000, 4096), (192_000, 1_000_000)], quick=[0])
 def test_clicks_are_predicted_at_any_rate_and_block_size(rate: int, block: int) -> None:
     sound, times = clicks(113, rate, 9.0)
     beats = [beat for beat in feed(make_tracker(rate), sound, block) if 4.0 < beat.position < 8.5]
@@ -68,6 +69,7 @@ def test_silence_before_any_sound_gives_no_beats() -> None:
     assert tracker.position == pytest.approx(3.0)
 
 
+@pytest.mark.long
 def test_grid_continues_through_silence_and_new_music_is_found() -> None:
     first, times = clicks(118, RATE, 8.0)
     tracker = make_tracker()

@@ -71,6 +71,7 @@ HALL = """
 """
 
 
+@pytest.mark.long
 @pytest.mark.skipif(
     not all(map(shutil.which, ("unshare", "nsenter", "ip")))
     or subprocess.run(["unshare", "-Urn", "true"], capture_output=True, check=False).returncode != 0,

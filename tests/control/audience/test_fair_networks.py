@@ -13,6 +13,7 @@ from live.control.audience.phone_registry import Phone, Phones
 from live.control.audience.rate_limit import RefusalReason
 from live.control.audience.session_state import Rules
 from tests.control.audience.made_gateway import FakePhone, current_key, open_gateway, until
+from tests.fixtures.mostly_long import mostly_long
 
 SECRET = b"s" * 32
 
@@ -194,6 +195,7 @@ def test_laptop_with_forty_addresses_has_no_place_or_force():
     run(test, most=4000, network="own wifi")
 
 
+@pytest.mark.long
 def test_addresses_of_one_network_card_form_one_group():
     async def test(gateway, show, address):
         async def card_of(found):
@@ -264,7 +266,7 @@ def test_ipv6_64_and_mapped_ipv4_addresses_share_voices():
     run(test, network="proxy", proxies=["127.0.0.1"])
 
 
-@pytest.mark.parametrize("network", ["own wifi", "behind nat", "proxy"])
+@mostly_long("network", ["own wifi", "behind nat", "proxy"], quick=[1])
 def test_ban_covers_rejoined_phones_until_operator_lifts_ban(network):
     async def test(gateway, show, address):
         def header(who, browser="A"):

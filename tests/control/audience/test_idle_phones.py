@@ -109,6 +109,7 @@ def test_slow_headers_are_closed_after_hello_timeout():
     run(test)
 
 
+@pytest.mark.long
 def test_unidentified_sockets_of_one_address_do_not_block_others():
     async def test(gateway, show, address, session):
         own = aiohttp.ClientSession(connector=aiohttp.TCPConnector(local_addr=("127.0.9.9", 0), limit=0))

@@ -55,6 +55,7 @@ def test_silence_and_return_are_reported_once() -> None:
     assert [time for _, time in told] == pytest.approx([0.8, 1.2, 3.3, 7.65, 8.05, 13.3], abs=0.15)
 
 
+@pytest.mark.long
 def test_slow_single_clicks_are_not_silence() -> None:
     sound, times = clicks(40, RATE, 20.0)
     events = AudioAnalysis(RATE).feed(sound[:, None], lambda position: position)
@@ -82,7 +83,7 @@ def make_seeded_analysis(seeds: deque[TrackerHint]) -> AudioAnalysis:
     return analysis
 
 
-@mostly_long("between", ["network", "aubio"], quick=[0])
+@mostly_long("between", ["network", "aubio"], quick=[])
 def test_manual_hints_survive_a_new_analysis(between: TrackerName) -> None:
     seeds = deque([TrackerHint("metre", 0.0, 3.0), TrackerHint("tempo", 0.0, 63.0)])
     middle = AudioAnalysis(RATE, tracker=between)
@@ -96,6 +97,7 @@ def test_manual_hints_survive_a_new_analysis(between: TrackerName) -> None:
     assert last.tracker.pointer.metre == 3
 
 
+@pytest.mark.long
 def test_forgotten_hints_are_not_restored() -> None:
     former = make_seeded_analysis(
         deque([TrackerHint("metre", 0.0, 3.0), TrackerHint("tempo", 0.0, 38.0), TrackerHint("forget", 0.0)])

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 
 from live.base.errors import PersonError
 from live.control.audio.latency_sweep import Recording, measure, sweep_train
+from tests.fixtures.mostly_long import mostly_long
 
 TRAIN = sweep_train(48_000.0, 8)
 BLOCK = 512
@@ -52,7 +53,7 @@ def test_known_delay_is_measured_exactly(delay: float, rate: float) -> None:
     assert trip.detected == trip.total == 8
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     "how",
     [
         {"noise": 0.02},
@@ -63,6 +64,7 @@ def test_known_delay_is_measured_exactly(delay: float, rate: float) -> None:
         {"jitter": 0.01, "noise": 0.02, "echo": 0.5, "ppm": -80.0, "rate": 44_100.0},
     ],
     ids=str,
+    quick=[0, 3],
 )
 def test_disturbances_change_measured_delay_under_one_millisecond(
     how: dict[str, float],

@@ -13,6 +13,7 @@ from live.control.audio.channel_mixer import Channels
 from live.control.audio.devices import SoundDevice, find_device
 from live.control.audio.latency_sweep import Microphone, RoundTrip, measure, play_and_record, sweep_train
 from tests.control.conftest import PulseSink
+from tests.fixtures.mostly_long import mostly_long
 
 BLOCK = 480
 RATE = 48_000.0
@@ -45,7 +46,7 @@ class Loopback:
             self._wire = self._wire[BLOCK:]
 
 
-@pytest.mark.parametrize("delay", [600, 4_801, 24_000])
+@mostly_long("delay", [600, 4_801, 24_000], quick=[0, 1])
 def test_loopback_delay_is_measured_to_the_sample(monkeypatch: pytest.MonkeyPatch, delay: int) -> None:
     loop, train = Loopback(monkeypatch, delay), sweep_train(RATE, 8)
     microphone = Microphone(DEVICE, Channels(), 30.0, loop.clock)

@@ -57,6 +57,7 @@ def test_inaudible_music_is_followed_by_clock() -> None:
     assert beats == pytest.approx(offline[: len(beats)], abs=1e-6)
 
 
+@pytest.mark.long
 def test_failed_analysis_is_restarted_during_playback() -> None:
     made: list[AudioAnalysis] = []
 

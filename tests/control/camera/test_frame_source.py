@@ -46,6 +46,7 @@ def read_all(source: FrameSource) -> list[frame_source.Frame]:
     return found
 
 
+@pytest.mark.long
 def test_a_film_is_played_at_its_own_speed(tmp_path: Path) -> None:
     found = read_all(FrameSource(parse_camera(str(write_film(tmp_path / "a.mp4"))), loop=False))
     times = np.array([each.time for each in found])
@@ -55,6 +56,7 @@ def test_a_film_is_played_at_its_own_speed(tmp_path: Path) -> None:
     assert found[-1].picture.mean() > found[0].picture.mean() + 50
 
 
+@pytest.mark.long
 def test_a_camera_of_120_pictures_a_second_is_thinned_to_30(tmp_path: Path) -> None:
     source = FrameSource(CameraAddress("film", str(write_film(tmp_path / "a.mp4", frames=120, rate=120))), loop=False)
     read_all(source)
@@ -123,6 +125,7 @@ def _wait(until: Callable[[], bool]) -> None:
         deadline -= 0.05
 
 
+@pytest.mark.long
 def test_a_stream_that_is_pulled_out_comes_back(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(frame_source, "OPEN_AGAIN_S", 0.05)
     monkeypatch.setattr(frame_source, "SILENT_S", 0.5)

@@ -36,6 +36,7 @@ def test_darkness_is_told_and_black_is_not_searched() -> None:
     assert meter.look(np.full((HEIGHT, WIDTH, 3), 30, np.uint8)) is True
 
 
+@pytest.mark.long
 def test_a_strobe_is_told_and_a_slow_fade_is_not() -> None:
     people = PaintedPeople()
     people.people = [Painted(300.0)]

@@ -7,6 +7,7 @@ import live.control.camera.people_tracker as module
 from live.control.camera.people_tracker import REMEMBERED_S, STILL_S, PeopleTracker, search_squares
 from live.control.camera.pose_models import ModelPose
 from tests.control.camera.painted_people import HEIGHT, WIDTH, Painted, PaintedPeople
+from tests.fixtures.mostly_long import mostly_long
 
 RATE = 30.0
 
@@ -50,7 +51,7 @@ def test_somebody_who_moves_is_found_and_keeps_her_number() -> None:
 
 
 @pytest.mark.parametrize("colours", [((200, 40, 40), (40, 60, 200)), ((30, 30, 30), (200, 200, 60))])
-@pytest.mark.parametrize("speed", [2.0, 5.0, 9.0])
+@mostly_long("speed", [2.0, 5.0, 9.0], quick=[1])
 @pytest.mark.parametrize("turning_back", [False, True])
 def test_two_who_cross_keep_their_numbers(
     colours: tuple[tuple[int, int, int], tuple[int, int, int]], speed: float, turning_back: bool
@@ -71,6 +72,7 @@ def test_two_who_cross_keep_their_numbers(
     assert owners(people, tracker) == before
 
 
+@pytest.mark.long
 def test_equal_costumes_are_told_apart_by_where_they_were_going() -> None:
     people = PaintedPeople()
     people.people = [Painted(140.0, distance=3.0), Painted(500.0, distance=5.0)]
@@ -100,6 +102,7 @@ def test_a_poster_is_no_performer_and_takes_nobodys_place() -> None:
     assert [round(each.pose.next_region.x) for each in seen] == [pytest.approx(dancer.x, abs=20)]
 
 
+@pytest.mark.long
 def test_who_has_stood_still_is_found_when_she_moves() -> None:
     people = PaintedPeople()
     people.people = [Painted(300.0)]
@@ -145,6 +148,7 @@ def test_who_has_been_away_for_long_is_forgotten() -> None:
     assert tracker.people == []
 
 
+@pytest.mark.long
 def test_a_crowd_costs_no_more_than_the_people_who_are_followed() -> None:
     people = PaintedPeople()
     people.people = [Painted(40.0 + 60.0 * number, tall=150.0) for number in range(10)]

@@ -97,6 +97,7 @@ def test_a_pose_is_of_the_moment_at_which_it_is_shown(places: Float64) -> None:
     assert performers.delay(0) == pytest.approx(0.06, abs=0.005)
 
 
+@pytest.mark.long
 def test_two_cameras_see_one_person_and_better_than_one(places: Float64) -> None:
     errors: dict[str, list[float]] = {"both": [], "front": []}
     both, front = Performers(["anna", "ben"]), Performers(["anna", "ben"])

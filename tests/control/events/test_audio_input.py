@@ -78,7 +78,7 @@ def sound(monkeypatch: pytest.MonkeyPatch) -> FakeSound:
     return fake_sound_system(monkeypatch)
 
 
-@mostly_long(("rate", "block"), [(22_050.0, 64), (44_100.0, 1000), (96_000.0, 512), (192_000.0, 4096)], quick=[0])
+@mostly_long(("rate", "block"), [(22_050.0, 64), (44_100.0, 1000), (96_000.0, 512), (192_000.0, 4096)], quick=[])
 def test_beats_match_clicks_at_any_rate_and_block(sound: FakeSound, rate: float, block: int) -> None:
     sound.plug(sound.devices[0], sample_rate=rate)
     desk = InputDriver(sound, latency=0.030)
@@ -272,6 +272,7 @@ def test_manual_restart_reopens_the_device(sound: FakeSound) -> None:
     assert desk.input.reopened == 1
 
 
+@pytest.mark.long
 def test_running_input_changes_device(sound: FakeSound) -> None:
     desk = InputDriver(sound)
     sound.devices = [*sound.devices, SoundDevice(7, "Zoom H4n", "ALSA", 4, 44_100.0, False)]

@@ -62,6 +62,7 @@ def test_microsecond_rounding_gives_zero_rate() -> None:
         assert line.rate == 0.0
 
 
+@pytest.mark.long
 def test_raw_clock_converts_to_perf_counter() -> None:
     """CLOCK_MONOTONIC_RAW, which Link counts, against perf_counter, for a second."""
     raw = getattr(time, "CLOCK_MONOTONIC_RAW", None)

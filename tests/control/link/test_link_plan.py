@@ -130,6 +130,7 @@ def test_joining_keeps_session_tempo_and_tempo_is_shared(network: Network) -> No
     assert app.ask()["faults"] == 0
 
 
+@pytest.mark.long
 def test_app_beat_does_not_jump_when_peer_joins(network: Network) -> None:
     """BEATTIME-2; a joining peer takes the app's tempo and beat."""
     network.new(hut=130.0, app=103.0)
@@ -148,6 +149,7 @@ def test_app_beat_does_not_jump_when_peer_joins(network: Network) -> None:
     sync_within(app, hut, 1.0, key="phase")
 
 
+@pytest.mark.long
 def test_starts_and_stops_are_shared(network: Network) -> None:
     """STARTSTOPSTATE-1 and -2."""
     network.new(hut=240.0, app=240.0)
@@ -182,6 +184,7 @@ def test_starts_and_stops_are_shared(network: Network) -> None:
     hut.until(lambda answer: answer["playing"], SOON)
 
 
+@pytest.mark.long
 def test_two_shows_share_the_first_beat(network: Network) -> None:
     """Two shows of the project: the second takes the first one's beat, and the first one's beat is unchanged."""
     network.new(app=126.0, second=90.0)

@@ -29,6 +29,7 @@ def keyboard() -> Iterator[JackPeer]:
     peer.close()
 
 
+@pytest.mark.long
 def test_messages_of_every_kind_arrive_in_order(keyboard: JackPeer) -> None:
     port, received = JackPort("input", "keyboard:out"), list[list[int]]()
     try:
@@ -100,6 +101,7 @@ def test_dead_server_is_noticed_and_told(keyboard: JackPeer, jack_server: JackSe
         jack_server.start()
 
 
+@pytest.mark.long
 def test_server_that_hangs_delays_closing_for_a_bounded_time(
     keyboard: JackPeer,
     jack_server: JackServer,  # noqa: F811
@@ -116,6 +118,7 @@ def test_server_that_hangs_delays_closing_for_a_bounded_time(
         jack_server.process.send_signal(signal.SIGCONT)
 
 
+@pytest.mark.long
 def test_server_that_hangs_delays_the_list_of_ports_for_a_bounded_time(
     keyboard: JackPeer,
     jack_server: JackServer,  # noqa: F811
@@ -153,6 +156,7 @@ sys.stdin.read()
 """
 
 
+@pytest.mark.long
 def test_the_port_goes_when_its_owner_is_killed(keyboard: JackPeer) -> None:
     with subprocess.Popen([sys.executable, "-c", OWNER], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as owner:
         assert owner.stdout is not None
@@ -174,6 +178,7 @@ assert "jack" not in sys.modules, "its threads would run in the show's process"
 """
 
 
+@pytest.mark.long
 def test_jacks_library_prints_nothing_to_the_terminal_and_is_not_in_the_shows_process() -> None:
     for server in (os.environ["JACK_DEFAULT_SERVER"], "live-test-none"):
         done = subprocess.run(

@@ -62,6 +62,7 @@ def test_messages_are_received_and_lost_port_is_reopened(monkeypatch: pytest.Mon
     assert [event.state for event in events if isinstance(event, SourceChanged)][-1] == "lost"
 
 
+@pytest.mark.long
 def test_replugged_controller_with_new_number_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
     """Port names of ALSA's bridge to JACK; the port is replugged faster than the check interval."""
     monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.2)
@@ -83,6 +84,7 @@ def test_replugged_controller_with_new_number_is_found(monkeypatch: pytest.Monke
     assert [type(event) for event in inbox.drain()] == [Tap]
 
 
+@pytest.mark.long
 def test_burst_is_received_whole_while_python_is_busy() -> None:
     box, received, done = sender("keyboard"), list[bytes](), threading.Event()
     sent = [[0x90, key, velocity] for velocity in range(1, 6) for key in range(100)]
@@ -106,6 +108,7 @@ def test_burst_is_received_whole_while_python_is_busy() -> None:
         box.close()
 
 
+@pytest.mark.long
 def test_pad_feedback_is_received_at_port(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.2)
     found: list[list[int]] = []
@@ -130,6 +133,7 @@ def test_pad_feedback_is_received_at_port(monkeypatch: pytest.MonkeyPatch) -> No
         pads.close()
 
 
+@pytest.mark.long
 def test_sent_clock_is_received_at_same_beat(monkeypatch: pytest.MonkeyPatch) -> None:
     """Clock out to clock in: tempo, phase and measure match the timeline, also after a tempo change."""
     monkeypatch.setattr(midi_ports, "RETRY_INTERVAL", 0.2)
@@ -165,6 +169,7 @@ def test_sent_clock_is_received_at_same_beat(monkeypatch: pytest.MonkeyPatch) ->
     assert float(np.median(np.array(sends.late))) < 1e-3
 
 
+@pytest.mark.long
 def test_input_survives_server_crash(
     jack_server: JackServer,  # noqa: F811
     monkeypatch: pytest.MonkeyPatch,

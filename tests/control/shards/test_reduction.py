@@ -259,6 +259,7 @@ def test_voices_of_a_gateway_that_falls_silent_fade_and_come_back():
     assert hall.step(2).sketch.total() == pytest.approx(2 * UNIT, rel=2e-3)
 
 
+@pytest.mark.long
 def test_each_voice_gets_its_light_in_turn_on_any_gateway():
     hall = Hall(3, visible=4)
     sizes, people, seen = (9, 2, 1), [], Counter()

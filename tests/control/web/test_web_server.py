@@ -276,6 +276,7 @@ def test_browser_shows_and_sets_show_values():
         assert problems == []
 
 
+@pytest.mark.long
 def test_controls_follow_an_edited_show():
     """The pads' ends and the buttons of a page that is loaded after the edit."""
 

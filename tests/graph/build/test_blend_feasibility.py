@@ -66,6 +66,7 @@ def test_hand_rotated_far_both_ways_cannot_blend():
     assert 2 in targets
 
 
+@pytest.mark.long
 @settings(max_examples=25)
 @given(st.integers(0, 2**32 - 1), st.floats(0.05, 0.9))
 def test_feasibility_equals_direct_loop(seed, window):

@@ -199,6 +199,7 @@ def test_cost_to_go_is_lower_bound_and_reached(made_seed, measures):
 _MADE = build_graph(build_library(made_steps()), threshold=0.2)
 
 
+@pytest.mark.long
 def test_corrections_reduce_path_error(graph, candidates):
     targets = smoothed(follow_line(SQUARE, 16))
     walk = np.full(16, graph.library.steps.index("walk"))

@@ -44,6 +44,7 @@ def test_first_candidate_of_node_is_its_clip(graph, candidates):
     assert candidates.first[-1] == len(candidates.node)
 
 
+@pytest.mark.long
 def test_only_opposite_directions_are_never_mixed(graph, candidates):
     way = measure_displacements(graph)
     names = {}

@@ -12,6 +12,7 @@ from live.motion.capture.packed_pose import pack_pose
 from live.motion.capture.stage_points import fuse_views, same_persons
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.capture.made_landmarks import RATE, landmark_places, look_at, seen, step_clip, truth
 
 FRONT, SIDE = look_at((0.5, 1.6, 5.0), (0.0, 0.9, 0.0)), look_at((-4.5, 1.8, 2.0), (0.0, 0.9, 0.0))
@@ -48,7 +49,7 @@ def root_error(found, joints):
     return float(np.linalg.norm((found - joints)[8:, 0, ::2], axis=1).mean())
 
 
-@pytest.mark.parametrize("step", [TURN, RUN])
+@mostly_long("step", [TURN, RUN], quick=[0])
 def test_a_step_is_found_again(step):
     found, contact, joints, stands = dance(step, [FRONT], clicks=0.002)
     assert joint_error(found, joints) < 0.06
@@ -57,6 +58,7 @@ def test_a_step_is_found_again(step):
     assert 2.0 * (contact & stands).sum() / (contact.sum() + stands.sum()) > 0.8
 
 
+@pytest.mark.long
 def test_two_cameras_see_better_than_each_alone():
     alone = [dance(RUN, [view])[::2] for view in (FRONT, SIDE)]
     both = dance(RUN, [FRONT, SIDE])[::2]
@@ -64,6 +66,7 @@ def test_two_cameras_see_better_than_each_alone():
     assert root_error(*both) < min(root_error(*each) for each in alone)
 
 
+@pytest.mark.long
 def test_a_planted_foot_stands_still_on_the_floor():
     found, contact, _, _ = dance(TURN, [FRONT], clicks=0.002)
     moved = []
@@ -211,6 +214,7 @@ def test_a_jump_leaves_the_floor_and_comes_back():
     assert heights[-1] == pytest.approx(heights[20], abs=0.05)
 
 
+@pytest.mark.long
 def test_prediction_makes_up_for_a_delay():
     lead = 2
     late, _, joints, _ = dance(RUN, [FRONT], across=0.002, along=0.002, clicks=0.0005)

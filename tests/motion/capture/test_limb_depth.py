@@ -7,6 +7,7 @@ from live.motion.capture.landmark_body import LandmarkBody
 from live.motion.capture.limb_depth import MODEL_SIZE, LimbDepth
 from live.motion.forward_kinematics import forward_kinematics
 from live.motion.skeleton import SKELETON
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.capture.made_landmarks import RATE, look_at, seen, step_clip, truth
 
 FRONT = look_at((0.0, 1.3, 5.0), (0.0, 1.0, 0.0))
@@ -37,7 +38,7 @@ def depth_of(places):
     return ray / np.linalg.norm(ray)
 
 
-@pytest.mark.parametrize("step", STEPS)
+@mostly_long("step", STEPS, quick=[0])
 @pytest.mark.parametrize("cameras", [1, 2])
 def test_bones_get_their_lengths(step, cameras):
     _, places = truth(step_clip(*step))
@@ -81,6 +82,7 @@ def test_the_landmarks_given_are_left_alone():
     assert (frame == places[0]).all()
 
 
+@pytest.mark.long
 def test_hips_whose_distance_is_not_sure_do_not_bend_planted_legs():
     clip = step_clip(*STEPS[1])
     _, places = truth(clip)

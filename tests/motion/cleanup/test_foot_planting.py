@@ -16,6 +16,7 @@ from live.motion.retarget.retarget import retarget
 from live.motion.sketch.sketch_clips import step_clip
 from live.motion.sketch.sketch_file import parse_sketch
 from tests.fixtures.mocap import mocap_motion
+from tests.fixtures.mostly_long import mostly_long
 from tests.places import ROOT
 
 WALK = ROOT / "patches" / "steps" / "walk.toml"
@@ -106,7 +107,7 @@ def test_short_and_standing_clips_are_taken():
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize(("name", "fps"), [("salsa/60_01.bvh", 60.0), ("group/perfume_aachan.bvh", None)])
+@mostly_long(("name", "fps"), [("salsa/60_01.bvh", 60.0), ("group/perfume_aachan.bvh", None)], quick=[0])
 def test_recorded_dance_stands_and_steps(name, fps):
     """By positions alone, as any other reader sees it; and no joint gets jerkier."""
     clip = retarget(mocap_motion(name), name="recording", fps=fps, drop_frames=6)

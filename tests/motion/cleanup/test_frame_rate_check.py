@@ -13,6 +13,7 @@ from live.motion.formats.file_report import analyze_motion
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.body_tracks import body_tracks
 from tests.fixtures.mocap import mocap_motion
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.formats.made_bvh import body_bvh
 from tests.motion.retarget.made_source import source, still
 
@@ -73,7 +74,7 @@ def suspicion_at(motion: SourceMotion, rate: float) -> bool:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("name", RIGHT)
+@mostly_long("name", RIGHT, quick=range(0, len(RIGHT), 3))
 def test_only_wrong_rates_of_recordings_are_suspected(name: str) -> None:
     motion = mocap_motion(name)
     assert not suspicion_at(motion, RIGHT[name])

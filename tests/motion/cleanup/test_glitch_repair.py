@@ -15,6 +15,7 @@ from live.motion.retarget.body_tracks import body_tracks
 from live.motion.retarget.retarget import retarget
 from live.motion.skeleton import SKELETON
 from tests.fixtures.mocap import mocap_motion
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.retarget.made_source import NAMES, moving_values, source
 
 
@@ -118,7 +119,7 @@ def test_glitch_at_end_is_not_repaired() -> None:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize(("take", "count"), [("03", 1), ("04", 3), ("05", 2), ("06", 1)])
+@mostly_long(("take", "count"), [("03", 1), ("04", 3), ("05", 2), ("06", 1)], quick=[1])
 def test_salsa_recordings_are_repaired(take: str, count: int) -> None:
     """The feet's pops of up to 2,800 m/s² are in the recording; repaired, nothing is beyond the clean takes' 320."""
     motion = mocap_motion(f"salsa/60_{take}.bvh")

@@ -11,6 +11,7 @@ from live.motion.cleanup.trim_start import find_recording_start
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.body_tracks import body_tracks
 from tests.fixtures.mocap import mocap_index, mocap_motion
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.retarget.made_source import NAMES, moving_values, source
 
 SALSA_LEADERS = {
@@ -134,7 +135,7 @@ def test_short_recording_has_no_glitches() -> None:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("take", SALSA_LEADERS)
+@mostly_long("take", SALSA_LEADERS, quick=[0, 3])
 def test_salsa_glitches_match_reference_list(take: str) -> None:
     found = detect_glitches(mocap_motion(f"salsa/60_{take}.bvh"), 60.0)
     assert [(f.first_frame, f.last_frame) for f in found] == SALSA_LEADERS[take]

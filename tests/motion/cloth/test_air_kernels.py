@@ -66,7 +66,7 @@ def test_only_what_exceeds_gravity_is_followed():
     assert not v[[0, 2]].any()
 
 
-@mostly_long("fabric", ["silk", "cotton", "wool", "tulle"], quick=[0])
+@mostly_long("fabric", ["silk", "cotton", "wool", "tulle"], quick=[])
 def test_skirt_does_not_turn_over_in_jumps_at_180_bpm(fabric):
     """Up and down by half a metre in two beats, at up to 2.2 times gravity."""
     batch, high = dressed("skirt", fabric=fabric), []

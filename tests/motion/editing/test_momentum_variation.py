@@ -229,6 +229,7 @@ def test_mirrored_steps_have_the_mirror_images():
     assert len({each.clip.name for each in found}) == 4
 
 
+@pytest.mark.long
 def test_draws_depend_on_seed_step_and_number_alone():
     again = vary_step(sketched_step("walk"), 3, 1)
     assert all(np.array_equal(a.clip.rotation, b.clip.rotation) for a, b in zip(again, variations("walk"), strict=True))

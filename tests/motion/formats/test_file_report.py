@@ -14,6 +14,7 @@ from live.motion.formats.file_report import MotionReport, SourceTracks, analyze_
 from live.motion.formats.source_motion import SourceMotion
 from live.motion.retarget.joint_mapping import find_body
 from tests.fixtures.mocap import MOCAP, mocap_file, mocap_index
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.formats.made_bvh import body_bvh, column, dance_values, still
 
 ROWS = [row for row in mocap_index() if row.get("joints") is not None]
@@ -39,7 +40,7 @@ def report_of(name: str) -> tuple[MotionReport, SourceTracks]:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("row", ROWS, ids=row_file)
+@mostly_long("row", ROWS, quick=range(0, len(ROWS), 3), ids=row_file)
 def test_counts_match_index(row: dict[str, Any]) -> None:
     facts, tracks = report_of(row["file"])
     assert (facts.joints, facts.end_sites, facts.channels) == (row["joints"], row["end_sites"], row["channels"])

@@ -27,6 +27,7 @@ def matrix(place: np.ndarray, turn: np.ndarray, scale: np.ndarray) -> np.ndarray
     return result
 
 
+@pytest.mark.long
 @pytest.mark.shared
 def test_glb_and_its_source_bvh_have_same_motion() -> None:
     glb = parse_gltf(mocap_file("group/perfume_aachan.glb").read_bytes(), "aachan.glb")

@@ -55,7 +55,7 @@ def two_takes(seed: int) -> tuple[Cloud, Units]:
     return leader_cloud(leader).resampled(RATE), cut_units([*units.examples, *more.examples])
 
 
-@mostly_long("off", [0.5, None], quick=[1])
+@mostly_long("off", [0.5, None], quick=[])
 def test_wrong_beats_are_not_obeyed(off: float | None, monkeypatch: pytest.MonkeyPatch) -> None:
     """Beats half a unit off, or of another tempo (None), where beats are believed as strictly as ever: the leader
     contradicts them, and the follower is no farther from the recorded one, within 5 % and 1.5 cm."""
@@ -123,6 +123,7 @@ def test_odd_leaders_are_followed_without_jumps_at_a_distance(kind: str, takes: 
     np.testing.assert_allclose(turned, 1.0)
 
 
+@pytest.mark.long
 def test_lost_hands_change_little() -> None:
     """Without the hands the other points still tell where the couple is."""
     leader, units = led_pair(56)
@@ -132,6 +133,7 @@ def test_lost_hands_change_little() -> None:
     assert np.hypot(*(whole - part)[:, ::2].T).mean() < 0.1
 
 
+@pytest.mark.long
 def test_roles_can_be_exchanged() -> None:
     """Learnt with the follower as the leader, the recorded leader comes out."""
     leader, units = led_pair(57)

@@ -162,7 +162,7 @@ def roughness(path):
     return np.linalg.norm(np.diff(path[:, ARM_JOINTS], axis=0), axis=-1).max()
 
 
-@pytest.mark.parametrize("seed", range(20))
+@mostly_long("seed", range(20), quick=[0, 3, 6, 9, 12, 15])
 def test_hands_that_pass_through_the_trunk_are_at_most_thirty_times_as_fast(seed):
     """From before the body to behind it: near the trunk's axis the shortest way out changes sides."""
     begin, end = (random_local(1, seed=seed, ahead=ahead, spread=0.03)[0] for ahead in (0.2, -0.2))
@@ -259,7 +259,7 @@ def jolt(position, rate):
     return np.linalg.norm(np.diff(position[:, :, ARM_JOINTS], 2, axis=0), axis=-1).max() * rate
 
 
-@pytest.mark.parametrize(("speed", "softer", "touching"), [(1.5, 0.93, 0.0), (4.0, 0.85, 0.0)])
+@mostly_long(("speed", "softer", "touching"), [(1.5, 0.93, 0.0), (4.0, 0.85, 0.0)], quick=[1])
 def test_arms_of_a_show_give_way_softly_and_in_time(speed, softer, touching):
     """Hands come together at 4 m/s, and at 11 m/s. Softer arms would miss the beat."""
     time, position, rotation = arms_that_meet(60.0, speed)

@@ -86,6 +86,7 @@ def test_examples_of_several_moods_are_told_apart():
     assert ends.bend[LOWER, ENERGY, CHEST, 0] == pytest.approx(0.3, abs=0.02)
 
 
+@pytest.mark.long
 def test_a_mood_is_not_on_one_side():
     walk = steps_of("walk")
     limp = {LEFT_ARM: (0.0, 0.0, -0.4)}

@@ -7,6 +7,7 @@ from bench._seen_bodies import danced_by_another
 from live.library.step_folder import load_folder
 from live.motion.recognition.step_recognition import MIN_MOTION, UNKNOWN, StepTemplates, is_seen, motion_of
 from live.show.patch.patch_search_path import PATCHES
+from tests.fixtures.mostly_long import mostly_long
 
 
 @pytest.fixture(scope="module")
@@ -28,7 +29,7 @@ def some(clips):
     return found.values()
 
 
-@pytest.mark.parametrize("count", [4, 2])
+@mostly_long("count", [4, 2], quick=[1])
 def test_steps_are_recognised_in_other_bodies_at_other_tempos(clips, templates, count):
     names, known = templates
     chance = np.random.default_rng(11)

@@ -264,7 +264,7 @@ def test_adjacent_quaternions_have_equal_signs() -> None:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("name", REAL)
+@mostly_long("name", REAL, quick=[0, 8])
 def test_limb_directions_match_recordings(name: str) -> None:
     motion, how = mocap_motion(name), REAL[name]
     rate = float(how.get("fps", motion.header_fps))
@@ -283,7 +283,7 @@ def test_limb_directions_match_recordings(name: str) -> None:
 
 
 @pytest.mark.shared
-@pytest.mark.parametrize("name", [name for name in REAL if "styled" not in name])
+@mostly_long("name", [name for name in REAL if "styled" not in name], quick=[0, 7])
 def test_feet_stand_on_floor_without_added_slide(name: str) -> None:
     motion, how = mocap_motion(name), REAL[name]
     rate = float(how.get("fps", motion.header_fps))

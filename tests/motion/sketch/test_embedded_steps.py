@@ -14,6 +14,8 @@ from tests.motion.sketch.sketch_measure import SIDES, first_and_last, joints, sl
 from tests.places import ROOT
 
 FILES = sorted((ROOT / "patches" / "steps").glob("*.toml"))
+TRAVELLING = ("walk", "kick", "reach", "samba", "side_step")
+"""Steps with nine directions take most of the time."""
 NEEDED = {"groove", "side step", "samba", "tap", "turn", "jump", "arm wave", "bow", "walk"}
 
 
@@ -27,7 +29,11 @@ def original_steps(steps: list[StepClip]) -> list[StepClip]:
     return [step for step in steps if not step.mirrored]
 
 
-@pytest.fixture(scope="module", params=FILES, ids=[path.stem for path in FILES])
+@pytest.fixture(
+    scope="module",
+    params=[pytest.param(path, marks=[pytest.mark.long] * (path.stem in TRAVELLING[1:])) for path in FILES],
+    ids=[path.stem for path in FILES],
+)
 def path(request: pytest.FixtureRequest) -> Path:
     found: Path = request.param
     return found
@@ -137,6 +143,7 @@ def test_hip_heights_at_measure_lines_are_similar() -> None:
     assert np.ptp(hips) < 0.12
 
 
+@pytest.mark.long
 def test_readme_example_is_valid_step() -> None:
     text = (FILES[0].parent / "README.md").read_text(encoding="utf-8")
     example = text.split("```toml\n")[1].split("```")[0]

@@ -11,6 +11,7 @@ from live.motion.skeleton import SKELETON
 from live.motion.sketch.sketch_clips import TAIL_SAMPLES, step_clip, step_clips
 from live.motion.sketch.sketch_file import Key, Sketch, SketchError, parse_sketch
 from live.motion.step_clip import DIRECTIONS
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.sketch.sketch_measure import SIDES, first_and_last, joints, slide, soles
 
 STEP_TOUCH = """
@@ -31,6 +32,7 @@ def sketch_of(text: str) -> Sketch:
     return parse_sketch('name = "test"\n' + text, "test.toml")
 
 
+@pytest.mark.long
 def test_traveling_sketch_gives_nine_directions_and_mirrors() -> None:
     steps = step_clips(parse_sketch(STEP_TOUCH, "touch.toml"))
     assert [step.direction for step in steps] == [*DIRECTIONS, *DIRECTIONS]
@@ -54,7 +56,7 @@ def test_clip_has_expected_timing_and_layout() -> None:
     assert np.allclose(step.clip.root_position[96, [0, 2]], 0.0)
 
 
-@pytest.mark.parametrize("direction", DIRECTIONS)
+@mostly_long("direction", DIRECTIONS, quick=[0, 3, 6])
 def test_travel_follows_direction_without_sliding(direction: str) -> None:
     step = step_clip(parse_sketch(STEP_TOUCH, "touch.toml"), direction)
     first, last = first_and_last(step)

@@ -44,6 +44,7 @@ def test_call_sites_include_tick_and_measure_line_code(sites):
     assert sys.getprofile() is None
 
 
+@pytest.mark.long
 def test_call_sites_in_circuit_breakers_are_marked(sites):
     """The name of their file is a string, which went stale when the file moved."""
     assert 0 < sum(site.is_breaker for site in sites) < len(sites) / 2

@@ -35,7 +35,7 @@ def _dense(mesh: BodyMesh) -> npt.NDArray[np.float64]:
     return dense
 
 
-@pytest.mark.parametrize("level", LEVELS)
+@mostly_long("level", LEVELS, quick=[0])
 def test_every_edge_has_two_triangles_of_opposite_orientation(level: int) -> None:
     directed = _edges(build_body(level))
     assert len(np.unique(directed, axis=0)) == len(directed)

@@ -63,7 +63,7 @@ def test_shell_lies_off_the_skin_and_near_it(level, name) -> None:
     np.testing.assert_allclose(np.linalg.norm(mesh.normal, axis=1), 1.0, atol=1e-4)
 
 
-@mostly_long("body", BODIES, quick=[0, 6, 7, 8])
+@mostly_long("body", BODIES, quick=[0, 8])
 def test_shells_fit_every_body(body) -> None:
     shape = Shape(trunk_of(body))
     for name in GARMENTS:
@@ -84,7 +84,7 @@ def test_jacket_is_symmetric_and_open_over_the_breast() -> None:
     assert (opening & (mesh.place[:, 1] < 1.0)).any()
 
 
-@pytest.mark.parametrize("level", [LIGHT, CLOSE, FINE])
+@mostly_long("level", [LIGHT, CLOSE, FINE], quick=[0, 1])
 def test_lapels_and_collars_lie_on_the_jacket(level) -> None:
     mesh, shape = build_garment(level, "man", "jacket"), Shape(trunk_of("man"))
     distance = shape.distance(mesh.position.astype(np.float64))

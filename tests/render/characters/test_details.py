@@ -108,6 +108,7 @@ def test_character_without_hands_and_face_dances_without_them(tmp_path):
     assert loaded.levels[FINE].body.joint.max() < FIRST
 
 
+@pytest.mark.long
 def test_hands_of_four_fingers_are_named_by_their_order():
     style = STYLES["nothing said"] | {"fingers": ("Thumb", "Index", "Middle", "Ring")}
     _, _, nodes = detailed_document(Detailed(**style))
@@ -164,6 +165,7 @@ def movements_of(morphs, vertices):
     return moved
 
 
+@pytest.mark.long
 def test_blend_shapes_move_the_fitted_face_as_in_the_file(tmp_path):
     loaded = load(tmp_path, shapes=ARKIT, **STYLES["Mixamo"])  # in centimetres
     body, morphs = loaded.levels[FINE].body, loaded.levels[FINE].morphs

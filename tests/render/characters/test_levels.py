@@ -12,6 +12,7 @@ from live.render.body.body_mesh import DISTANT, LIGHT
 from live.render.dancers.dancer_batch import DancerBatch
 from live.render.passes.dancer_pass import GBufferPass
 from live.render.uniforms import FrameUniforms
+from tests.fixtures.mostly_long import mostly_long
 from tests.render.poses import LUNGE, REACH, stage_view
 from tests.render.test_renderer import scene
 
@@ -66,7 +67,7 @@ def test_near_dancer_has_same_body_at_every_quality(outline):
         assert whole.sum() > 5000
 
 
-@pytest.mark.parametrize("turns", [LUNGE, REACH], ids=["lunge", "reach"])
+@mostly_long("turns", [LUNGE, REACH], ids=["lunge", "reach"], quick=[1])
 def test_outline_is_kept_at_level_change_distance(outline, turns):
     away = SOFTWARE.far_from
     near = outline(SOFTWARE, away, turns)

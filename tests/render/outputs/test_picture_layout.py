@@ -185,7 +185,7 @@ def test_parts_drawn_alone_are_the_whole_picture(draw, quality):
     assert (off > 1).mean() < 5e-4
 
 
-@mostly_long("name", ["bloom", "ink", "trails", "focus", "blur"], quick=[4])
+@mostly_long("name", ["bloom", "ink", "trails", "focus", "blur"], quick=[])
 def test_passes_find_in_the_border_what_they_need(draw, name):
     scene = replace(SCENE, passes=("shadow", "mirror", name))
     views = [three_dancers() for _ in range(3)]

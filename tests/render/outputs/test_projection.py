@@ -73,6 +73,7 @@ def capture_monitors(x_server: TwoMonitorX) -> tuple[np.ndarray, np.ndarray]:
     return seen[: FIRST[1], : FIRST[0]], seen[: SECOND[1], FIRST[0] : FIRST[0] + SECOND[0]]
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_plain_output_matches_picture_exactly(open_projection: Open, stage_x: TwoMonitorX) -> None:
     projection = open_projection(monitor=find_monitor("2"), fullscreen=True)
@@ -114,6 +115,7 @@ def test_unplugged_projector_recovers_while_other_continues(open_projection: Ope
     np.testing.assert_array_equal(second, picture_of(projection)[:, 800:])
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_overlay_is_shown_only_to_operator(open_projection: Open, stage_x: TwoMonitorX) -> None:
     words = empty_view(("measure 12", "beat 3 of 4"))

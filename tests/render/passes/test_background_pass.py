@@ -168,6 +168,7 @@ def test_front_picture_hides_dancers_behind_it_but_not_those_before_it(show, tmp
     assert covered >= len(behind) - 2  # some are hidden by those before
 
 
+@pytest.mark.long
 @BOTH
 def test_added_light_of_a_gauze_is_clear_where_it_is_black(show, tmp_path, quality):
     black, grey = (str(write_image(tmp_path / f"{level}.png", (level,) * 3)) for level in (0, 90))
@@ -183,6 +184,7 @@ def test_added_light_of_a_gauze_is_clear_where_it_is_black(show, tmp_path, quali
     assert (more - off).mean() > 8.0
 
 
+@pytest.mark.long
 def test_opaque_and_transparent_parts_of_one_image(show, tmp_path):
     half = np.zeros((8, 8, 4), np.uint8)
     half[:, 4:] = 255, 0, 0, 255
@@ -202,6 +204,7 @@ def test_planes_have_their_size_and_place():
     assert down == pytest.approx((0.0, -5.0, 0.0))
 
 
+@pytest.mark.long
 @pytest.mark.skipif(not Path("/dev/shm").is_dir(), reason="memory files are at another place here")
 def test_live_input_is_drawn_and_stays_when_it_ends(show, tmp_path):
     name = f"choreographics-plane-{os.getpid()}"
@@ -216,6 +219,7 @@ def test_live_input_is_drawn_and_stays_when_it_ends(show, tmp_path):
     assert red_of(draw(said), (4, 4)) > 100
 
 
+@pytest.mark.long
 def test_pictures_with_alpha_have_no_planes(gl_context, tmp_path):
     of = replace(
         scene(1), backgrounds=(Background(str(write_image(tmp_path / "a.png")), place="front", fit="picture"),)

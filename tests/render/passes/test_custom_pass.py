@@ -110,7 +110,7 @@ def test_line_is_read_from_log_of_every_driver(log, line):
 
 
 @pytest.mark.gl
-@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[], ids=["software", "card"])
 def test_custom_pass_draws_and_amount_of_0_disables_it(draw, quality):
     plain = draw((), quality=quality)[0].astype(int)
     negative = draw((parse_pass("negative", NEGATIVE),), quality=quality)[0].astype(int)

@@ -102,6 +102,7 @@ def test_light_of_lines_and_regions_depends_on_distance_only(
         assert light[np.abs(d + 0.7) < 0.04].min() > light[np.abs(d - 1.1) < 0.04].max()
 
 
+@pytest.mark.long
 def test_disc_and_wide_line_have_border_at_radius(floor: Draw, elements: ElementPass) -> None:
     for points, shape in (((1.0, 0.5),), shapely.Point(1.0, 0.5)), (BENT, shapely.LineString(BENT)):
         drawn = floor(elements, view_of(ATTRACTOR, *points, radius=0.8))
@@ -111,6 +112,7 @@ def test_disc_and_wide_line_have_border_at_radius(floor: Draw, elements: Element
         assert drawn.brightness[d < 0.5].min() > 0.02
 
 
+@pytest.mark.long
 def test_crossing_is_full_line_with_sparks_to_both_sides(floor: Draw, elements: ElementPass) -> None:
     frames = [floor(elements, view_of(CROSSING, (-0.1, 0.5), (0.1, 0.5), beat=b)) for b in np.arange(0.0, 2.0, 0.125)]
     for drawn in frames:

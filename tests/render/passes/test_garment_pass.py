@@ -44,7 +44,11 @@ def styled(**amounts):
     return row
 
 
-@pytest.fixture(scope="module", params=[SOFTWARE, HARDWARE], ids=["software", "hardware"])
+@pytest.fixture(
+    scope="module",
+    params=[SOFTWARE, pytest.param(HARDWARE, marks=pytest.mark.long)],
+    ids=["software", "hardware"],
+)
 def draw(request, headless_context):
     with headless_context:
         renderer = Renderer(headless_context, SCENE, size=SIZE, quality=request.param)

@@ -35,7 +35,7 @@ def draw(gl_context):
         thing.release()
 
 
-@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0], ids=["software", "card"])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[], ids=["software", "card"])
 def test_side_light_lights_its_side_in_its_colour(draw, quality):
     view = standing()  # alone and straight: nobody hides a side of her, no limb has sides of its own
     dark, lit = draw(DIM, view, quality), []
@@ -49,6 +49,7 @@ def test_side_light_lights_its_side_in_its_colour(draw, quality):
     assert lit[0] + 0.3 < lit[1]
 
 
+@pytest.mark.long
 def test_back_light_reaches_edges_but_not_chest(draw):
     view = crowd()
     more = draw(DIM | {"light/back": 2.0}, view) - draw(DIM, view)
@@ -86,6 +87,7 @@ def test_follow_spot_lights_only_followed_dancer(draw):
     assert gained[away > 2.0].max() < 0.4 * gained[4]
 
 
+@pytest.mark.long
 def test_picture_without_stage_light_is_black_except_dancers(draw):
     black = draw({"light/stage": 0.0})
     assert (black.max(axis=2) == 0).mean() > 0.6

@@ -114,6 +114,7 @@ def test_half_float_path_matches_direct_path(draw_once):
     assert (np.abs(plain - soft).max(axis=2) > 20).mean() < 0.005  # edges are softened a little otherwise
 
 
+@pytest.mark.long
 def test_grade_parameters_change_picture_as_named(draw_once):
     plain = draw_once().astype(float)
     warm, cold = draw_once(grade__temperature=0.6).astype(float), draw_once(grade__temperature=-0.6).astype(float)

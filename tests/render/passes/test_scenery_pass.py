@@ -96,6 +96,7 @@ def test_image_of_a_set_piece_is_upright(draw, tmp_path, quality):
     assert below[0] > below[1] + 30
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_set_piece_casts_a_shadow_away_from_the_key_light(draw, tmp_path):
     post = lathe([(0.4, 0.0), (0.4, 1.0), (0.001, 1.0)])
@@ -109,6 +110,7 @@ def test_set_piece_casts_a_shadow_away_from_the_key_light(draw, tmp_path):
     assert seen[other[1], other[0]].sum() > 0.95 * bare[other[1], other[0]].sum()
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_file_lost_after_the_check_is_left_out_and_told(draw, tmp_path):
     (bare, _), (seen, problems) = draw(), draw(SceneryFile(str(tmp_path / "gone.glb")))

@@ -115,7 +115,7 @@ def test_golden_styles(draw_last, golden, style):
     golden(draw_last((three_dancers(0.3), row_with(**{style: 1.0}))), f"style_{style}", law=STILL[style], off=0.01)
 
 
-@mostly_long("style", ["ribbons", "trails"], quick=[1])
+@mostly_long("style", ["ribbons", "trails"], quick=[])
 def test_golden_motion_history_styles(draw_last, golden, style):
     """The same moment with and without its history: light is added, and only outside the dancers."""
     moments = dance_moments(row_with(**{style: 1.0, "solid": 1.0}))

@@ -100,7 +100,7 @@ def test_title_in_the_stage_has_its_height_in_metres(draw):
 
 
 @pytest.mark.gl
-@mostly_long("entrance", ["fade", "rise", "wipe", "type"], quick=[2])
+@mostly_long("entrance", ["fade", "rise", "wipe", "type"], quick=[])
 def test_entrances_begin_with_nothing_grow_and_end_complete(draw, entrance):
     bare, _ = draw()
     lit = []
@@ -125,7 +125,7 @@ def test_letters_that_the_font_lacks_are_nothing_and_told_once(draw):
 
 
 @pytest.mark.gl
-@mostly_long(("accented", "plain", "above"), [("É", "E", True), ("ñ", "n", True), ("Ç", "C", False)], quick=[0])
+@mostly_long(("accented", "plain", "above"), [("É", "E", True), ("ñ", "n", True), ("Ç", "C", False)], quick=[])
 def test_accents_that_the_font_lacks_are_composed(draw, accented, plain, above):
     (with_accent, problems), (without, _) = (
         draw(Title(letter, size=0.3, colour=WHITE, entrance="cut")) for letter in (accented, plain)
@@ -184,6 +184,7 @@ def test_font_that_cannot_be_read_is_told_and_replaced(tmp_path):
     assert field.missing == ["the font bad.ttf cannot be read; the usual one is drawn"]
 
 
+@pytest.mark.long
 @pytest.mark.gl
 def test_more_letters_than_there_is_room_for_are_left_out(draw):
     many = tuple(replace(Title("M" * 250, size=0.02), at=(0.5, 0.1 * n, 0.0)) for n in range(10))

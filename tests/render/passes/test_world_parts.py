@@ -61,6 +61,7 @@ def test_those_who_stand_make_a_small_ring_on_each_beat():
     assert seen[0, 3] < 0.5
 
 
+@pytest.mark.long
 def test_rings_are_forgotten_when_time_goes_back_and_when_too_many():
     rings = StepRings()
     rings.update(stepping(0.2, 5.0)[0])

@@ -77,7 +77,7 @@ class Pictures:
         self.target.release()
 
 
-@pytest.fixture(params=[SOFTWARE, HARDWARE], ids=["software", "card"])
+@pytest.fixture(params=[SOFTWARE, pytest.param(HARDWARE, marks=pytest.mark.long)], ids=["software", "card"])
 def pictures(request, gl_context):
     made = Pictures(gl_context, request.param)
     yield made
@@ -117,7 +117,7 @@ def test_both_qualities_show_the_same_worlds(gl_context):
     card.release()
 
 
-@mostly_long(("one", "other"), [*pairwise((*WORLD_NAMES, "haze")), ("paper", "water"), ("dusk", "studio")], quick=[7])
+@mostly_long(("one", "other"), [*pairwise((*WORLD_NAMES, "haze")), ("paper", "water"), ("dusk", "studio")], quick=[])
 def test_cross_fade_has_no_jump(plain, one, other):
     begin, end = world_row(one), world_row(other)
     frames, steps = [], 32
@@ -199,7 +199,7 @@ def test_paper_has_ink_around_dancers_and_grain(plain):
     assert 0.3 < np.abs(np.diff(sheet, axis=1)).mean() < 8.0
 
 
-@pytest.mark.parametrize("name", GOBO_NAMES)
+@mostly_long("name", GOBO_NAMES, quick=[0])
 def test_gobo_takes_key_light_from_floor_and_bodies(pictures, name):
     base = {"light__rim": 0.0, "light__beams": 0.0, "pass__mirror": 0.0, "pass__bloom": 0.0}
     said = base | {f"light__gobo__{name}": 1.0, "light__gobo__size": 2.0}
@@ -223,6 +223,7 @@ def test_floor_pattern_moves_with_the_beat_and_stays_on_the_stage(plain, name):
     assert np.abs(one - bare)[off_stage[1], off_stage[0]].max() <= 2
 
 
+@pytest.mark.long
 def test_gobo_is_turned_as_the_view_says(plain):
     row = seen_from(world_row("", light__gobo__window=1.0, pass__mirror=0.0), ABOVE)
     views = [crowd() for _ in range(3)]
@@ -260,7 +261,7 @@ def test_passes_of_unseen_worlds_draw_nothing(plain):
     assert not any(type(one).__name__ == "PaperPass" for one in pipeline.chain.active(moment, ()))
 
 
-@pytest.mark.parametrize("quality", [SOFTWARE, HARDWARE])
+@mostly_long("quality", [SOFTWARE, HARDWARE], quick=[0])
 def test_waves_do_not_show_the_other_side_at_an_edge(gl_context, quality):
     down = Camera((0.0, 4.5, 6.0), (0.0, 0.8, 0.0), 60.0)  # the light sky above, dark water below
     pictures = Pictures(gl_context, quality)

@@ -119,6 +119,7 @@ def wayland_only(**more: str) -> str:
     return told.stdout.decode()
 
 
+@pytest.mark.long
 @pytest.mark.skipif(sys.platform != "linux", reason="Wayland is of Linux")
 def test_a_wayland_compositor_with_which_glfw_cannot_start_is_a_reason() -> None:
     told = wayland_only()

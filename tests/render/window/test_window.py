@@ -81,6 +81,7 @@ def red_shares(x_server: TwoMonitorX) -> tuple[float, float]:
     return float(first.mean()), float(second.mean()) if second.size else 0.0
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_fullscreen_window_covers_second_monitor(open_window: Open, stage_x: TwoMonitorX) -> None:
     window = open_window(monitor=find_monitor("2"), fullscreen=True)
@@ -112,6 +113,7 @@ def test_default_monitor_is_primary(open_window: Open) -> None:
     assert window_place(window) == (0, 0, *FIRST)
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_pressed_keys_are_received(open_window: Open, stage_x: TwoMonitorX) -> None:
     window = open_window(monitor=find_monitor("2"), fullscreen=True)
@@ -133,6 +135,7 @@ def test_pressed_keys_are_received(open_window: Open, stage_x: TwoMonitorX) -> N
     assert window_place(window) == (640, 0, 800, 600), "no key closes or moves the window by itself"
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_pointer_position_is_in_picture_pixels(open_window: Open, stage_x: TwoMonitorX) -> None:
     window = open_window(monitor=find_monitor("2"), fullscreen=True)
@@ -179,6 +182,7 @@ def test_enlarged_window_is_filled_to_its_edges(open_window: Open, stage_x: TwoM
     assert second == pytest.approx(500 * 320 / (800 * 600))
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_picture_is_copied_and_read_completely_after_resize(open_window: Open, stage_x: TwoMonitorX) -> None:
     window = open_window(monitor=find_monitor("2"))
@@ -200,6 +204,7 @@ def test_picture_is_copied_and_read_completely_after_resize(open_window: Open, s
     np.testing.assert_array_equal(shown, picture)
 
 
+@pytest.mark.long
 @pytest.mark.x11
 def test_window_returns_to_replugged_projector(open_window: Open, stage_x: TwoMonitorX) -> None:
     window = open_window(monitor=find_monitor("2"), fullscreen=True)

@@ -65,6 +65,7 @@ def test_dancers_approach_gathering_points_and_leave_repulsors():
     assert coming.active_elements() == {}
 
 
+@pytest.mark.long
 def test_close_and_mute_act_within_one_tick_and_stale_reports_are_ignored():
     session = AudienceSession()
     session.run(1, places=EAST, lights=((7, 500, 0, 300, 1),))
@@ -103,6 +104,7 @@ def test_operator_gain_and_attractor_override_audience_strength():
     assert session.active_elements()[PARTICIPANT] == pytest.approx(2.0 * LED_GAIN)
 
 
+@pytest.mark.long
 def test_moved_places_keep_elements_and_may_change_kind():
     session = AudienceSession()
     session.run(0.5, places=((500, 0, 1000, 1), (-300, 0, 500, 1)))
@@ -142,6 +144,7 @@ def test_lights_follow_phones_and_fade_while_banned_lights_vanish():
     assert session.show.audience.facts()["lights"] != []
 
 
+@pytest.mark.long
 def test_turn_begins_and_ends_at_measure_lines():
     session = AudienceSession()
     session.run(0.75)
@@ -239,6 +242,7 @@ def caption(show):
     return view.caption, view.caption_level
 
 
+@pytest.mark.long
 def test_picture_shows_tally_then_winner_for_its_measures_unless_operator_hides_it():
     session = AudienceSession(REGIONS + "winner_measures = 2\n")
     assert caption(session.show) == ((), 1.0)

@@ -77,7 +77,7 @@ def test_dancer_outside_returns_at_walking_speed():
     assert there[0, 0] == pytest.approx(3.0, abs=0.01)
 
 
-@mostly_long("seed", [0, 1, *(pytest.param(more, marks=pytest.mark.long) for more in (2, 3))], quick=[1])
+@mostly_long("seed", [0, 1, *(pytest.param(more, marks=pytest.mark.long) for more in (2, 3))], quick=[])
 def test_canon_dancers_stay_on_stage_when_performer_does(seed):
     chance = np.random.default_rng(seed)
     extra = f'dancer = "back & 6"\ncanon = "front"\ncanon_beats = {chance.choice([0.5, 1.0, 2.0])}'

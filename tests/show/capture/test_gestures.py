@@ -19,6 +19,7 @@ from live.show.loader import LoadedShow
 from live.show.patch import gesture_files
 from live.show.patch.patch_reader import PatchError, parse_patch, read_patch
 from live.show.state.snapshot import Snapshotter, restore
+from tests.fixtures.mostly_long import mostly_long
 from tests.motion.recognition.test_gestures import DOWN, body, raised, wave
 from tests.show.made_show import GRAPH, PATCH
 
@@ -103,7 +104,7 @@ def test_a_learned_gesture_is_found_soon_and_a_replay_is_the_same():
     assert first.gestures.facts()["last"][0]["time"] > 7.0
 
 
-@pytest.mark.parametrize("tick", [150, 194, 200, 204, 230, 460, 500])
+@mostly_long("tick", [150, 194, 200, 204, 230, 460, 500], quick=[3])
 def test_a_show_with_gestures_continues_from_a_snapshot(tick):
     script = [learn(193, beats=4.0)]
     show = loaded().start()
@@ -117,6 +118,7 @@ def test_a_show_with_gestures_continues_from_a_snapshot(tick):
     assert restored.score_runner.signals == {"figure": 1}
 
 
+@pytest.mark.long
 def test_learning_is_spread_over_ticks_of_little_work_each(monkeypatch):
     work = []
 
@@ -153,6 +155,7 @@ def test_learning_is_spread_over_ticks_of_little_work_each(monkeypatch):
     assert len(work) < 1200
 
 
+@pytest.mark.long
 def test_an_edit_of_the_patch_while_a_gesture_is_learned_begins_the_lesson_anew():
     show = loaded().start()
     dance(show, 1, 200, figure, extra=[learn(193, beats=4.0)])
@@ -203,6 +206,7 @@ def bvh(tmp_path, poses, rate=30.0):
     (tmp_path / "wave.bvh").write_text(write_bvh(clip, rate=None))
 
 
+@pytest.mark.long
 def test_an_example_from_a_file(tmp_path):
     bvh(tmp_path, [body(DOWN, wave(number / 30.0, 1.0)) for number in range(120)])
     patch = tmp_path / "night.toml"

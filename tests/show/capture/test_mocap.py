@@ -101,6 +101,7 @@ def test_dropout_holds_pose_then_blends_out_and_back_without_pop():
     assert np.abs(np.diff(seen[MEASURE:, 0, 0], axis=0)).max() < 0.03
 
 
+@pytest.mark.long
 def test_short_gap_is_caught_up_smoothly():
     show = made_show("[motion]\narm_clearance = 0.0\n")  # the arm is shown as it was captured
     gap = range(MEASURE + 40, MEASURE + 52)
@@ -112,6 +113,7 @@ def test_short_gap_is_caught_up_smoothly():
     )
 
 
+@pytest.mark.long
 def test_rendering_does_not_change_state():
     show, other = made_show(), made_show()
     view = show.view()
@@ -136,6 +138,7 @@ def test_mirrored_performer_matches_mirrored_clip():
     np.testing.assert_allclose(seen[-1, 0], turned + np.array([0.5, 0.0, -1.0]), atol=3e-3)
 
 
+@pytest.mark.long
 def test_performer_switches_to_mirror_image_without_pop():
     show = made_show(performer())
     seen = [run(show, 1, MEASURE + 20, name="anna")]
@@ -151,6 +154,7 @@ def test_performer_switches_to_mirror_image_without_pop():
     )
 
 
+@pytest.mark.long
 def test_canon_group_repeats_performer_in_sequence():
     show = made_show(performer('dancer = "back & 6"\ncanon = "front & 1-2"\ncanon_beats = 2.0'))
     seen = run(show, 1, 4 * MEASURE, name="anna")
@@ -170,6 +174,7 @@ def test_canon_group_repeats_performer_in_sequence():
     assert show.mocap.facts(show.time)["anna"]["dancers"] == [6]
 
 
+@pytest.mark.long
 def test_performer_can_be_recast_or_hidden():
     show = made_show(performer() + performer(name="ben"))
     for tick in range(1, MEASURE):
@@ -229,6 +234,7 @@ def tracker_event(time, name, x, z):
     return events.TrackerMoved(time=time, source="psn", tracker=name, x=x, y=1.0, z=z)
 
 
+@pytest.mark.long
 def test_tracker_moves_patch_performer_or_becomes_obstacle():
     extra = performer('dancer = "front & 2"\nattract = 1.0\nattracts = "back"\nat = [0.5, 0.0]', name="Anna")
     show = made_show(extra + performer(name="Ben") + '[psn]\naxes = "-x z"\n')
@@ -270,6 +276,7 @@ def test_invalid_frames_and_casts_are_refused_and_counted():
         made_show(performer('canon = "unheard of"'))
 
 
+@pytest.mark.long
 def test_edited_patch_keeps_captured_performer():
     patches = [parse_patch(PATCH + performer(f"mirrored = {each}"), "test.toml") for each in ("false", "true")]
     show = made_show(performer("mirrored = false"))

@@ -105,6 +105,7 @@ def test_drifting_suit_stays_at_tracker_and_tracker_noise_is_suppressed():
     assert speed.std() < 0.02
 
 
+@pytest.mark.long
 def test_new_performer_starts_at_tracker_position():
     show = made_show(ANNA)
     begun = show.dancers.drawn_hips[0].copy()
@@ -173,6 +174,7 @@ def test_restored_show_continues_correction_bit_identically():
     assert restored.state_hash() == show.state_hash()
 
 
+@pytest.mark.long
 def test_replay_of_suit_and_tracker_is_bit_identical(tmp_path):
     loaded = LoadedShow(Path("test.toml"), parse_patch(PATCH + ANNA + 'canon = "back"\n', "test.toml"), GRAPH)
     show, clock, inbox = loaded.start(), ManualClock(), EventQueue()

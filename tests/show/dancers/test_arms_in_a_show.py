@@ -75,6 +75,7 @@ def test_a_group_leaves_its_arms_as_danced(loaded):
     assert np.abs(whole - none).max() > 0.01
 
 
+@pytest.mark.long
 def test_who_is_off_stage_is_in_nobodys_way(loaded):
     show = danced(loaded, seconds=1.5)[0]
     alone = np.zeros(12, np.bool_)

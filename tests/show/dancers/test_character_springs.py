@@ -124,6 +124,7 @@ def test_show_is_restored_where_the_file_is_gone_or_another(loaded, tmp_path):
     assert np.isfinite(view.spring).all()
 
 
+@pytest.mark.long
 def test_springs_begin_at_rest_after_a_stall_of_ten_seconds(loaded):
     show = ticked(loaded, 200)
     later = 200 + 640
@@ -161,6 +162,7 @@ def test_nearest_dancers_swing_if_there_are_too_many_springs(loaded, monkeypatch
     assert away[swinging].max() < away[~swinging].min() + 1.0
 
 
+@pytest.mark.long
 def test_show_goes_on_while_springs_are_out_of_service(loaded):
     show = ticked(loaded, 50)
     show.breakers.trip("springs", "a test")

@@ -114,6 +114,7 @@ def test_eyes_lids_and_mouths_keep_their_limits():
     assert face[..., EFFORT].max() > 0.3
 
 
+@pytest.mark.long
 def test_nothing_jumps():
     """Eyes are no quicker than a person's (1000 degrees a second, the fastest saccades), lids close in 0.08 s."""
     face, hand = dance()["face"], dance()["hand"]
@@ -125,6 +126,7 @@ def test_nothing_jumps():
     assert np.abs(np.diff(hand, axis=0)).max() / TICK < 8.0
 
 
+@pytest.mark.long
 def test_blinks_come_fifteen_to_twenty_times_a_minute_and_not_in_unison():
     closed = dance()["face"][..., BLINK_LEFT] > 0.5
     starts = closed[1:] & ~closed[:-1]
@@ -174,6 +176,7 @@ def test_eyes_lead_the_head_in_turns():
     assert np.mean(np.sign(eyes[fast]) == np.sign(coming[fast])) > 0.95
 
 
+@pytest.mark.long
 def test_breath_follows_effort_and_the_measure():
     found = dance()
     rate, worn = found["number"][-1, :, BREATH_RATE] * 60.0, found["number"][-1, :, EXERTION]
@@ -202,6 +205,7 @@ def test_faces_smile_when_they_are_asked_to():
     assert np.abs(view.face[~front, SMILE] - before[~front]).max() < 0.2
 
 
+@pytest.mark.long
 def test_without_public_gaze_nobody_looks_at_the_public():
     show = made_show(f"[motion]\n{PUBLIC_GAZE.patch.partition('.')[2]} = 0.0\n")
     assert not (run(show, 10.0)["choice"][..., KIND] == PUBLIC).any()
@@ -322,6 +326,7 @@ def test_hands_close_round_the_partners_hand():
     assert (choice[:, 1] >= NOBODY).all()
 
 
+@pytest.mark.long
 def test_captured_performer_turns_and_works_as_recorded():
     """Heading of the head and energy are those of the performer, not of the unseen steps."""
     show = made_show('[[mocap]]\nname = "live"\ndancer = "1"\n[motion]\nfoot_point = 1.0\n')
@@ -346,6 +351,7 @@ def test_captured_performer_turns_and_works_as_recorded():
     assert np.array_equal(view.joint_rotation[0, feet], poses[1][0, feet])  # and the feet, too
 
 
+@pytest.mark.long
 def test_lost_poses_change_nothing():
     """Poses that are no numbers, as those of a leader whose stream breaks, reach neither faces nor the state."""
     show = made_show('[[mocap]]\nname = "live"\ndancer = "1"\n')
@@ -365,6 +371,7 @@ def test_lost_poses_change_nothing():
 # -- state -----------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.long
 def test_expression_at_a_time_is_the_same_at_any_frame_rate():
     often, seldom = made_show(), made_show()
     views = often.view(), seldom.view()

@@ -82,6 +82,7 @@ def test_two_runs_have_the_same_bits():
     assert run(SHOW.start(), 1, 400, SCRIPT) == run(SHOW.start(), 1, 400, SCRIPT)
 
 
+@pytest.mark.long
 def test_pictures_do_not_change_the_simulation():
     one, two, view = SHOW.start(), SHOW.start(), SHOW.start().view()
     for tick in range(1, 120):
@@ -140,7 +141,7 @@ def test_tripped_stage_draws_them_fixed_to_the_body_and_can_be_reset():
     assert not np.array_equal(position, show.garments.simulated["skirt/silk"].position)
 
 
-@pytest.mark.parametrize(("dancers", "substeps"), [(49, SUBSTEPS), (75, FEWEST_SUBSTEPS), (200, FEWEST_SUBSTEPS)])
+@mostly_long(("dancers", "substeps"), [(49, SUBSTEPS), (75, FEWEST_SUBSTEPS), (200, FEWEST_SUBSTEPS)], quick=[0, 1])
 def test_many_garments_stay_within_the_budget(dancers, substeps):
     show = crowd(dancers)
     ticked(show, 3)
@@ -155,6 +156,7 @@ def test_many_garments_stay_within_the_budget(dancers, substeps):
     assert len(moved) == dancers + 1 or 60 < len(moved) < dancers
 
 
+@pytest.mark.long
 def test_those_nearest_to_the_camera_are_simulated():
     show = crowd(200)
     for tick in range(1, 150):
@@ -167,6 +169,7 @@ def test_those_nearest_to_the_camera_are_simulated():
     assert np.median(away[:200][moved[:200]]) < np.median(away[:200][~moved[:200]])
 
 
+@pytest.mark.long
 def test_frozen_picture_keeps_its_garments():
     show, view = SHOW.start(), SHOW.start().view()
     ticked(show, 40)

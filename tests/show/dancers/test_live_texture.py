@@ -66,6 +66,7 @@ def test_leg_history_features_match_bank_features() -> None:
     assert stack_features(np.zeros((SLOTS, 3, FEATURES))).shape == (DIMENSIONS, 3)
 
 
+@pytest.mark.long
 def test_dancers_are_textured_within_two_beats_and_choose_once_per_beat() -> None:
     show = make_textured_show(bank=FREE)
     texturing = show.dancers.texture
@@ -93,6 +94,7 @@ def test_dancers_are_textured_within_two_beats_and_choose_once_per_beat() -> Non
     assert np.allclose(bones, np.linalg.norm(bare_position[:, 9] - bare_position[:, 8], axis=-1), atol=1e-5)
 
 
+@pytest.mark.long
 def test_fader_jumps_cause_no_pop() -> None:
     show = make_textured_show(0.0)
     quiet = max_angular_speed(run(show, 1, 64 * 2))

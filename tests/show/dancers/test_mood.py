@@ -11,6 +11,7 @@ from live.motion.pose.mood_pose import FIRST, LATE_BEATS, MAX_DROP, MoodPose
 from live.motion.skeleton import SKELETON
 from live.show.dancers.variation import section_values
 from live.show.patch.patch_reader import parse_patch
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.dancers.danced_step import danced_step, shipped
 from tests.show.made_show import PATCH, made_show
 
@@ -46,7 +47,7 @@ def test_a_strong_dancer_is_lower_and_keeps_the_feet():
     assert moved.max() < 0.04  # swinging feet
 
 
-@pytest.mark.parametrize(("mood", "value"), [("confidence", -1.0), ("energy", -1.0)])
+@mostly_long(("mood", "value"), [("confidence", -1.0), ("energy", -1.0)], quick=[])
 def test_the_shy_and_the_tired_bow_and_their_opposites_stay_upright(mood, value):
     low, plain, high = (danced(60, **{mood: end}) for end in (value, 0.0, -value))
     height = [(one[:, :, HEAD] - one[:, :, HIPS])[..., 1].mean() for one in (low, plain, high)]
@@ -56,6 +57,7 @@ def test_the_shy_and_the_tired_bow_and_their_opposites_stay_upright(mood, value)
     assert height[2] == pytest.approx(height[1], abs=0.02)
 
 
+@pytest.mark.long
 def test_energy_makes_movements_larger():
     tired, awake = (danced(120, energy=end) for end in (-1.0, 1.0))
     size = [(one[:, :, LEFT_HAND] - one[:, :, HIPS]).std(axis=0).mean() for one in (tired, awake)]
@@ -89,6 +91,7 @@ def largest_cross_correlation(one, other):
     return lags[int(np.argmax(found))]
 
 
+@pytest.mark.long
 def test_hands_of_free_dancers_are_late():
     """A reach sideways comes later, by the lateness at most, and trunk and feet are as without the mood."""
     found = danced_step(shipped("reach"), seconds=8.0, moods=["", "flow = 1.0"])
@@ -100,6 +103,7 @@ def test_hands_of_free_dancers_are_late():
     assert 0.4 * LATE_BEATS < behind < LATE_BEATS
 
 
+@pytest.mark.long
 def test_late_arms_stay_continuous_over_measure_lines():
     found = danced_step(shipped("samba"), seconds=8.0, moods=["", "flow = 1.0"])
     jump = np.linalg.norm(np.diff(found, 2, axis=0), axis=-1).max(axis=(0, 2))
@@ -145,7 +149,7 @@ def test_moods_are_followed_softly():
     assert show.variation.mood == pytest.approx(-1.0, abs=0.03)
 
 
-@pytest.mark.parametrize("end", [-1.0, 1.0])
+@mostly_long("end", [-1.0, 1.0], quick=[1])
 def test_all_moods_at_once_are_finite_and_over_the_floor(end):
     found = danced(90, **dict.fromkeys(MOOD_NAMES, end))
     assert np.isfinite(found).all()

@@ -105,7 +105,9 @@ def palm_gaps(show, view):
     return gaps
 
 
-@pytest.fixture(scope="module", params=["facing", "beside", "shadow"])
+@pytest.fixture(
+    scope="module", params=["facing", *(pytest.param(kind, marks=pytest.mark.long) for kind in ("beside", "shadow"))]
+)
 def pair_run(request, graph):
     """The scene with pairs of each kind."""
     patch = parse_patch(PATCH.replace('"facing"', f'"{request.param}"'), "test.toml")
@@ -162,6 +164,7 @@ def test_odd_dancer_has_no_partner_and_pairs_keep_facing(pair_run):
     assert np.abs(np.arctan2(np.sin(off), np.cos(off))).max() < np.radians(25.0)
 
 
+@pytest.mark.long
 def test_partners_who_turn_beside_each_other_stay_on_the_same_feet(graph):
     """The outer partner's way is longer, but a correction bridges that: no reason to dance the mirror image."""
     show = assemble(parse_patch(PATCH.replace('"facing"', '"beside"'), "test.toml"), graph)
@@ -189,6 +192,7 @@ def test_same_show_has_same_hash(graph):
     assert hashes[0] == hashes[1]
 
 
+@pytest.mark.long
 def test_leaving_partner_releases_hands_and_remaining_dancers_form_pair(graph):
     show = assemble(parse_patch(PATCH, "test.toml"), graph)
     ShowRecorder(show, 4.5)

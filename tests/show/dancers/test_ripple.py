@@ -79,6 +79,7 @@ def test_dancers_are_delayed_smoothly_by_position():
     assert np.abs(np.diff(rate, axis=0)).max() < 0.05
 
 
+@pytest.mark.long
 def test_ripple_can_be_removed_and_stays_below_maximum_delay():
     on = events.SetRipple(time=0.0, source="test", beats=16.0, begins="0 0", group="*")
     off = events.SetRipple(time=20.0, source="test", beats=0.0, begins="left", group="*")

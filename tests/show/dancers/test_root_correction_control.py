@@ -62,6 +62,7 @@ def attract(tick, x, z):
     return {tick: events.PlaceElement(time=tick * TICK, source="test", kind="attract", points=((x, z),), measures=8.0)}
 
 
+@pytest.mark.long
 def test_gathering_and_crossing_dancers_do_not_touch():
     show, nearest = make_show(), []
 
@@ -80,6 +81,7 @@ def test_gathering_and_crossing_dancers_do_not_touch():
     assert stood["obedience"] == 0.5
 
 
+@pytest.mark.long
 def test_start_positions_cause_no_slide_and_no_lag():
     """Regression: 589 m/s in the first ticks and a lag of 9.2 m at the first measure line."""
     show, worst = make_show(), []
@@ -129,6 +131,7 @@ def changed_within(obedience, extra=""):
     return np.hypot(*(show.dancers.present.correction[:, :2] - before).T), show.variation.delays
 
 
+@pytest.mark.long
 def test_only_obedient_dancers_are_corrected_within_measure():
     (obedient, late), (faithful, _) = changed_within(1.0), changed_within(0.0)
     assert not late.any()
@@ -136,6 +139,7 @@ def test_only_obedient_dancers_are_corrected_within_measure():
     assert (faithful < 0.02).sum() >= 5  # the others may avoid another dancer
 
 
+@pytest.mark.long
 def test_delayed_obedient_dancers_are_corrected_before_their_measure():
     ripple = 'ripple = "left"\nripple_beats = 3.0\n'
     (obedient, late), (faithful, _) = changed_within(1.0, ripple), changed_within(0.0, ripple)
@@ -144,6 +148,7 @@ def test_delayed_obedient_dancers_are_corrected_before_their_measure():
         assert np.median(obedient[those]) > 2.0 * np.median(faithful[those]) + 0.005
 
 
+@pytest.mark.long
 def test_agents_stay_within_leash():
     show, far = make_show(), []
 
@@ -156,6 +161,7 @@ def test_agents_stay_within_leash():
     assert max(far) > 0.5 * LEASH
 
 
+@pytest.mark.long
 def test_repeated_show_has_same_corrections():
     hashes = []
     for _ in range(2):

@@ -97,6 +97,7 @@ def test_only_group_with_settings_varies():
     assert not danced.take_share[:, COUNT // 2 :].any()
 
 
+@pytest.mark.long
 @settings(max_examples=30)
 @given(st.integers(-4, 10_000), st.floats(0, 1), st.integers(1, 16))
 def test_measure_warps_end_on_beat_and_are_monotonic(measure, beats_ahead, beats):
@@ -221,7 +222,7 @@ def neutral_rotations():
             for one in ("amplitude", "mix", "head", "turn_on_support", "mirror")
         ),
     ],
-    quick=[1],
+    quick=[],
 )
 def test_each_control_changes_poses_of_its_group_only(field, neutral_rotations):
     """In the show: the events differ in one control, and only the poses of that group differ.
@@ -263,6 +264,7 @@ def test_mirror_extremes_select_one_side_only(side):
     assert np.mean(np.array(danced) == side) > 0.9  # a wrong side is better than a wrong step
 
 
+@pytest.mark.long
 def test_dancers_drifting_over_measure_lines_stay_continuous():
     """With a sequence warp dancers are in different measures at one time: no joint jumps."""
     show = made_show()

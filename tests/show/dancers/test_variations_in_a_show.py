@@ -63,6 +63,7 @@ def test_steps_places_and_feet_are_those_of_the_show_without(varied):
     assert apart.max() < 0.5
 
 
+@pytest.mark.long
 def test_dancers_of_one_step_differ_from_each_other():
     """Two who dance the same measure hold their hands differently."""
     loaded = load(PATCH.replace('"walk", "samba", "jump"', '"jump"').replace("[motion]", "[motion]\nwarp_beats = 0"))
@@ -82,6 +83,7 @@ def test_show_is_the_same_with_variations_made_anew(varied, monkeypatch, tmp_pat
     assert danced(load())[2] == varied[2]
 
 
+@pytest.mark.long
 def test_replay_finds_them_by_the_names_of_the_journal():
     loaded = load()
     header = loaded.header(loaded.start(), tempo=None)
@@ -90,6 +92,7 @@ def test_replay_finds_them_by_the_names_of_the_journal():
     assert sum(" | " in name and ", variation 2" in name for name in header["steps"]) == len(header["steps"]) // 3
 
 
+@pytest.mark.long
 def test_they_are_no_steps_to_choose_and_follow_nothing():
     graph = load().graph
     made = graph.library.node_variation

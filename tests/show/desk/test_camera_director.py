@@ -166,6 +166,7 @@ def joints(session):
     return pp.camera_from_row(view.picture), view.joint_position[view.present & session.desk.director.chosen]
 
 
+@pytest.mark.long
 def test_top_is_that_of_the_highest_head_in_the_measure():
     session, highest = DeskSession(LIVELY).run(beats=8), 0.0
     subjects, view = session.desk.director._subjects, session.show.view()
@@ -177,7 +178,7 @@ def test_top_is_that_of_the_highest_head_in_the_measure():
     assert top == pytest.approx(highest + 0.20, abs=0.03)
 
 
-@mostly_long("mood", ["calm", "lively", "cinematic", "still"], quick=[0])
+@mostly_long("mood", ["calm", "lively", "cinematic", "still"], quick=[])
 def test_whole_show_is_framed_and_changes_on_phrases(mood):
     session, kinds, cuts = DeskSession(f'[camera]\nmood = "{mood}"\n'), {kind.name for kind in KINDS if kind.whole}, 0
     good, count, last = 0, 0, None
@@ -202,17 +203,18 @@ def test_whole_show_is_framed_and_changes_on_phrases(mood):
     assert (cuts > 0) == (mood in ("lively", "cinematic"))
 
 
+@pytest.mark.long
 def test_show_without_camera_has_a_director_and_one_with_camera_has_none():
     assert DeskSession("", directed=True).run(1).desk.director.running
     assert not DeskSession("").run(1).desk.director.running
     assert DeskSession("[camera]\ndirector = true\n").run(1).desk.director.running
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     "call",
     [("/dance/camera/eye", 3.0, 2.0, 9.0), ("/dance/camera/orbit", 0.1), ("/dance/camera", "side"),
      ("/dance/camera/follow", "front"), ("/dance/camera/field_of_view", 50.0)],
-    ids=lambda call: call[0],
+    ids=lambda call: call[0], quick=[3],
 )  # fmt: skip
 def test_touch_takes_the_camera_over_and_the_switch_gives_it_back_smoothly(call):
     session = DeskSession(LIVELY).run(6)
@@ -241,6 +243,7 @@ def test_other_parameters_and_the_plan_leave_the_director_alone():
     assert session.desk.director.mood.name == "cinematic"
 
 
+@pytest.mark.long
 def test_undo_of_a_touch_gives_the_camera_back():
     session = DeskSession(LIVELY).run(5)
     session.say("/dance/camera/eye", 3.0, 2.0, 9.0)
@@ -308,6 +311,7 @@ def test_restored_show_has_the_same_pictures():
     assert session.desk.director.cuts > 0
 
 
+@pytest.mark.long
 def test_pictures_between_ticks_go_on_with_the_camera():
     session = DeskSession(LIVELY).run(10)
     view = session.show.view()

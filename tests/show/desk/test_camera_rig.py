@@ -13,6 +13,7 @@ from live.render.camera import project_points
 from live.show.desk.scenes import view_settings
 from live.show.patch.patch import Patch
 from live.show.view.render_scene import make_scene
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.desk.desk_show import DESK, DeskSession
 
 SIZE = (1280, 720)
@@ -65,6 +66,7 @@ def test_orbit_is_interpolated_between_ticks():
     assert orbit_angle(there) > orbit_angle(here)
 
 
+@pytest.mark.long
 def test_move_into_orbit_is_smooth():
     session = DeskSession(DESK + MOVING).run(beats=1)
     session.say("/dance/camera", "carousel", 1.0)
@@ -74,7 +76,7 @@ def test_move_into_orbit_is_smooth():
     assert jumps.max() < 0.01  # and its speed changes little from tick to tick
 
 
-@pytest.mark.parametrize(("measures", "before"), [(2.0, 3), (1.0, 5), (0.5, 0)])
+@mostly_long(("measures", "before"), [(2.0, 3), (1.0, 5), (0.5, 0)], quick=[2])
 def test_move_out_of_an_orbit_ends_at_the_view(measures, before):
     """Wherever the orbit is when it begins, and with an even speed."""
     session = DeskSession(DESK + MOVING).run(beats=1)
@@ -87,6 +89,7 @@ def test_move_out_of_an_orbit_ends_at_the_view(measures, before):
     assert np.linalg.norm(np.diff(eyes, n=2, axis=0), axis=1).max() < 0.05 / measures**2
 
 
+@pytest.mark.long
 def test_followed_group_stays_in_center_of_picture():
     session = DeskSession(DESK + MOVING).run(beats=1)
     session.say("/dance/camera", "with front")
@@ -101,6 +104,7 @@ def test_followed_group_stays_in_center_of_picture():
     assert max(offs) < 0.8
 
 
+@pytest.mark.long
 def test_following_is_damped_and_changes_target_without_jump():
     session = DeskSession(DESK).run(beats=1)
     session.say("/dance/camera/follow", "front & 1", 0.0)

@@ -52,6 +52,7 @@ def test_bounce_is_ignored_but_go_from_another_source_counts(session):
     assert session.cues["standby"] == "top"
 
 
+@pytest.mark.long
 def test_cue_jumps_to_section_at_measure_line(session):
     session.say("/dance/cue", "solo")
     session.run(3, -1)
@@ -70,6 +71,7 @@ def test_cue_jumps_to_section_at_measure_line(session):
     assert score_position(session) == ("verse", 0)
 
 
+@pytest.mark.long
 def test_cues_fire_at_beat_and_at_section_start(session):
     session.run(ticks=7)
     session.say("/dance/cue", "up")
@@ -85,6 +87,7 @@ def test_cues_fire_at_beat_and_at_section_start(session):
     assert score_position(session) == ("solo", 0)
 
 
+@pytest.mark.long
 def test_back_cancels_count_in_and_jump_then_steps_back(session):
     session.say("/dance/cue", "solo")
     assert session.say("/dance/back")
@@ -114,6 +117,7 @@ def test_cues_are_found_by_name_and_number_and_unknown_refused(session):
     assert len(session.cues["counting_in"]) == 16
 
 
+@pytest.mark.long
 def test_hold_stops_score_fades_and_cues_while_beat_continues(session):
     session.say("/dance/light/level", 0.0, 1)
     session.run(2)
@@ -220,6 +224,7 @@ def test_invalid_cue_is_refused_with_line(lines, words):
     assert "test.toml, line 2" in str(error.value)
 
 
+@pytest.mark.long
 def test_panic_blocks_score_and_signal_calls_until_resumed():
     text = (
         '[[section]]\nname = "a"\nmeasures = 1\nwait = true\n[[at]]\nmeasure = 1\nbeat = 3.0\ncall = "/dance/spread"\n'
@@ -241,6 +246,7 @@ def test_panic_blocks_score_and_signal_calls_until_resumed():
     assert view.element_count >= 1
 
 
+@pytest.mark.long
 def test_each_cue_fires_in_tick_of_its_beat(session):
     for name in ("dim", "up", "solo", "top"):
         session.say("/dance/cue", name)

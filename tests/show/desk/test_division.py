@@ -60,6 +60,7 @@ def test_value_of_a_group_counts_for_all_its_parts(session):
     assert larger(session) == [0.2] * 9
 
 
+@pytest.mark.long
 def test_part_fades_from_its_own_value_while_its_group_fades(session):
     session.say(LARGER_AT, 0.4, "front", 4)
     session.run(4)
@@ -102,6 +103,7 @@ def test_dancer_who_changes_the_group_gets_its_values(session):
     assert larger(session)[:3] == [0.5, -0.3, 0.0]
 
 
+@pytest.mark.long
 def test_undo_and_redo_of_parts(session):
     session.say(LARGER_AT, 0.2, "1-4")
     session.run(8)
@@ -121,6 +123,7 @@ def test_undo_and_redo_of_parts(session):
     assert colours(session)[2] == (0.0, 1.0, 0.0)
 
 
+@pytest.mark.long
 def test_panic_fades_parts_to_the_patch(session):
     session.say(LARGER_AT, 0.5, "1 + 8")
     session.say(COLOUR, 1.0, 0.0, 0.0, "8")
@@ -228,6 +231,7 @@ def test_random_divisions_agree_with_a_value_for_each_dancer():
         assert larger(session) == values.round(6).tolist()
 
 
+@pytest.mark.long
 def test_facing_and_ripple_of_selected_dancers(session):
     session.say("/dance/facing", "90", "2 + 7")
     session.say("/dance/ripple", 2.0, "left", "1-3")
@@ -245,6 +249,7 @@ def test_facing_and_ripple_of_selected_dancers(session):
     assert session.show.variation.delays.max() == 0.0
 
 
+@pytest.mark.long
 def test_edited_patch_changes_parts_only_where_it_differs(session):
     session.say(LARGER_AT, 0.5, "1")
     edited = session.show.patch.model_copy(update={"motion": replace_motion(session.show.patch, arms=0.2)})
@@ -283,7 +288,7 @@ def test_music_moves_values_of_a_selection():
     assert not values[[1, 2, 3, 4, 6, 7, 8]].any()
 
 
-@mostly_long("tick", [100, 170, 280, 420, 520], quick=[3, 4])
+@mostly_long("tick", [100, 170, 280, 420, 520], quick=[4])
 def test_restored_parts_continue_bit_identically(tick):
     show = LOADED.start()
     run(show, 1, tick, SCRIPT)
@@ -307,7 +312,7 @@ def test_groups_leave_rows_for_parts():
     assert dancer_words([1, 2, 3, 5, 7, 8]) == "1-3 + 5 + 7-8"
 
 
-@mostly_long("seed", [1, 2, 3], quick=[1])
+@mostly_long("seed", [1, 2, 3], quick=[])
 def test_random_edits_of_selections_undone_and_redone_in_order(seed):
     random = np.random.default_rng(seed)
     session = DeskSession(SCENES + DESK).run(4)

@@ -54,6 +54,7 @@ class Session(DeskSession):
         return {library.steps[library.node_step[node]] for node in nodes}
 
 
+@pytest.mark.long
 def test_a_step_begins_on_the_measure_and_ends_after_its_measures():
     session = Session().run(5)
     assert session.say("/dance/launch", "step spin", "front", "measure", 2)
@@ -71,7 +72,7 @@ def test_a_step_begins_on_the_measure_and_ends_after_its_measures():
     assert session.steps() != {"spin"}
 
 
-@pytest.mark.parametrize(("when", "begins"), [("now", 5 + 1 / 32), ("beat", 6.0)])
+@mostly_long(("when", "begins"), [("now", 5 + 1 / 32), ("beat", 6.0)], quick=[0])
 def test_a_step_begins_at_once_or_on_the_beat(when, begins):
     session = Session().run(5, 1)
     session.say("/dance/launch", "step spin", "front", when, 1)
@@ -87,7 +88,7 @@ def test_a_step_begins_at_once_or_on_the_beat(when, begins):
     assert session.running() == {}
 
 
-@pytest.mark.parametrize("late", [2.5, 3.0, 3.5, 3.9])
+@mostly_long("late", [2.5, 3.0, 3.5, 3.9], quick=[3])
 def test_a_step_launched_just_before_the_line_is_danced_from_the_line(late):
     session = Session().run(4 + late)
     session.say("/dance/launch", "step spin", "front", "measure", 2)
@@ -157,6 +158,7 @@ def test_an_element_gives_way_to_the_next_one_of_its_dancers():
     assert not session.show.motion.elements.in_force
 
 
+@pytest.mark.long
 def test_a_phrase_is_repeated_for_its_measures_and_then_the_own_steps_resume():
     session = Session(PHRASES).run(5)
     session.say("/dance/launch", "phrase opening", "front", "now", 4)  # it can begin only with a measure
@@ -171,6 +173,7 @@ def test_a_phrase_is_repeated_for_its_measures_and_then_the_own_steps_resume():
     assert session.say("/dance/launch", "phrase 2", "front")
 
 
+@pytest.mark.long
 def test_a_step_after_a_phrase_ends_the_phrase():
     session = Session(PHRASES).run(5)
     session.say("/dance/launch", "phrase opening", "front", "measure", 64)
@@ -181,6 +184,7 @@ def test_a_step_after_a_phrase_ends_the_phrase():
     assert not session.show.scheduler.programmes[0].live_sequence
 
 
+@pytest.mark.long
 def test_for_everybody_replaces_what_runs_for_groups():
     session = Session().run(5)
     session.say("/dance/launch", "step spin", "front", "measure", 16)
@@ -191,6 +195,7 @@ def test_for_everybody_replaces_what_runs_for_groups():
     assert session.steps(0) == session.steps(1) == {"glide"}
 
 
+@pytest.mark.long
 def test_a_selection_of_dancers_has_its_own_launches():
     session = Session().run(5)
     session.say("/dance/launch", "step spin", "1 + 2", "measure", 2)
@@ -203,6 +208,7 @@ def test_a_selection_of_dancers_has_its_own_launches():
     assert session.running() == {}
 
 
+@pytest.mark.long
 def test_a_stopped_step_leaves_a_sequence_set_by_hand():
     session = Session().run(1)
     assert session.say("/dance/sequence", "glide, sway", "front")
@@ -215,6 +221,7 @@ def test_a_stopped_step_leaves_a_sequence_set_by_hand():
     assert session.show.scheduler.programmes[0].live_sequence
 
 
+@pytest.mark.long
 def test_a_place_counts_once_when_it_is_launched():
     session = Session(PHRASES).run(5)
     position = session.show.state.position

@@ -9,6 +9,7 @@ from live.show.loader import LoadedShow
 from live.show.patch.patch import Patch
 from live.show.patch.patch_reader import parse_patch
 from live.show.state.snapshot import Snapshotter, restore
+from tests.fixtures.mostly_long import mostly_long
 from tests.places import ROOT
 from tests.show.desk.desk_show import DESK, DeskSession
 from tests.show.made_show import GRAPH, PATCH
@@ -17,7 +18,7 @@ TEXT = PATCH + DESK
 LOADED = LoadedShow(Path("test.toml"), parse_patch(TEXT, "test.toml"), GRAPH)
 
 
-@pytest.mark.parametrize("beats", [1.3, 3.0, 5.5])
+@mostly_long("beats", [1.3, 3.0, 5.5], quick=[0])
 def test_show_restored_within_fade_and_count_in_continues_bit_identically(beats):
     session = DeskSession().run(5)
     session.say("/dance/scene/store", "mine")
@@ -65,6 +66,7 @@ def test_edited_patch_fades_to_new_light_and_keeps_manual_values():
     assert session.value("/dance/light/level") == 1.0
 
 
+@pytest.mark.long
 def test_running_show_applies_cues_and_scenes_of_edited_patch():
     session = DeskSession().run(5)
     session.say("/dance/standby", "up")

@@ -48,6 +48,7 @@ def test_fade_duration_follows_tempo():
     assert fast.desk.master.level == pytest.approx(0.5, abs=0.02)
 
 
+@pytest.mark.long
 def test_scene_panic_and_undo_do_not_end_fade_out():
     session = DeskSession()
     session.say("/dance/output/fade", 0.0, 0.0)

@@ -102,7 +102,7 @@ def test_only_dancer_is_lit_where_they_dance():
 @mostly_long(
     ("call", "place"),
     [(("/dance/light/level", 0.6), LEVEL), (("/dance/light/key", 0.7), KEY), (("/dance/light/beams", 0.2), BEAMS)],
-    quick=[1],
+    quick=[],
     ids=lambda one: str(one),
 )  # fmt: skip
 def test_touched_parameter_belongs_to_the_hand_until_it_is_released(call, place):
@@ -138,6 +138,7 @@ def test_panic_switches_it_off_until_the_show_goes_on():
     assert level(hear(session, 2, loudness=0.1)) < 0.95
 
 
+@pytest.mark.long
 def test_amount_of_zero_changes_nothing():
     session = DeskSession("[look]\nfollow_score = 0\n")
     for _ in range(6):

@@ -34,7 +34,7 @@ CALLS = (
 )  # fmt: skip
 
 
-@mostly_long("call", CALLS, quick=[2, 3, 5, 6], ids=lambda call: call[0])
+@mostly_long("call", CALLS, quick=[2, 5], ids=lambda call: call[0])
 def test_each_edit_can_be_undone_and_redone(session, call):
     before = editable_state(session)
     assert session.say(*call), session.words
@@ -89,6 +89,7 @@ def test_fader_movement_is_one_edit_and_two_faders_are_two(session):
     assert session.value("/dance/light/level") == 1.0
 
 
+@pytest.mark.long
 def test_playback_commands_are_not_edits(session):
     for call in (("/dance/go",), ("/dance/attract", 1.0, 1.0), ("/dance/step", "spin"), ("/dance/blackout", 1),
                  ("/dance/cue", "up"), ("/dance/formation", "circle")):  # fmt: skip
@@ -99,6 +100,7 @@ def test_playback_commands_are_not_edits(session):
     assert "nothing to take back" in session.words
 
 
+@pytest.mark.long
 def test_undo_keeps_later_changes_by_cue(session):
     session.say("/dance/light/haze", 0.5)
     session.say("/dance/cue", "dim")

@@ -19,10 +19,9 @@ TICKS_PER_FRAME = 2
 
 
 RUNS = [
-    *(pytest.param((name, MEASURES[name]), id=name) for name in ("tap",)),
     *(
         pytest.param((name, MEASURES[name]), marks=pytest.mark.long, id=name)
-        for name in ("contemporary", "samba", "ballet")
+        for name in ("tap", "contemporary", "samba", "ballet")
     ),
     *(pytest.param((name, 64), marks=pytest.mark.soak, id=f"{name}-64") for name in EXPERIMENTS),
 ]
@@ -212,6 +211,7 @@ def test_random_ballet_steps_are_danced_without_detours(seed, measures):
     assert show.scheduler.detours == show.scheduler.dead_ends == 0
 
 
+@pytest.mark.long
 def test_ballet_has_structure_of_thesis():
     clips = load_show(find_patch("ballet")).graph.library.clips
     ways = {(clip.leading_foot, clip.direction.split()[-1]) for clip in clips if clip.step == "couru"}
@@ -226,6 +226,7 @@ def test_ballet_has_structure_of_thesis():
     assert {clip.step for clip in clips if clip.direction != "in place"} == {"couru", "spring point"}  # T133
 
 
+@pytest.mark.long
 def test_couru_moves_in_its_named_direction():
     for clip in load_show(find_patch("ballet")).graph.library.clips:
         if clip.step == "couru" and clip.direction.startswith("long"):

@@ -32,6 +32,7 @@ def farthest_from(places, position):
     return float(away.min(axis=1).max())
 
 
+@pytest.mark.long
 def test_immediate_formation_is_reached_at_measure_line():
     show = made_show()
     run(show, 1.0)
@@ -119,6 +120,7 @@ def test_redefined_formation_moves_its_dancers():
     assert np.ptp(show.state.position[:, 1]) < 0.05
 
 
+@pytest.mark.long
 def test_attractor_releases_its_group_from_formation():
     show = made_show()
     show.apply(make_event(events.Evolve, show, formation="circle", measures=1.0))
@@ -250,6 +252,7 @@ def test_returning_dancer_rejoins_own_group():
     assert show.group[8] == 1
 
 
+@pytest.mark.long
 def test_later_formation_for_same_measure_line_replaces_earlier():
     show = made_show()
     for formation in ("star", "circle", "line"):

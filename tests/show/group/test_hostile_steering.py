@@ -224,7 +224,7 @@ def resize_stage(show, width, depth):
     return show.apply(events.SetStage(time=show.time, source="test", width=width, depth=depth))
 
 
-@mostly_long("formation", [False, True], quick=[1])
+@mostly_long("formation", [False, True], quick=[])
 def test_dancers_walk_inside_when_stage_shrinks(show, formation):
     """Dancers outside walk in with planted feet, and dancers that are inside stay inside."""
     recorder = MotionRecorder(show)

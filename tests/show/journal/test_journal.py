@@ -50,6 +50,7 @@ def record_show(path, seconds=17.0, fps=50):
     return show, status
 
 
+@pytest.mark.long
 def test_replay_is_bit_identical(tmp_path):
     show, status = record_show(tmp_path / "a.jsonl")
     assert status.skipped_ticks > 20
@@ -172,6 +173,7 @@ def test_existing_journals_of_same_name_are_kept(tmp_path):
     assert writer.older_journal == path.with_name("night.jsonl.2")
 
 
+@pytest.mark.long
 def test_implausible_tick_is_reported_and_skipped(tmp_path):
     path = tmp_path / "a.jsonl"
     record_show(path, seconds=4.0)

@@ -81,7 +81,7 @@ def set_hands_fader(show: Show, value: float) -> Show:
     return show
 
 
-@mostly_long("captured", [False, True], quick=[0])
+@mostly_long("captured", [False, True], quick=[])
 def test_hands_are_held_within_reach_and_only_arms_move(captured: bool) -> None:
     extra = LIVE if captured else HELD
     held = ShowRecorder(holding_show(extra), 14.0, captured=captured)

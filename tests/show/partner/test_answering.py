@@ -136,6 +136,7 @@ def test_follower_stops_answering_when_leader_leaves() -> None:
     show.dancers.partner_response = bare
 
 
+@pytest.mark.long
 def test_several_followers_answer_one_leader_and_chains_work() -> None:
     extra = (
         '[[partner]]\nname = "class"\nleader = "front & 1"\nfollower = "back"\n'

@@ -60,6 +60,7 @@ def test_canon_repeats_each_pose_after_given_beats(beats):
     assert np.abs(rows[begin:, 0] - rows[begin:, 1]).max() > 0.03  # and not at once
 
 
+@pytest.mark.long
 def test_called_step_reaches_follower_after_its_delay():
     show = made_show(follower_group(8))
     call = events.CallStep(time=0.0, source="test", name="spin", measures=1.0, group="front")
@@ -69,6 +70,7 @@ def test_called_step_reaches_follower_after_its_delay():
     assert "spin" in front
 
 
+@pytest.mark.long
 def test_own_sequence_detaches_follower_until_clear():
     show = made_show(follower_group(4))
     show.apply(events.SetSequence(time=0.0, source="test", steps="glide", group="echo"))
@@ -78,6 +80,7 @@ def test_own_sequence_detaches_follower_until_clear():
     assert follow[-1] == front[-2]
 
 
+@pytest.mark.long
 def test_mirrored_group_dances_mirror_clips_and_leader_originals():
     steps = made_steps()
     images = [replace(clip, mirrored=True) for clip in steps]

@@ -69,6 +69,7 @@ def test_edited_steps_are_danced_in_the_next_measure(patch):
     assert night.watch.message == "patch: new from the next measure on: group"
 
 
+@pytest.mark.long
 def test_edit_after_measure_decision_acts_one_measure_later(patch):
     night = WatchedShow(patch)
     night.run(3.8)  # a tenth of a beat before the third measure
@@ -78,6 +79,7 @@ def test_edit_after_measure_decision_acts_one_measure_later(patch):
     assert danced[4] == {"side step"}
 
 
+@pytest.mark.long
 def test_every_edited_table_takes_effect_and_replay_needs_no_files(patch):
     night = WatchedShow(patch)
     night.run(2.5)
@@ -149,7 +151,7 @@ def test_dancers_in_formation_move_to_its_edited_positions(patch):
             "line 11: group.1.steps: group 'all': step 'groove' connects to no other",
         ),
     ],
-    quick=[1, 5],
+    quick=[1],
 )
 def test_invalid_edit_is_reported_and_last_valid_patch_continues(patch, old, new, where):
     night = WatchedShow(patch)
@@ -186,6 +188,7 @@ def test_missing_or_broken_asset_of_edit_is_reported(patch):
         assert night.watch.problem == ""
 
 
+@pytest.mark.long
 def test_edits_that_need_restart_are_deferred_and_others_act(patch):
     night = WatchedShow(patch)
     night.run(1.0)
@@ -219,6 +222,7 @@ def test_variations_are_made_at_the_next_start(patch):
     assert "line 4: variations" in night.watch.problem
 
 
+@pytest.mark.long
 def test_live_values_stay_unless_the_edit_changes_them(patch):
     night = WatchedShow(patch)
     for parameter, value in (("head", 0.3), ("larger", 0.2)):
@@ -232,6 +236,7 @@ def test_live_values_stay_unless_the_edit_changes_them(patch):
     assert night.show.variation[LARGER][0] == 0.4
 
 
+@pytest.mark.long
 def test_edited_transition_settings_rebuild_the_motion_graph(patch):
     night = WatchedShow(patch)
     night.run(1.0)
@@ -243,6 +248,7 @@ def test_edited_transition_settings_rebuild_the_motion_graph(patch):
     assert night.replayed().differences == ()
 
 
+@pytest.mark.long
 def test_long_patch_is_compressed_in_the_journal(patch):
     night = WatchedShow(patch)
     entry = '[[element]]\nkind = "wander"\nmeasure = {}\nmeasures = 1\n'
@@ -289,6 +295,7 @@ def test_watch_thread_starts_and_stops_twice(patch):
     night.watch.stop()
 
 
+@pytest.mark.long
 def test_a_stage_on_which_dancers_would_stand_outside_never_reaches_the_show(patch):
     patch.write_text(PATCH + '[stage]\nwidth = 12\n[[segment]]\nmeasure = 9\nformation = "circle"\n')
     night = WatchedShow(patch)
@@ -327,6 +334,7 @@ def test_replay_starts_after_edits_of_patch_and_steps(patch):
         assert result.measures >= (measure < 10)
 
 
+@pytest.mark.long
 def test_unset_group_keys_stay_unset_in_the_journal(patch):
     patch.write_text(PATCH + "[group.motion]\nlarger = 0.1\n[motion]\nhead = 0.4\n")
     night = WatchedShow(patch)

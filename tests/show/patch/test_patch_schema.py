@@ -108,6 +108,7 @@ def test_every_schema_key_has_a_description():
     assert SCHEMA["properties"]["formation"]["items"]["properties"]["shape"]["description"]
 
 
+@pytest.mark.long
 def test_schema_command_prints_or_writes_the_schema(tmp_path):
     runner = CliRunner()
     printed = runner.invoke(app, ["schema"])

@@ -1,5 +1,7 @@
 """Score edits while the show runs: steps, improvisations and calls take effect at the next measure."""
 
+import pytest
+
 from live.control.events.events import Improvise, PatchChanged
 from live.show.patch.patch_reader import parse_patch
 from live.show.patch.patch_update import patch_version
@@ -22,11 +24,13 @@ def test_edited_sequence_is_danced_from_next_measure():
     assert danced[3:7] == ["glide", "spin", "glide", "spin"]
 
 
+@pytest.mark.long
 def test_removed_sequence_is_replaced_by_group_steps():
     danced = steps_of(made_show(BEFORE), 13, does={64 * 5: patch_edit("")})
     assert danced[:6] == ["sway"] * 3 + ["sway", "glide", "glide"]
 
 
+@pytest.mark.long
 def test_improvisation_starts_by_edit_and_survives_another():
     after = BEFORE + "[[improvise]]\nmeasure = 17\nsteps = {spin = 1, glide = 1}\n"
     does = {

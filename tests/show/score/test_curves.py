@@ -55,6 +55,7 @@ def test_a_parameter_follows_a_curve_four_times_a_beat() -> None:
     assert {size for beat, size in rows if beat < 3.9} == {rows[0][1]}  # not before it begins
 
 
+@pytest.mark.long
 def test_a_signal_is_given_when_the_curve_rises_to_its_level() -> None:
     signal = '[[signal]]\nname = "peak"\ncurve = "swell"\nlevel = 0.8\n'
     call = '[[react]]\non = "peak"\nwhen = "now"\ncall = "/dance/motion/larger"\nvalues = [0.5]\n'
@@ -64,6 +65,7 @@ def test_a_signal_is_given_when_the_curve_rises_to_its_level() -> None:
     assert start(HEAD + CURVE + signal).score_runner.signals == {}
 
 
+@pytest.mark.long
 def test_a_smoothed_curve_and_one_in_a_repeated_section() -> None:
     smooth = run(start(HEAD + CURVE + REACT + "beats = 2\n"), 0.0, 6.0)
     exact = run(start(HEAD + CURVE + REACT), 0.0, 6.0)

@@ -1,5 +1,7 @@
 """The division of groups over measures as a tree: parts by attribute, number and place, and where they join again."""
 
+import pytest
+
 from live.clock.ticks import TICK
 from live.control.events import events
 from live.show.score.division_tree import KINDS, DivisionTree, tree_lines
@@ -36,6 +38,7 @@ def observed(score, measures, *, does=None, reserve=0):
     return show, tree
 
 
+@pytest.mark.long
 def test_parts_stand_under_what_they_are_part_of():
     _, tree = observed(SCORE, 7)
     found = tree.trees(("front", "back"), 0, 6)
@@ -58,6 +61,7 @@ def larger(time, value, group):
     return events.SetParameter(time=time, source="osc", address="/dance/motion/larger", value=(value,), group=group)
 
 
+@pytest.mark.long
 def test_values_and_regrouped_dancers_divide_the_rows():
     does = {
         64 * 3: [larger(3.0, 0.3, "3-5")],
@@ -74,6 +78,7 @@ def test_values_and_regrouped_dancers_divide_the_rows():
     assert [branch.part.words for branch in values[2].branches] == ["3 + 5", "4"]
 
 
+@pytest.mark.long
 def test_measures_from_some_on_are_observed_again():
     show, whole = observed(SCORE, 5)
     tree = whole.until(1)
@@ -92,6 +97,7 @@ def test_tree_in_words():
     assert "values" not in lines
 
 
+@pytest.mark.long
 def test_reserve_belongs_to_no_row_until_somebody_comes_on():
     score = SCORE + '[[sequence]]\ngroup = "front & left"\nmeasure = 1\nsteps = ["sway x6"]\n'
     _, tree = observed(score, 5, reserve=4)

@@ -12,6 +12,7 @@ from live.show.score.music_reactions import Mood
 from live.show.score.playhead import Playhead
 from live.show.score.score import Score, section_timings
 from live.show.score.step_history import StepHistory
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import GRAPH, PATCH, made_show
 from tests.show.score.test_sequences import steps_of
 
@@ -68,7 +69,7 @@ def test_same_seed_repeats_the_steps_and_another_differs():
     assert ImproviserPair(table, seed=4).dance(64)[0] != one
 
 
-@pytest.mark.parametrize(("at_least", "most"), [(1, 1), (1, 2), (2, 2), (2, 3)])
+@mostly_long(("at_least", "most"), [(1, 1), (1, 2), (2, 2), (2, 3)], quick=[0, 2])
 def test_step_repetitions_stay_within_the_limits(at_least, most):
     steps = "steps = {sway = 8, glide = 1, phrase = 1}"
     stage = ImproviserPair(f'[[improvise]]\ngroup = "front"\n{steps}\nat_least = {at_least}\nmost = {most}\n')
@@ -157,6 +158,7 @@ def test_impossible_limits_and_unknown_names_are_refused():
         assert words in str(caught.value)
 
 
+@pytest.mark.long
 def test_show_switches_from_score_to_improvisation_and_back_by_event():
     score = (
         '[[sequence]]\nmeasures = 64\nsteps = ["sway"]\n[[improvise]]\nmeasure = 65\nsteps = {glide = 1, spin = 1}\n'

@@ -51,6 +51,7 @@ def test_clear_restores_the_steps_of_the_patch():
     assert {"glide", "spin"} <= {name for front, _ in later for name in front}
 
 
+@pytest.mark.long
 def test_star_entry_allows_any_step():
     show = made_show()
     assert show.apply(events.SetSequence(steps="spin, *", group="front", **STAMP))
@@ -68,6 +69,7 @@ def test_unknown_step_is_refused_with_nearest_name():
     assert show.refusals.count == 2
 
 
+@pytest.mark.long
 def test_sequence_without_transition_is_refused_and_dance_continues():
     """A spin ends in a pose from which no sway begins: a sequence of spin and sway is refused as a whole."""
     steps = [

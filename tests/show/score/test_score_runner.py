@@ -8,6 +8,7 @@ from live.control.events import events
 from live.control.events.events import MusicHeard
 from live.show.score.music_reactions import Reactions
 from live.show.score.score_runner import ScoreRunner
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import PATCH, made_show
 
 
@@ -99,6 +100,7 @@ def test_signal_reaction_jumps_to_another_section():
     assert list(places.values()) == ["a", "a", "b", "b", None, None]
 
 
+@pytest.mark.long
 def test_jump_ends_score_elements_and_keeps_live_elements():
     show = made_show(
         '[[section]]\nname = "a"\nmeasures = 8\n[[section]]\nname = "b"\nmeasures = 8\n'
@@ -116,7 +118,7 @@ def test_jump_ends_score_elements_and_keeps_live_elements():
     assert {element.source for element in show.motion.elements.in_force} == {"osc"}
 
 
-@pytest.mark.parametrize("beat", [4.2, 6.1, 6.6, 7.6])
+@mostly_long("beat", [4.2, 6.1, 6.6, 7.6], quick=[2])
 def test_jump_removes_entries_placed_for_next_measure(beat):
     """Elements and segments of measure 3 of `a` exist from beat 6.25 on; the jump to `b` removes them."""
     show = made_show(
@@ -148,6 +150,7 @@ def test_invalid_jumps_are_refused_without_effect():
     assert show.state_hash() == plain.state_hash()
 
 
+@pytest.mark.long
 def test_practice_loops_until_it_is_ended():
     show = made_show("loop_measures = 8\n", top=True)
     at = {
@@ -177,6 +180,7 @@ def test_endless_signals_are_limited_per_tick():
         prompter.section_index("x")
 
 
+@pytest.mark.long
 def test_overlay_shows_score_position_and_waiting():
     assert made_show().score_runner.status_lines() == ()
     show = made_show(

@@ -27,6 +27,7 @@ def test_sequence_holds_in_its_measures_and_group_steps_resume():
     assert steps_of(show, 24) == [*own[:2], "spin", "spin", "phrase", "phrase", *own[2:], *own[:2]]
 
 
+@pytest.mark.long
 def test_section_sequence_repeats_in_every_pass():
     show = made_show(
         '[[section]]\nname = "a"\nmeasures = 2\nrepeat = 2\n[[section]]\nname = "b"\nmeasures = 1\n'
@@ -38,6 +39,7 @@ def test_section_sequence_repeats_in_every_pass():
     assert [danced[measure] for measure in (4, 9)] == ["sway"] * 2
 
 
+@pytest.mark.long
 def test_longer_span_repeats_its_steps():
     table = '[[sequence]]\nmeasures = 6\nsteps = ["glide", "spin"]\n'
     for group in (0, 1):
@@ -66,6 +68,7 @@ def test_a_jump_before_the_decision_changes_the_coming_measure(beat):
     assert show.score_runner.facts()["score"]["late_jumps"] == 0
 
 
+@pytest.mark.long
 def test_jump_after_decision_keeps_decided_step_and_reports_it():
     jump = {round(32 * 7.4): lambda time: events.JumpTo(time=time, source="osc", section="b")}
     show = made_show(SECTIONS)
@@ -76,6 +79,7 @@ def test_jump_after_decision_keeps_decided_step_and_reports_it():
     assert facts["score"]["said_measure"] == 2
 
 
+@pytest.mark.long
 def test_late_jump_report_stays_in_facts_and_leaves_overlay():
     """The facts still explain the count later; the overlay shows only recent messages."""
     late = {round(32 * 7.4): lambda time: events.JumpTo(time=time, source="osc", section="b")}
@@ -91,6 +95,7 @@ def test_late_jump_report_stays_in_facts_and_leaves_overlay():
     assert not any("decided already" in line for line in show.score_runner.status_lines())
 
 
+@pytest.mark.long
 def test_replanning_for_same_target_changes_nothing():
     """A jump to the next position anyway, during planning, leaves bit-identical states."""
     show, plain = made_show(SECTIONS), made_show(SECTIONS)
@@ -122,7 +127,7 @@ def test_step_longer_than_rest_of_sequence_is_refused(table, words):
     assert words in str(caught.value)
 
 
-@pytest.mark.parametrize("call", ['"/dance/step"\nvalues = ["spin", 1]', '"/dance/sequence"\nvalues = ["spin"]'])
+@mostly_long("call", ['"/dance/step"\nvalues = ["spin", 1]', '"/dance/sequence"\nvalues = ["spin"]'], quick=[1])
 def test_step_called_by_score_is_danced_from_its_measure(call):
     danced = steps_of(made_show(f"[[at]]\nmeasure = 4\ncall = {call}\n"), 10)
     assert danced[:3] == ["sway", "glide", "glide"]

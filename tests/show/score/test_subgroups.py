@@ -53,6 +53,7 @@ def test_part_of_a_group_dances_its_sequence_and_returns_to_the_group():
     assert [steps[dancer][:6] for dancer in (3, 4, 5)] == [OWN] * 3
 
 
+@pytest.mark.long
 def test_smaller_part_counts_before_larger_and_both_before_the_group():
     score = sequence("*", 1, "sway x6") + sequence("1-4", 2, "glide x4") + sequence("3", 3, "spin x2")
     steps = dances(made_show(score), 13)
@@ -67,6 +68,7 @@ def test_selection_reaches_into_several_groups():
     assert steps[1][1:4] == OWN[1:4]
 
 
+@pytest.mark.long
 def test_place_counts_when_the_entry_begins():
     show = made_show(sequence("left", 3, "spin x4"))
     tick = 0
@@ -130,6 +132,7 @@ def test_too_many_selections_are_refused():
         made_show(f"[selections]\n{names}{score}")
 
 
+@pytest.mark.long
 def test_call_for_a_part_ends_after_its_measures():
     steps = dances(made_show(), 15, does={64: asks(events.CallStep, name="spin", measures=2.0, group="2-3")})
     assert steps[2][1:3] == steps[3][1:3] == ["spin", "spin"]
@@ -137,6 +140,7 @@ def test_call_for_a_part_ends_after_its_measures():
     assert steps[2][4:6] == OWN[4:6]
 
 
+@pytest.mark.long
 def test_sequence_for_a_part_lasts_until_clear_and_group_call_interrupts_it():
     does = {
         64: asks(events.SetSequence, steps="spin, sway", group="front & 1-2"),
@@ -151,6 +155,7 @@ def test_sequence_for_a_part_lasts_until_clear_and_group_call_interrupts_it():
     assert steps[3][6:] == steps[1][6:]
 
 
+@pytest.mark.long
 def test_parts_can_be_divided_again():
     does = {
         64: asks(events.SetSequence, steps="spin", group="1-4"),
@@ -166,6 +171,7 @@ def test_parts_can_be_divided_again():
     assert len(show.scheduler.subgroups.requested) == 3
 
 
+@pytest.mark.long
 def test_group_request_takes_its_parts_along():
     does = {
         64: asks(events.SetSequence, steps="spin", group="1-2"),
@@ -175,12 +181,14 @@ def test_group_request_takes_its_parts_along():
     assert steps[1][3:5] == steps[3][3:5] == ["glide", "glide"]
 
 
+@pytest.mark.long
 def test_request_for_a_group_counts_before_its_written_parts():
     does = {64 * 3: asks(events.CallStep, name="glide", measures=2.0, group="front")}
     steps = dances(made_show(sequence("1-2", 1, "spin x8")), 14, does=does)
     assert steps[1][:6] == ["spin", "spin", "glide", "glide", "spin", "spin"]
 
 
+@pytest.mark.long
 def test_improvisation_of_a_part_can_be_switched():
     does = {
         64: asks(events.Improvise, on=True, group="1-3"),
@@ -194,6 +202,7 @@ def test_improvisation_of_a_part_can_be_switched():
     assert not show.scheduler.subgroups.requested
 
 
+@pytest.mark.long
 def test_cue_now_continues_for_its_measures_with_the_part():
     steps = dances(made_show(), 14, does={40: asks(events.StepNow, name="spin", group="1-2", measures=2.0)})
     assert steps[1][1:3] == steps[2][1:3] == ["spin", "spin"]
@@ -229,6 +238,7 @@ def test_nobody_and_too_many_parts_are_refused_without_effect():
     assert len(show.scheduler.subgroups.requested) == MAX_REQUESTED
 
 
+@pytest.mark.long
 def test_edit_adds_and_removes_steps_of_parts():
     first, second = sequence("1-2", 1, "spin x16"), sequence("2", 5, "glide x12")
     does = {64 * 5: patch_edit(first + second), 64 * 11: patch_edit(second)}
@@ -238,6 +248,7 @@ def test_edit_adds_and_removes_steps_of_parts():
     assert "spin" not in steps[1][6:8] or steps[1][6:8] == steps[3][6:8]
 
 
+@pytest.mark.long
 def test_subgroups_that_an_edit_removes_end_with_it():
     first, second = sequence("1-2", 1, "spin x16"), sequence("7", 1, "glide x16")
     show = made_show(first + second)
@@ -274,6 +285,7 @@ def test_sheet_shows_parts_below_what_they_are_parts_of():
     assert tracks[1:] == [("front", 0), ("1-3", 1), ("1", 2), ("back", 0), ("6-9 & left", 1), ("1 + 6", 0)]
 
 
+@pytest.mark.long
 def test_group_that_becomes_a_canon_follows_the_score_of_the_running_show():
     """Its programs are new; they read the running show's playhead."""
     canon = PATCH.replace('steps = ["glide", "sway", "spin"]\nchoose = "random"', 'like = "front"')
@@ -300,7 +312,7 @@ SCRIPT = {
 }
 
 
-@mostly_long("tick", [40, 110, 233, 310, 420, 600, 720], quick=[0, 1])
+@mostly_long("tick", [40, 110, 233, 310, 420, 600, 720], quick=[0])
 def test_restored_subgroups_continue_bit_identically(tick):
     show = LOADED.start()
     run(show, 1, tick, SCRIPT)

@@ -43,6 +43,7 @@ def test_explanation_matches_the_chosen_candidate():
         assert 1 <= len(explanation_lines(told)) <= 3
 
 
+@pytest.mark.long
 def test_explanation_request_does_not_change_the_dance():
     asked, plain = made_show(), made_show()
     asked.apply(events.AskWhy(dancer=2, **STAMP))
@@ -55,6 +56,7 @@ def test_explanation_request_does_not_change_the_dance():
     assert asked.explain_choice() is None
 
 
+@pytest.mark.long
 def test_planning_is_spread_over_ticks_before_decision():
     """No tick does more than its share; only the assembly of the result is left for the decision."""
     show = made_show()
@@ -85,6 +87,7 @@ def test_stalled_show_plans_everything_at_decision():
     assert (show.dancers.coming.node >= 0).all()
 
 
+@pytest.mark.long
 def test_targets_stay_within_reach_and_report_suggests_recording():
     show = made_show("[locomotion]\ncorrection_m = 0.35\n")
     show.apply(events.SetSequence(steps="sway", group="*", **STAMP))
@@ -132,6 +135,7 @@ def planned_end_errors(seconds=16.0):
     return np.array(found)
 
 
+@pytest.mark.long
 def test_refined_shares_end_mixtures_nearer_to_targets(monkeypatch):
     refined = planned_end_errors()
     monkeypatch.setattr("live.show.selection.measure_draft.SHARE_REFINEMENT", 0.0)

@@ -67,7 +67,7 @@ def test_cue_acts_at_next_half_beat_on_its_group_only():
     assert show.interrupts.cue_count == 1
 
 
-@mostly_long("time", [4.02, 4.6, 5.2, 5.55, 5.8, 5.98], quick=[0, 1, 4])
+@mostly_long("time", [4.02, 4.6, 5.2, 5.55, 5.8, 5.98], quick=[1])
 def test_joints_stay_continuous_and_dance_follows_graph_after_cue(time):
     """For cues anywhere in the measure, with the next one planned or not: joint speeds stay continuous, and
     every measure is a valid successor.
@@ -97,6 +97,7 @@ def test_joints_stay_continuous_and_dance_follows_graph_after_cue(time):
     assert "spin" in steps_of(show) or show.span.number > int(time / MEASURE) + 2
 
 
+@pytest.mark.long
 def test_cued_group_keeps_step_for_given_measures():
     swaying = re.sub(r"\nsteps = .*", '\nsteps = ["sway"]', re.sub(r"travel_step = .*\n", "", PATCH))
     show = assemble(parse_patch(swaying, "test.toml"), GRAPH)
@@ -156,6 +157,7 @@ def test_replayed_cues_are_bit_identical():
     assert danced() == danced()
 
 
+@pytest.mark.long
 def test_canon_group_is_cut_in_its_own_measure():
     """A canon by two beats: in the first half of a measure its dancers are still in the previous one."""
     show = made_show('[[group]]\nname = "late"\ndancers = 3\nlike = "front"\nbeats_later = 2.0\n')
@@ -189,6 +191,7 @@ def walk_performer_through(*, careful):
     return min(nearest), show.interrupts.avoidance_count
 
 
+@pytest.mark.long
 def test_dancers_avoid_a_tracked_performer():
     with_care, avoided = walk_performer_through(careful=True)
     without, none = walk_performer_through(careful=False)
@@ -196,6 +199,7 @@ def test_dancers_avoid_a_tracked_performer():
     assert with_care > without + 0.05
 
 
+@pytest.mark.long
 def test_no_clip_is_cut_without_events():
     show = made_show()
     run(show, 1, tick_before(8.0))

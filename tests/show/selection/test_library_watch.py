@@ -99,6 +99,7 @@ def test_unreadable_step_is_reported_and_show_continues(patch):
     assert night.library.last_change == "new steps: new bow can be danced"
 
 
+@pytest.mark.long
 def test_step_of_another_meter_is_reported(patch):
     night = JournaledShow(patch)
     text = (STEPS / "samba.toml").read_text().replace('name = "samba"', 'name = "march"')
@@ -109,6 +110,7 @@ def test_step_of_another_meter_is_reported(patch):
     assert "4 beats" in night.library.problem
 
 
+@pytest.mark.long
 def test_recording_that_fits_no_tempo_of_the_show_is_reported(patch):
     """The show is at 112 bpm; a take at 30 would be danced four times too fast."""
     night = JournaledShow(patch)
@@ -242,6 +244,7 @@ def test_invalid_steps_changed_event_is_refused(patch):
         assert not night.show.apply(event)
 
 
+@pytest.mark.long
 def test_clip_comparison_is_bitwise(patch):
     first, again = load_show(patch).read_steps().clips, load_show(patch).read_steps().clips
     assert all(same_clip(one, other) for one, other in zip(first, again, strict=True))

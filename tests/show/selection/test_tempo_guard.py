@@ -131,6 +131,7 @@ def test_chance_prefers_steps_near_the_present_tempo():
     assert {clip.step for clip in dance(show, 16.0)} == {"spin"}
 
 
+@pytest.mark.long
 def test_show_goes_on_at_an_impossible_tempo_and_says_so():
     show = show_of([recorded("sway", 90)])
     danced = dance(show, 10.0, tempo=200.0)

@@ -45,7 +45,7 @@ def run(show, ticks, *, script=None):
     return fastest
 
 
-@mostly_long("start", [2.03, 2.4, 2.71, 3.97], quick=[0])
+@mostly_long("start", [2.03, 2.4, 2.71, 3.97], quick=[])
 def test_midi_start_moves_beat_without_joint_jump(start):
     show = made_show()
     fastest = run(show, round(start / TICK))
@@ -61,6 +61,7 @@ def test_midi_start_moves_beat_without_joint_jump(start):
     assert (show.span.end - show.timeline.measure_origin) % 4.0 == pytest.approx(0.0, abs=1e-6)
 
 
+@pytest.mark.long
 def test_other_meter_stretches_steps_without_fast_joints():
     show = made_show('[[segment]]\nmeasure = 2\nmeasures = 6\nformation = "circle"\ngroup = "front"\n')
     script = {
@@ -205,6 +206,7 @@ def test_refused_clock_events_report_their_reason():
     assert "midi" in show.refusals.last_reason
 
 
+@pytest.mark.long
 def test_status_shows_clock_source_and_pending_changes():
     show = made_show()
     status = Status(show, rejected=Counter, memory=lambda: 1.0)

@@ -3,13 +3,13 @@
 import json
 
 import numpy as np
-import pytest
 
 from live.clock.follower.timeline_follower import TimelineFollower
 from live.clock.midi.midi_clock import MidiClock
 from live.clock.ticks import TICK
 from live.control.midi.midi_decoder import to_event
 from live.show.sound.clock_commands import apply_clock_event
+from tests.fixtures.mostly_long import mostly_long
 
 
 def timeline_of(lines, seconds):
@@ -28,13 +28,13 @@ def timeline_of(lines, seconds):
     return np.array(rows), follower
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     ("name", "bound_ms"),
     [
         ("mo02_jit1_96", 1.0), ("mo04_jit5_174", 3.0), ("mo05_jit5exp_61", 3.0), ("mo07_bursts10ms_96", 3.0),
         ("mo10_stop_continue", 1.0), ("mo12_spp", 1.0), ("mo13_dropouts", 1.0), ("mo17_start_late_clock", 1.0),
         ("mo08_ramp_120_174", 4.0), ("mo18_accel_rit", 12.0),
-    ],
+    ], quick=[0, 6],
 )  # fmt: skip
 def test_timeline_matches_the_beats_of_midi_clock(shared, name, bound_ms):
     """Within a bound around the stream's constant delay (p95), every measure line right, from 1.5 s after a start."""

@@ -19,6 +19,7 @@ from live.show.sound.soundtrack import (
     click_voices,
     tap_voices,
 )
+from tests.fixtures.mostly_long import mostly_long
 
 TAP = find_patch("tap")
 BEAT = 60.0 / 108.0
@@ -74,6 +75,7 @@ def test_click_sounds_only_on_beats_with_accented_downbeat():
         assert np.argmax(spectrum) * RATE / (1 << 15) == pytest.approx(hertz, rel=0.02)
 
 
+@pytest.mark.long
 def test_every_footfall_sounds_on_its_count():
     """The time step touches the floor on every third of a beat; between and before the taps it is quiet."""
     samples, falls, _ = run(tap_show(), 5.0, click=False, taps=True)
@@ -96,6 +98,7 @@ def test_footfalls_are_independent_of_frame_rate():
     assert len(landings[0]) > 15
 
 
+@pytest.mark.long
 def test_taps_are_panned_and_attenuated_by_dancer_position():
     def sides(at):
         return (run(tap_show(at=at), 2.0, click=False, taps=True)[0].astype(np.float64) ** 2).mean(axis=0)
@@ -107,6 +110,7 @@ def test_taps_are_panned_and_attenuated_by_dancer_position():
     assert sides((0.0, 3.0)).sum() > 1.2 * sides((0.0, -3.0)).sum()
 
 
+@pytest.mark.long
 def test_many_dancers_are_louder_but_limited():
     one, _, _ = run(tap_show(), 2.0, click=False, taps=True)
     many, _, mixed = run(tap_show(dancers=60, warp_beats=0.03), 2.0, click=True, taps=True)
@@ -125,7 +129,7 @@ def test_soundtrack_is_reproducible_and_taps_differ_by_seed():
     assert all(np.abs(voice).max() == pytest.approx(1.0) for part in same for voice in part)
 
 
-@pytest.mark.parametrize(("rate", "channels"), [(44100, 1), (22050, 2)])
+@mostly_long(("rate", "channels"), [(44100, 1), (22050, 2)], quick=[0])
 def test_music_keeps_its_rate_and_level_under_click(rate, channels):
     tone = (0.5 * np.sin(np.arange(3 * rate) * 0.05)).astype(np.float32)
     music = FilmSound.from_samples(np.repeat(tone[:, None], channels, axis=1), rate)

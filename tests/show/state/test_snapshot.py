@@ -63,7 +63,7 @@ def capture_from(show, tick, script=SCRIPT):
     return tick, taken.seal()
 
 
-@mostly_long("tick", [10, 137, 216, 262, 290, 304, 350, 410, 480, 530, 600, 703, 770], quick=[10, 11])
+@mostly_long("tick", [10, 137, 216, 262, 290, 304, 350, 410, 480, 530, 600, 703, 770], quick=[10])
 def test_restored_show_continues_bit_identically(tick):
     """During fades, cuts, taps, evolutions, entrances, a count-in and drawn flows."""
     show = MADE.start()
@@ -111,6 +111,7 @@ def test_every_project_patch_is_restored_from_snapshot(name):
     assert run(again, at + 1, at + 256, {}) == then
 
 
+@pytest.mark.long
 def test_capture_does_not_change_the_show():
     show, watched = MADE.start(), MADE.start()
     source = Snapshotter(watched)
@@ -163,7 +164,7 @@ def test_other_patch_steps_or_version_is_refused_by_name():
         restore(MADE, strange)
 
 
-@mostly_long("tick", [70, 100, 131, 190, 230], quick=[2, 3])
+@mostly_long("tick", [70, 100, 131, 190, 230], quick=[3])
 def test_fades_count_ins_jumps_and_undo_continue_after_restore(tick):
     desk = LoadedShow(Path("desk.toml"), parse_patch(PATCH + DESK, "desk.toml"), GRAPH)
     script = {
@@ -194,7 +195,7 @@ def test_fades_count_ins_jumps_and_undo_continue_after_restore(tick):
     assert restored.desk.facts(480.0) == show.desk.facts(480.0)
 
 
-@pytest.mark.parametrize("stage", ["selection", "tick"])
+@mostly_long("stage", ["selection", "tick"], quick=[1])
 def test_tripped_stage_does_not_prevent_snapshots(stage):
     """Otherwise the work that it had begun would never end."""
     show = MADE.start()

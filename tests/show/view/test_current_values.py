@@ -50,6 +50,7 @@ def test_every_readable_control_has_a_value(show):
     assert set(found) == set(READABLE) - ELSEWHERE
 
 
+@pytest.mark.long
 def test_set_value_is_read_back_once(show):
     readable = current_values(show)
     values = Values()

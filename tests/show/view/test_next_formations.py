@@ -7,6 +7,7 @@ import pytest
 from live.clock.ticks import TICK
 from live.control.events.events import Launch, StopLaunches
 from live.show.view.next_formations import MOST_TOLD, TOLD_MEASURES, NextFormations, known_formations
+from tests.fixtures.mostly_long import mostly_long
 from tests.show.made_show import made_show
 
 CROSS = '[[element]]\nkind = "cross"\nmeasure = 2\nmeasures = 3\nat = [0.0, -3.5]\nto = [0.0, 3.5]\n'
@@ -46,6 +47,7 @@ def test_formations_are_suggested_after_a_crossing():
         assert 1 <= pad["measures"] <= 8
 
 
+@pytest.mark.long
 def test_suggestion_can_be_launched_and_ends_then():
     night = Night(ARROW + CROSS)
     told = night.dance(6)
@@ -58,19 +60,21 @@ def test_suggestion_can_be_launched_and_ends_then():
     assert first["name"] in evolved
 
 
+@pytest.mark.long
 def test_suggestion_is_told_for_a_while_only():
     night = Night(CROSS)
     assert night.dance(5 + TOLD_MEASURES - 1) is not None
     assert night.dance(5 + TOLD_MEASURES + 1) is None
 
 
-@pytest.mark.parametrize(
+@mostly_long(
     "follows",
     [
         '[[segment]]\nmeasure = 5\nmeasures = 3\nformation = "circle"\n',
         '[[segment]]\nmeasure = 5\nmeasures = 3\nformation = "circle"\ngroup = "back"\n',
         '[[element]]\nkind = "spread"\nmeasure = 4\nmeasures = 30\n',
     ],
+    quick=[],
 )
 def test_nothing_is_suggested_for_dancers_whom_something_else_moves(follows):
     told = []
@@ -79,15 +83,17 @@ def test_nothing_is_suggested_for_dancers_whom_something_else_moves(follows):
     assert told.count(None) == len(told)
 
 
-@pytest.mark.parametrize(("group", "who"), [("back", "back"), ("back + 1", "1 + 6-9"), ("8 + 9", "8-9")])
+@mostly_long(("group", "who"), [("back", "back"), ("back + 1", "1 + 6-9"), ("8 + 9", "8-9")], quick=[1])
 def test_dancers_are_those_of_the_element(group, who):
     assert Night(f'{CROSS}group = "{group}"\n').dance(6)["who"] == who
 
 
+@pytest.mark.long
 def test_single_dancer_makes_no_formation():
     assert Night(f'{CROSS}group = "9"\n').dance(6) is None
 
 
+@pytest.mark.long
 def test_element_that_is_stopped_by_hand_has_ended_too():
     night = Night("")
     begin = Launch(time=0.0, source="test", pad="element attract", group="front", when="now", measures=100)
@@ -97,6 +103,7 @@ def test_element_that_is_stopped_by_hand_has_ended_too():
     assert (told["after"], told["who"]) == ("attract", "front")
 
 
+@pytest.mark.long
 def test_it_changes_nothing_of_the_show():
     hashes = {True: [], False: []}
     for watched, seen in hashes.items():

@@ -27,6 +27,7 @@ from live.supervisor.line_channel import LineChannel
 from live.supervisor.supervisor_link import SupervisorLink
 from live.supervisor.watchdog import Usage
 from tests.control.waiting import BUSY, wait_for
+from tests.fixtures.mostly_long import mostly_long
 from tests.supervisor.made_show import LABEL
 
 
@@ -113,6 +114,7 @@ def engine_pid(show: SupervisedShow) -> int:
     return int(show.lines()[0]["pid"])
 
 
+@pytest.mark.long
 def test_killed_supervisor_ends_no_engine_and_loses_no_journal_line(start_show):
     show = start_show(ticks=400)
     show.until(100)
@@ -146,6 +148,7 @@ def test_next_supervisor_adopts_engine_and_survives_its_death(start_show, tmp_pa
     assert not list(tmp_path.glob("*/*.sock"))
 
 
+@pytest.mark.long
 def test_adopted_show_that_ends_gives_supervisor_exit_code_zero(start_show):
     show = start_show(ticks=500)
     show.until(100)
@@ -157,6 +160,7 @@ def test_adopted_show_that_ends_gives_supervisor_exit_code_zero(start_show):
     assert show.lines()[-1] == {"tick": 500, "end": True}
 
 
+@pytest.mark.long
 def test_torn_line_is_cut_and_removed_journal_is_restarted(start_show):
     show = start_show()
     show.until(50)
@@ -179,6 +183,7 @@ def test_engine_with_live_supervisor_is_not_adopted(start_show, tmp_path):
     show.until(40)
 
 
+@pytest.mark.long
 def test_orphaned_engine_ends_on_request(start_show, tmp_path):
     show = start_show()
     show.until(20)
@@ -209,7 +214,7 @@ def test_show_without_processes_resumes_from_journal(start_show, tmp_path):
     assert not list(tmp_path.glob("j.*"))
 
 
-@pytest.mark.parametrize("waiting", [0, 8], ids=["alone", "with a full queue of those who asked"])
+@mostly_long("waiting", [0, 8], ids=["alone", "with a full queue of those who asked"], quick=[0])
 def test_hung_orphaned_engine_is_ended_by_next_supervisor(start_show, tmp_path, monkeypatch, waiting):
     monkeypatch.setattr(adoption, "ANSWERS_WITHIN", 1.0)
     show = start_show(origin=time.perf_counter())
@@ -233,6 +238,7 @@ def test_hung_orphaned_engine_is_ended_by_next_supervisor(start_show, tmp_path, 
     assert read_interrupted(show.journal) is not None
 
 
+@pytest.mark.long
 def test_engine_starved_of_processor_is_not_ended(start_show, tmp_path, monkeypatch):
     """The process only waits for a processor: none of the elapsed seconds is its own processor time."""
     show = start_show(origin=time.perf_counter())

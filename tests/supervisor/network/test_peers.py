@@ -177,6 +177,7 @@ def relay_and_record(tap: socket.socket, port: int, record: bytearray) -> None:
                 target.sendall(data)
 
 
+@pytest.mark.long
 def test_silent_sockets_are_limited_and_do_not_block_others(tmp_path, sides, monkeypatch):
     monkeypatch.setattr(module, "HANDSHAKE_WITHIN", 0.3)
     pair_folders(tmp_path / "left", tmp_path / "right")
@@ -197,6 +198,7 @@ def test_silent_sockets_are_limited_and_do_not_block_others(tmp_path, sides, mon
         assert wait_until(lambda: bool(left.heard and right.heard), left, right)
 
 
+@pytest.mark.long
 def test_closed_port_is_reported_and_silent_machine_is_not(tmp_path, sides):
     with socket.create_server(("127.0.0.1", 0)) as free:
         port = free.getsockname()[1]
@@ -209,6 +211,7 @@ def test_closed_port_is_reported_and_silent_machine_is_not(tmp_path, sides):
         assert other.nobody == 0
 
 
+@pytest.mark.long
 def test_pairing_and_forgetting_apply_during_show(tmp_path, sides, monkeypatch):
     monkeypatch.setattr(module, "LOOK_EVERY", 0.0)
     left = sides(tmp_path / "left", leads=True)

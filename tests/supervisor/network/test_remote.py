@@ -49,6 +49,7 @@ def test_standby_continues_after_dead_leader_without_lost_or_repeated_lines(mach
     assert "takes over because its leader has gone (epoch 2)" in other.said.read_text()
 
 
+@pytest.mark.long
 def test_leader_knows_its_standby(machines):
     leader, other = machines({})
     assert wait_for(lambda: len(other.numbers()) > 250, 20)
@@ -56,6 +57,7 @@ def test_leader_knows_its_standby(machines):
     assert (row["name"], row["state"], row["why"]) == ("config-standby", "ready", "takes over next")
 
 
+@pytest.mark.long
 def test_silent_leader_is_replaced_and_follows_after_return(machines):
     """It stops at once and stands by from then on: when the other machine dies it takes over in turn."""
     leader, other = machines({})
@@ -79,6 +81,7 @@ def test_silent_leader_is_replaced_and_follows_after_return(machines):
     assert not report["fenced"]
 
 
+@pytest.mark.long
 def test_unready_machine_never_takes_over_on_silence(machines):
     """It has not compared a state yet: a command makes it lead, silence does not."""
     leader, other = machines({}, {"never_ready": True})
@@ -93,6 +96,7 @@ def test_unready_machine_never_takes_over_on_silence(machines):
     assert leader.prints("this one goes dark", 5)
 
 
+@pytest.mark.long
 def test_machine_that_was_stopped_does_not_take_over_on_silence(machines):
     """It was not receiving: the leader, which did not fail, continues to lead."""
     leader, other = machines({})
@@ -117,6 +121,7 @@ def test_leader_with_hung_engine_is_not_replaced_for_silence(machines):
         assert leader.prints("no engine ran here for too long")
 
 
+@pytest.mark.long
 def test_show_ended_by_leader_ends_on_standby(machines):
     leader, other = machines({"ticks": 400})
     assert leader.process.wait(60) == 0
@@ -125,6 +130,7 @@ def test_show_ended_by_leader_ends_on_standby(machines):
     assert other.report()["epoch"] == 1
 
 
+@pytest.mark.long
 def test_strangers_at_port_receive_nothing_and_change_nothing(tmp_path):
     """Clients without TLS and clients with an unpaired certificate; one line could once stop a leader."""
     with socket.create_server(("127.0.0.1", 0)) as there:
@@ -179,6 +185,7 @@ def test_machine_unable_to_stand_by_ends_and_leader_reports_reason(tmp_path: Pat
         assert leader.report()["followers"] == 0
 
 
+@pytest.mark.long
 def test_unpaired_machine_reports_pairing_command(tmp_path: Path):
     with socket.create_server(("127.0.0.1", 0)) as there:
         started = [Machine(tmp_path, "leader", {}, lead=there)]
