@@ -94,7 +94,6 @@ async def answer(page: aiohttp.ClientWebSocketResponse, **words: Any) -> dict[st
     return told
 
 
-@pytest.mark.long
 def test_picture_check_and_save(film: Path) -> None:
     save = Saved(refusals=1)
 

@@ -24,7 +24,6 @@ def test_types() -> None:
     node("node_modules/.bin/tsc", "--noEmit")
 
 
-@pytest.mark.long
 @needs_node
 def test_built_page_is_that_of_the_sources() -> None:
     node("node", "build.mjs", "--check")
