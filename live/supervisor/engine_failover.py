@@ -23,6 +23,8 @@ from live.supervisor.watchdog import overload
 
 ENDS_WITHIN: Final = 0.2
 """Seconds within which a process ends after its channel has closed."""
+ENDS_BEFORE_BEGIN: Final = 3.0
+"""The same before the show has begun: nobody waits, and its exit code says why it does not begin."""
 STEP_EVENTS: Final = ('"StepsAdded"', '"StepsChanged"', '"ExamplesChanged"')
 """Events that an engine can apply only if it has loaded the steps and examples after them."""
 RETRY_DELAY: Final = 0.2
@@ -286,7 +288,8 @@ class EngineFailover:
             return
         self._starter.drain(engine.channel, LEAVES_WITHIN, dead=code is not None)
         ended, running = self._announced_codes.pop(engine.process.pid, None), engine.heartbeat.running
-        if ended is None and code is None and not engine.wait_for_end(ENDS_WITHIN):
+        within = ENDS_WITHIN if self.log.header else ENDS_BEFORE_BEGIN
+        if ended is None and code is None and not engine.wait_for_end(within):
             engine.kill()  # only its channel broke: it would go on next to its successor
             code = KILL_CODE
         code = self._discard(engine, code)

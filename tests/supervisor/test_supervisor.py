@@ -105,9 +105,9 @@ def test_engine_with_cut_channel_does_not_write_beside_next_engine(tmp_path):
 
 def test_killed_engine_loses_no_line_and_spare_continues_from_last_line(tmp_path):
     """The supervisor had every line before the engine killed itself right after it."""
-    code, lines, supervisor, said = run_supervisor(tmp_path, {"kills": [200], "ticks": 260})
+    code, lines, supervisor, said = run_supervisor(tmp_path, {"kills": [400], "ticks": 460})
     assert code == 0
-    assert event_numbers(lines) == list(range(1, 261))
+    assert event_numbers(lines) == list(range(1, 461))
     assert [line["went"] for line in lines if "went" in line] == ["spare"]
     assert supervisor.report.restarts == 1
     assert supervisor.report.takeover_s is not None
