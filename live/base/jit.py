@@ -24,6 +24,7 @@ import llvmlite.binding as llvm
 import numpy as np
 
 from live.base.disk.kernel_store import KernelStore, content_name, processor_levels, shipped_folder, writable_root
+from live.base.system.process_control import defer_signals
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -134,7 +135,10 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
 
     def load(self) -> bool:
         """Take the compiled code from disk, if it is there and whole; return whether the kernel is ready."""
-        with global_compiler_lock:  # several threads may call a kernel for the first time
+        if self.overloads:
+            return True
+        # several threads may call a kernel for the first time, and Ctrl-C may come meanwhile
+        with defer_signals(), global_compiler_lock:
             if self.overloads:
                 return True
             data = KERNEL_STORE.read(self.file_name)
@@ -150,7 +154,7 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
 
     def prepare(self) -> None:
         """Make the kernel ready: load it, or compile it unless another process is just doing so."""
-        with global_compiler_lock:
+        with defer_signals(), global_compiler_lock:
             if not self.load():
                 self._compile()
 

@@ -25,6 +25,24 @@ print(damper.load(), jit.KERNEL_STORE.has(damper.file_name), damper(0.25, 1.5, 0
 """
 
 
+INTERRUPTED = """
+import signal
+from llvmlite.binding.executionengine import ExecutionEngine
+from live.base.scalar_kernels import damper
+find = ExecutionEngine._find_module_ptr
+def interrupt(self, module):
+    ExecutionEngine._find_module_ptr = find
+    signal.raise_signal(signal.SIGINT)
+    return find(self, module)
+ExecutionEngine._find_module_ptr = interrupt
+try:
+    damper.prepare()
+    print("went on")
+except KeyboardInterrupt:
+    print("interrupted", damper.ready, signal.getsignal(signal.SIGINT) is signal.default_int_handler)
+"""
+
+
 def run_damper(folder: Path, **environment: str) -> list[str]:
     """Return whether it was loaded before the call, whether it is on disk, its value, and the processor."""
     done = subprocess.run(
@@ -79,6 +97,16 @@ def test_several_threads_may_call_a_kernel_for_the_first_time(tmp_path: Path, co
             env={**os.environ, "LIVE_CACHE_DIR": str(tmp_path)},
         )  # fmt: skip
         assert done.stdout.split() == ["8", "1"], done.stderr
+
+
+@compiled_only
+def test_ctrl_c_while_a_kernel_is_loaded_ends_the_program(tmp_path: Path) -> None:
+    """LLVM asks for the code by a call into Python, where an exception would be printed and lost."""
+    told = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED], capture_output=True, text=True, check=True,
+        env={**os.environ, "LIVE_CACHE_DIR": str(tmp_path)},
+    )  # fmt: skip
+    assert (told.stdout.split(), told.stderr) == (["interrupted", "True", "True"], "")
 
 
 @pytest.mark.long

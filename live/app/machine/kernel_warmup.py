@@ -1,22 +1,19 @@
 """Compiled kernels before a show (`live warm`): those of the first frames, or all of them, with a progress bar."""
 
-import contextlib
 import os
-import signal
 import subprocess
 import sys
-import threading
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
 from live.base.disk.kernel_store import SHIPPED_PACKAGE
 from live.base.errors import PersonError
-from live.base.system.process_control import own_session
+from live.base.system.process_control import defer_signals, own_session
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -39,32 +36,6 @@ def is_warm() -> bool:
     return JIT_DISABLED or KERNEL_STORE.is_complete()
 
 
-@contextlib.contextmanager
-def _defer_signals() -> Iterator[Callable[[], None]]:
-    """Delay SIGINT, SIGTERM and SIGHUP until the workers can be ended; yield the function to call then."""
-    asked: list[int] = []
-    usual: dict[int, Any] = {}
-    if threading.current_thread() is threading.main_thread():
-        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
-            if hasattr(signal, name):
-                number = getattr(signal, name)
-                usual[number] = signal.signal(number, lambda number, _frame: asked.append(number))
-
-    def end_if_asked() -> None:
-        while asked:
-            number = asked.pop(0)
-            if callable(usual[number]):
-                usual[number](number, None)
-
-    try:
-        yield end_if_asked
-        end_if_asked()
-    finally:
-        for number, handler in usual.items():
-            if signal.getsignal(number) is not signal.SIG_IGN:  # set by a handler that ran: it ignores further signals
-                signal.signal(number, handler)
-
-
 def _compile(wanted: "Iterable[Kernel]", console: "Console", tell: Tell | None = None) -> int:
     """Compile those of `wanted` that are missing on disk, with a progress bar; return how many there were."""
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -79,7 +50,7 @@ def _compile(wanted: "Iterable[Kernel]", console: "Console", tell: Tell | None =
         TextColumn("{task.fields[kernel]}"),
     )
     try:
-        with _defer_signals() as end_if_asked, KernelBuild(wanted) as build:
+        with defer_signals() as end_if_asked, KernelBuild(wanted) as build:
             if not build.total:
                 return 0
             with Progress(*columns, console=console) as progress:
@@ -170,7 +141,7 @@ def compile_between_shows() -> None:
     from live.base.jit import KERNEL_STORE
 
     kernels = all_kernels()
-    with _defer_signals() as end_if_asked, KernelBuild(kernels, workers=1, background=True) as build:
+    with defer_signals() as end_if_asked, KernelBuild(kernels, workers=1, background=True) as build:
         finished = False
         while not finished:
             if ShowLock.is_taken():

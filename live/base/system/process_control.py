@@ -8,7 +8,7 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any, Final, NoReturn
 
 from live.base.system.features import LINUX
@@ -43,6 +43,36 @@ def ignore_interrupts() -> None:
     for name in ("SIGINT", "SIGHUP"):
         if hasattr(signal, name):
             signal.signal(getattr(signal, name), signal.SIG_IGN)
+
+
+@contextlib.contextmanager
+def defer_signals() -> Iterator[Callable[[], None]]:
+    """Delay the handlers of SIGINT, SIGTERM and SIGHUP until the end; yield a function that calls them earlier.
+
+    What a handler raises is lost where native code calls Python, as LLVM does. In other threads than the main one,
+    which never run handlers, nothing happens.
+    """
+    asked: list[int] = []
+    usual: dict[int, Callable[[int, Any], Any]] = {}
+    if threading.current_thread() is threading.main_thread():
+        for name in ("SIGINT", "SIGTERM", "SIGHUP"):
+            number = getattr(signal, name, None)
+            if number is not None and callable(own := signal.getsignal(number)):
+                usual[number] = own
+                signal.signal(number, lambda number, _frame: asked.append(number))
+
+    def end_if_asked() -> None:
+        while asked:
+            number = asked.pop(0)
+            usual[number](number, None)
+
+    try:
+        yield end_if_asked
+    finally:
+        for number, handler in usual.items():
+            if signal.getsignal(number) is not signal.SIG_IGN:  # set by a handler that ran: it ignores further signals
+                signal.signal(number, handler)
+        end_if_asked()
 
 
 def on_promotion_signal(handle: Callable[[int, Any], None]) -> None:
