@@ -29,6 +29,7 @@ INTERRUPTED = """
 import signal
 from llvmlite.binding.executionengine import ExecutionEngine
 from live.base.scalar_kernels import damper
+signal.signal(signal.SIGINT, signal.default_int_handler)  # a shell may have it ignored in the background
 find = ExecutionEngine._find_module_ptr
 def interrupt(self, module):
     ExecutionEngine._find_module_ptr = find
