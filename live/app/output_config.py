@@ -135,15 +135,14 @@ class VenueWriter:
         self._threads[-1].start()
 
     def _write(self, text_of: Callable[[Path, str], str], venue: str) -> None:
-        from live.library.whole_file import write_atomically
+        from live.library.whole_file import write_with_folder
         from live.show.venue.venue import venue_path
 
         path = venue_path(venue)
         try:
             with self._lock:
                 text = text_of(path, venue)
-                path.parent.mkdir(parents=True, exist_ok=True)
-                write_atomically(text.encode(), path, "--venue")
+                write_with_folder(text.encode(), path, "--venue")
         except (PersonError, OSError) as error:
             self._report(f"NOT SAVED: {error}; Enter tries again")
         except Exception as error:

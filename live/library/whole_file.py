@@ -23,3 +23,12 @@ def write_atomically(data: bytes, to: Path, option: str, *, synced: bool = False
         unfinished.unlink(missing_ok=True)
         raise PersonError(f"{option} {to}: cannot be written: {error.strerror}", "choose another folder") from None
     return len(data)
+
+
+def write_with_folder(data: bytes, to: Path, option: str) -> int:
+    """Make the folder of `to` if it is missing, then write as `write_atomically` does; return the size in bytes."""
+    try:
+        to.parent.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise PersonError(f"cannot make the folder {to.parent}: {error.strerror}") from None
+    return write_atomically(data, to, option)

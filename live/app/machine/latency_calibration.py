@@ -9,7 +9,7 @@ from live.clock.time_source import SystemClock
 from live.control.audio.channel_mixer import Channels
 from live.control.audio.devices import SoundDevice, SoundUnavailable, find_device
 from live.control.audio.latency_sweep import Microphone, measure, play_and_record, sweep_train
-from live.library.whole_file import write_atomically
+from live.library.whole_file import write_with_folder
 from live.show.venue.venue import Venue, updated_venue_text, venue_path
 
 
@@ -79,9 +79,5 @@ def write_latencies(name: str, values: dict[str, dict[str, Any]]) -> str:
     """Write values into a venue's file and return its path; other keys and comments stay."""
     path = venue_path(name)
     text = updated_venue_text(path, name, values, f"measured {time.strftime('%Y-%m-%d')}")
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise PersonError(f"cannot make the folder {path.parent}: {error.strerror}") from None
-    write_atomically(text.encode(), path, "--venue")
+    write_with_folder(text.encode(), path, "--venue")
     return str(path)

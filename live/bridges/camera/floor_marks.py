@@ -18,7 +18,7 @@ from live.base.arrays import Float64
 from live.base.errors import PersonError
 from live.bridges.camera.stage_camera import ANY, MOST_CAMERAS, CameraTables, StageCamera
 from live.control.camera.drawn_figures import square_to_quad
-from live.library.whole_file import write_atomically
+from live.library.whole_file import write_with_folder
 from live.motion.capture.camera_view import CameraView, calibrate, check_shape
 from live.show.patch.patch_search_path import is_file
 from live.show.patch.toml_model import parse_model, read_text
@@ -257,11 +257,7 @@ def write_camera(venue: str, camera: StageCamera) -> str:
     except TOMLKitError as error:
         raise PersonError(f"{path}: {error}", "correct the file, and save again") from None
     parse_model(text, str(path), Venue, "venue", tables=tables)
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise PersonError(f"cannot make the folder {path.parent}: {error.strerror}") from None
-    write_atomically(text.encode(), path, "--venue")
+    write_with_folder(text.encode(), path, "--venue")
     return str(path)
 
 

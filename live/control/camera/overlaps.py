@@ -22,6 +22,7 @@ _GROWN: Final = 2
 _MOST_COVERED: Final = 0.6
 """A pose with a larger share of its landmarks on others' silhouettes is the hole that they left, and nobody."""
 _MOST_COVERED_TRUNK: Final = 0.85
+"""The same for a larger share of its trunk."""
 _BODY: Final = slice(11, 33)
 """Landmarks below the head."""
 _TRUNK: Final = [LANDMARK_NAMES.index(name) for name in ("leftShoulder", "rightShoulder", "leftHip", "rightHip")]

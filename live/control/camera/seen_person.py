@@ -55,7 +55,6 @@ class Person:
     """Colours seen since they were apart from whom they had crossed, each (PARTS, 3)."""
     crossed: set[int] = field(default_factory=set)
     """Numbers of those whom they crossed, while it is open who is who."""
-
     guess: Region | None = None
     """Where the model guesses them to be behind somebody, since they were last seen."""
 
@@ -118,6 +117,7 @@ def lowest(pose: ModelPose) -> float:
 
 
 def people_distance(one: Person, other: Person) -> float:
+    """Return the distance of two people where they were last seen, as `region_distance` does."""
     return region_distance(one.pose.next_region, other.pose.next_region)
 
 
